@@ -28,8 +28,10 @@ pub fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
     let time = lines.next().and_then(|line| line.split_whitespace().last()).expect("a time");
     assert!((time.parse::<f64>().expect("a time") - 1.0).abs() < 1e-9, "ended at {time}");
     let row = |line: &str| {
-        let mut numbers =
-            line.split_whitespace().skip(1).map(|text| text.parse().expect("a number"));
+        let mut numbers = line
+            .split_whitespace()
+            .skip(1)
+            .map(|text| 1e-3 * text.parse::<f64>().expect("a number"));
         std::array::from_fn(|_| numbers.next().expect("three numbers"))
     };
     lines.filter(|line| !line.trim().is_empty()).map(row).collect()

@@ -70,7 +70,7 @@ fn write(deck: &Deck) -> Result<String> {
     let (volumes, tags) = deck.set_names();
     let mut out =
         String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<febio_spec version=\"4.0\">\n");
-    for line in deck.head(PROGRAM) {
+    for line in deck.head(PROGRAM, "m, N, Pa") {
         writeln!(out, "  <!-- {} -->", comment(&line))?;
     }
     out += CONTROL;

@@ -150,12 +150,13 @@ impl Deck {
         (format.write)(self)
     }
 
-    /// Comments at the head of a deck.
-    fn head(&self, program: &str) -> Vec<String> {
+    /// Comments at the head of a deck, whose units are these.
+    fn head(&self, program: &str, units: &str) -> Vec<String> {
         vec![
             format!("{} for {program}, by {}", self.title, scene::PROGRAM),
-            "SI units: m, N, Pa. Node n is row n of nodes.npy and displacement.npy of solver simulate, counted from 1."
-                .to_owned(),
+            format!(
+                "Units: {units}. Node n is row n of nodes.npy and displacement.npy of solver simulate, counted from 1."
+            ),
             "Loads are those at the end of the scene; they grow together from nothing.".to_owned(),
         ]
     }

@@ -196,6 +196,24 @@ impl Number {
         }
     }
 
+    /// Gives it a value in place of the constant that the scene has; what [`Self::set`] would add to that.
+    ///
+    /// # Errors
+    /// When the scene has a function of time or of the position, or the value cannot be set.
+    pub fn replace(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
+        ensure!(value.is_finite(), "{} = {value}: must be finite", self.path);
+        let Some(schedule) = self.added_to(scene) else { return self.set(scene, walls, value) };
+        ensure!(
+            schedule.number().is_some(),
+            "{} is {schedule}, a function of time or of the position; expected a constant",
+            self.path
+        );
+        let before = schedule.clone();
+        *schedule = value.into();
+        schedule.begin_with(&before);
+        Ok(())
+    }
+
     /// Whether the scene admits its value.
     ///
     /// # Errors

@@ -3,7 +3,6 @@
 //! Rows follow each other, the last number fastest. Each equilibrium is sought from the one before, where the way there
 //! does not matter, and from rest where it is not found like that.
 
-use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use anyhow::{Result, ensure};
@@ -16,7 +15,7 @@ use scene::Scene;
 
 use super::pose::Tip;
 use super::sensitivity::sensitivities;
-use crate::number::{self, Number, Swept, Walls};
+use crate::number::{Number, Swept, Walls};
 
 /// Memory for a state [B]; a static run has two.
 const MEMORY: f64 = 4e9;
@@ -162,6 +161,11 @@ impl<'a> Map<'a> {
         at
     }
 
+    /// The numbers of the grid.
+    fn of_grid(&self) -> impl Iterator<Item = &Number> {
+        self.by[..self.grid.len()].iter()
+    }
+
     /// Finds a row, from the displacement of the one before [m] if there is one.
     ///
     /// # Errors
@@ -169,8 +173,11 @@ impl<'a> Map<'a> {
     pub fn row(&self, row: usize, before: &[f64]) -> Result<Row> {
         let at = self.at(row);
         let mut scene = self.scene.clone();
-        let paths = self.grid.iter().map(|own| own.path.clone());
-        number::set(&mut scene, &paths.zip(at.iter().copied()).collect::<BTreeMap<_, _>>())?;
+        let walls = Walls::of(self.of_grid(), &scene.body)?;
+        for (number, value) in self.of_grid().zip(&at) {
+            number.replace(&mut scene, walls.as_ref(), *value)?;
+        }
+        self.of_grid().try_for_each(|number| number.check(&scene))?;
         let (problem, mut workspace) = scene.problem(&scene.body)?;
         let solver = (&problem, &mut workspace);
         let Some(run) = run(&scene, solver, before) else {
