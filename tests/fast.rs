@@ -25,6 +25,8 @@ mod design_line;
 mod energies;
 #[path = "fast/error_bars.rs"]
 mod error_bars;
+#[path = "fast/export.rs"]
+mod export;
 #[path = "fast/failures.rs"]
 mod failures;
 #[path = "fast/flat_element.rs"]
@@ -43,6 +45,8 @@ mod import;
 mod make_body;
 #[path = "fast/materials.rs"]
 mod materials;
+#[path = "fast/map.rs"]
+mod map;
 #[path = "fast/measured_rubber.rs"]
 mod measured_rubber;
 #[path = "fast/membranes.rs"]

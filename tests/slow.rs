@@ -1,5 +1,6 @@
 //! Tests that take minutes: the beam from model to molds, a design of the frog, the molds
-//! of all scenes, a CAD finger whose faces are picked, kept designs simulated again, and simulations beside measurements.
+//! of all scenes, a CAD finger whose faces are picked, kept designs simulated again, simulations beside measurements, and
+//! displacements beside those of CalculiX.
 //!
 //! `make test-all` makes the beam and then runs these; they are not for
 //! `make test`, which says so for each.
@@ -15,6 +16,9 @@ mod beam;
 
 #[path = "slow/book.rs"]
 mod book;
+
+#[path = "slow/calculix.rs"]
+mod calculix;
 
 #[path = "slow/frog.rs"]
 mod frog;

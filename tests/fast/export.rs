@@ -42,7 +42,9 @@ fn numbers(line: &str) -> Vec<f64> {
 
 /// The nodes of a deck, and the nodes of its elements, counted from 1.
 fn mesh_of(deck: &str) -> (Vec<Vec3>, Vec<Vec<usize>>) {
-    let nodes = block(deck, "*NODE,").into_iter().map(|line| 1e-3 * Vec3::from_column_slice(&numbers(line)[1..]));
+    let nodes = block(deck, "*NODE,")
+        .into_iter()
+        .map(|line| 1e-3 * Vec3::from_column_slice(&numbers(line)[1..]));
     let ids = |line: &str| numbers(line)[1..].iter().map(|id| *id as usize).collect();
     (nodes.collect(), block(deck, "*ELEMENT,").into_iter().map(ids).collect())
 }
@@ -59,7 +61,8 @@ fn scene(degree: usize, law: &str, more: &str) -> String {
 }
 
 const LOGARITHMIC: &str = "kind = \"mooney-rivlin\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e3\nd1 = 1e6";
-const QUADRATIC: &str = "kind = \"mooney-rivlin-quadratic\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e3\nd1 = 1e6";
+const QUADRATIC: &str =
+    "kind = \"mooney-rivlin-quadratic\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e3\nd1 = 1e6";
 
 #[test]
 fn a_deck_of_calculix_has_nodes_faces_and_sets_where_they_belong() {
@@ -67,7 +70,11 @@ fn a_deck_of_calculix_has_nodes_faces_and_sets_where_they_belong() {
     dir.write("sim.toml", &scene(2, LOGARITHMIC, LOADS));
     let run = dir.solver("export sim.toml -o deck.inp");
     run.assert_good();
-    assert!(run.stderr.contains("another energy") && run.stderr.contains("(J - 1)"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("another energy") && run.stderr.contains("(J - 1)"),
+        "{}",
+        run.stderr
+    );
     let deck = dir.text("deck.inp");
     let (x, elements) = mesh_of(&deck);
     assert_eq!(elements.len(), 384);
@@ -94,16 +101,20 @@ fn a_deck_of_calculix_has_nodes_faces_and_sets_where_they_belong() {
         area += outward.norm();
         vector += outward;
     }
-    assert!((area - 3.6e-3).abs() < 1e-12 && (vector - Vec3::new(-4e-4, 0.0, 0.0)).norm() < 1e-12, "{area} {vector}");
+    assert!(
+        (area - 3.6e-3).abs() < 1e-12 && (vector - Vec3::new(-4e-4, 0.0, 0.0)).norm() < 1e-12,
+        "{area} {vector}"
+    );
     let sets: Vec<usize> = block(&deck, "*NSET, NSET=FIX_XYZ_seat")
         .into_iter()
         .flat_map(|line| numbers(line).into_iter().map(|id| id as usize))
         .collect();
     assert!(sets.iter().all(|id| x[id - 1].x < 1e-9) && sets.len() > 50);
-    let forces = block(&deck, "*CLOAD").into_iter().map(numbers).fold(Vec3::zeros(), |mut sum, line| {
-        sum[line[1] as usize - 1] += 1e-6 * line[2];
-        sum
-    });
+    let forces =
+        block(&deck, "*CLOAD").into_iter().map(numbers).fold(Vec3::zeros(), |mut sum, line| {
+            sum[line[1] as usize - 1] += 1e-6 * line[2];
+            sum
+        });
     // 64 cm³ of 1000 kg/m³, and 100 Pa on the sides and the far end
     let skin: f64 = 2.0 * 0.05 * 0.04 + 0.05 * 0.04 + 0.04 * 0.04;
     assert!((forces - Vec3::new(0.0, 100.0 * skin, -9.81 * 0.064)).norm() < 1e-9, "{forces}");
@@ -161,13 +172,15 @@ fn a_deck_of_febio_has_what_that_of_calculix_has() {
     let deck = dir.text("deck.feb");
     let within = |tag: &str| {
         let of = |line: &&str| line.trim_start().starts_with(&format!("<{tag} id="));
-        let inner = |line: &str| numbers(line.split_once('>').unwrap().1.split_once('<').unwrap().0);
+        let inner =
+            |line: &str| numbers(line.split_once('>').unwrap().1.split_once('<').unwrap().0);
         deck.lines().filter(of).map(inner).collect::<Vec<_>>()
     };
     let nodes = within("node");
     assert_eq!(nodes.len(), x.len());
     assert!(nodes.iter().zip(&x).all(|(a, b)| (Vec3::from_column_slice(a) - b).norm() < 1e-12));
-    let ids: Vec<Vec<usize>> = within("elem").iter().map(|e| e.iter().map(|id| *id as usize).collect()).collect();
+    let ids: Vec<Vec<usize>> =
+        within("elem").iter().map(|e| e.iter().map(|id| *id as usize).collect()).collect();
     assert_eq!(ids, elements);
     // faces of all tags, counterclockwise from outside
     let mut vectors = BTreeMap::new();
@@ -182,7 +195,8 @@ fn a_deck_of_febio_has_what_that_of_calculix_has() {
             for (i, [a, b]) in EDGES[..3].iter().enumerate() {
                 assert!((at(3 + i) - 0.5 * (at(*a) + at(*b))).norm() < 1e-12);
             }
-            *vectors.entry(surface).or_insert(Vec3::zeros()) += 0.5 * (at(1) - at(0)).cross(&(at(2) - at(0)));
+            *vectors.entry(surface).or_insert(Vec3::zeros()) +=
+                0.5 * (at(1) - at(0)).cross(&(at(2) - at(0)));
         }
     }
     assert!((vectors["S_cavity"] - Vec3::new(-4e-4, 0.0, 0.0)).norm() < 1e-12, "{vectors:?}");
@@ -211,16 +225,22 @@ fn what_no_deck_says_is_refused() {
     refused(&replaced("degree = 2", "degree = 3"), "a.inp", &["degree = 3", "--degree 2"]);
     refused(SIM, "a.txt", &[".inp (CalculiX)", ".feb (FEBio)"]);
     let gas = "fill = 8e3\nambient = 101325\nexponent = 1";
-    refused(&replaced("pressure = 8e3", gas), "a.feb", &["[[chamber]] on \"cavity\"", "fill", "pressures only"]);
+    refused(
+        &replaced("pressure = 8e3", gas),
+        "a.feb",
+        &["[[chamber]] on \"cavity\"", "fill", "pressures only"],
+    );
     let law = "kind = \"gent\"\nmu = 1e5\nj_m = 30\nbulk = 2e6\n";
-    let gent = SIM[..SIM.find("kind").unwrap()].to_owned() + law + &SIM[SIM.find("[[fixed]]").unwrap()..];
+    let gent =
+        SIM[..SIM.find("kind").unwrap()].to_owned() + law + &SIM[SIM.find("[[fixed]]").unwrap()..];
     refused(&gent, "a.inp", &["gent", "CalculiX has no such law"]);
     dir.solver("export other.toml -o gent.feb").assert_good();
     let mean = format!("{SIM}\n[solver]\ndilatation = \"mean\"\n");
     refused(&mean, "a.inp", &["dilatation", "pointwise"]);
     let touching = format!("{SIM}\n[contact]\nactivation = 1e-3\nstiffness = 1e5\n");
     refused(&touching, "a.inp", &["[contact]", "no part in a deck"]);
-    let timed = replaced("c1 =", "density = 1000\nc1 =") + "\n[time]\nend = 1\nsteps = 2\nmethod = \"implicit-euler\"\n";
+    let timed = replaced("c1 =", "density = 1000\nc1 =")
+        + "\n[time]\nend = 1\nsteps = 2\nmethod = \"implicit-euler\"\n";
     refused(&timed, "a.feb", &["[time]", "method", "quasistatic"]);
     let dir = Workdir::new();
     dir.solver("export none.toml -o a.inp").assert_refused(2, &["none.toml"]);
