@@ -14,7 +14,7 @@ use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Iterate;
 use mechanics::forward::{Linearization, Problem, Workspace};
 use mesh::Vec3;
-use nalgebra::{Matrix3, Matrix6, Rotation3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector6};
 
 /// Relative residual of the compliance.
 const RESIDUAL: f64 = 1e-9;
@@ -97,7 +97,9 @@ impl Tip {
                 (0..3).for_each(|i| rows[3 + i][3 * n + k] = spin[(i, k)]);
             }
         }
-        let rotation = Rotation3::from_matrix_unchecked(turn).scaled_axis();
+        // by a quaternion: the angle from the trace of a matrix is not a number where rounding makes that larger than 3
+        let rotation = Rotation3::from_matrix_unchecked(turn);
+        let rotation = UnitQuaternion::from_rotation_matrix(&rotation).scaled_axis();
         let by_spin = by_spin(&rotation);
         Ok(Pose { position: self.centre + mean, rotation, by_spin, rows })
     }
@@ -208,6 +210,19 @@ mod tests {
             let pose = tip.pose(&u).expect("an area");
             assert!((pose.rotation - turn).norm() < 1e-9, "{}", pose.rotation);
             assert!((pose.position - (rotation * tip.centre + shift)).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn at_rest_nothing_has_turned() {
+        for degree in [1, 2, 3] {
+            let (tip, space, _) = tip(degree);
+            for size in [0.0, 1e-12, 1e-9] {
+                let u: Vec<f64> =
+                    (0..3 * space.node_count()).map(|d| size * (1.7 * d as f64).sin()).collect();
+                let pose = tip.pose(&u).expect("an area");
+                assert!(pose.rotation.norm() < 1e-15 + 10.0 * size, "{}", pose.rotation);
+            }
         }
     }
 
