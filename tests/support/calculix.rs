@@ -22,8 +22,7 @@ pub fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
     let said = String::from_utf8_lossy(&run.stdout);
     assert!(run.status.success() && !said.contains("*ERROR"), "{said}");
     let table = std::fs::read_to_string(folder.join(format!("{name}.dat"))).expect("displacements");
-    let (head, last) = table.rsplit_once("displacements").expect("a block of displacements");
-    drop(head);
+    let (_, last) = table.rsplit_once("displacements").expect("a block of displacements");
     let mut lines = last.lines();
     let time = lines.next().and_then(|line| line.split_whitespace().last()).expect("a time");
     assert!((time.parse::<f64>().expect("a time") - 1.0).abs() < 1e-9, "ended at {time}");

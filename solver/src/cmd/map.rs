@@ -92,9 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     write(&arguments.output, &columns, &begun.rows)?;
-    if path.exists() {
-        std::fs::remove_file(&path).with_context(|| path.display().to_string())?;
-    }
+    mesh::io::remove_output(&path)?;
     let found = begun.rows.iter().filter(|row| row[grid.len()] == FOUND).count();
     log::info!("{}: {found} of {count} rows have an equilibrium", arguments.output.display());
     if found == 0 {
