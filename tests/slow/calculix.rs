@@ -52,7 +52,6 @@ fn the_beam_and_the_frog_move_alike() {
     for body in ["beam", "frog"] {
         let Some(scene) = scene(body) else { return };
         let apart = difference(&scene, 1, &[SAME_LAW]);
-        println!("{body}, degree 1, the same law: {apart:.1e}");
         assert!(apart < 1e-4, "{body}: {apart:.1e}");
     }
 }
@@ -66,7 +65,6 @@ fn the_beam_of_degree_2_moves_nearly_alike() {
         [("the same law", &[SAME_LAW][..], 1e-2), ("its own law", &[], 2e-2)]
     {
         let apart = difference(&scene, 2, changes);
-        println!("beam, degree 2, {law}: {apart:.1e}");
         assert!(apart < within, "beam, degree 2, {law}: {apart:.1e}");
     }
 }

@@ -17,13 +17,13 @@ fn machine(root: &Path) -> Option<usize> {
 /// The limit less what cannot be dropped, which the page cache can.
 fn control_group(root: &Path) -> Option<usize> {
     let folder = root.join("sys/fs/cgroup");
-    let limit = read(&folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
+    let limit = read(folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
     let held = number_after(&folder.join("memory.stat"), "anon").unwrap_or(0);
     Some(limit.saturating_sub(held))
 }
 
 fn address_space(root: &Path) -> Option<usize> {
-    let text = read(&root.join("proc/self/limits")).ok()?;
+    let text = read(root.join("proc/self/limits")).ok()?;
     let line = text.lines().find(|l| l.starts_with("Max address space"))?;
     let limit: usize = line.split_whitespace().nth(3)?.parse().ok()?;
     let mapped = kibibytes(&root.join("proc/self/status"), "VmSize:").unwrap_or(0);
@@ -33,7 +33,7 @@ fn address_space(root: &Path) -> Option<usize> {
 /// What the product of matrices in faer (private-gemm-x86) maps in a thread, most of it never touched: twice
 /// the third cache. Small problems have one such thread.
 fn packed(root: &Path) -> usize {
-    let cache = read(&root.join("sys/devices/system/cpu/cpu0/cache/index3/size"));
+    let cache = read(root.join("sys/devices/system/cpu/cpu0/cache/index3/size"));
     let kib = cache.ok().and_then(|size| size.trim().strip_suffix('K')?.parse::<usize>().ok());
     2 * 1024 * kib.unwrap_or(0)
 }
