@@ -4,14 +4,13 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use mesh::io::npy;
 use tests::calculix;
 use tests::skip::skip;
 use tests::workdir::{Workdir, program, python, repository};
 
 use crate::{make, run};
 
-/// The same constants with the volumetric term of CalculiX.
+/// A law that has the constants of the scene and the volumetric term of CalculiX.
 const SAME_LAW: &str = "material.kind=mooney-rivlin-quadratic";
 
 /// The largest difference over the largest displacement, of a scene with a change and a degree.
@@ -29,9 +28,7 @@ fn difference(scene: &Path, degree: usize, changes: &[&str]) -> f64 {
     };
     run(solver("export").args(["-o", "deck.inp"]));
     run(solver("simulate").args(["-o", "run", "--final-only", "--no-certify"]));
-    let ours = npy::read_f64(&dir.path("run/displacement.npy")).unwrap().0;
-    let ours: Vec<[f64; 3]> = ours.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect();
-    calculix::apart(&calculix::displacement(&dir.path(""), "deck"), &ours)
+    calculix::apart(&dir, "deck", "run")
 }
 
 /// A scene of `pipelines` whose mesh is made; none where CalculiX or a mesher is missing.
@@ -45,7 +42,7 @@ fn scene(body: &str) -> Option<PathBuf> {
     Some(repository().join("pipelines").join(body).join("sim.toml"))
 }
 
-/// Of degree 1 both programs integrate alike, so that only convergence differs.
+/// Both programs integrate elements of degree 1 alike, so that only convergence differs.
 #[test]
 #[ignore = "runs CalculiX for a minute: runs in make test-all"]
 fn the_beam_and_the_frog_move_alike() {

@@ -3,6 +3,11 @@
 use std::path::Path;
 use std::process::Command;
 
+use mesh::Vec3;
+use mesh::io::npy;
+
+use crate::workdir::Workdir;
+
 /// The program.
 const CCX: &str = "ccx";
 
@@ -12,12 +17,8 @@ pub fn is_installed() -> bool {
     Command::new(CCX).arg("-v").output().is_ok()
 }
 
-/// Runs `DIR/NAME.inp`; the result is the displacement of all nodes at the end [m].
-///
-/// # Panics
-/// When it cannot be run, or does not reach the end of its step.
-#[must_use]
-pub fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
+/// Runs `DIR/NAME.inp` to the end of its step, and returns the displacement of all nodes there [m].
+fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
     let run = Command::new(CCX).arg(name).current_dir(folder).output().expect("ccx starts");
     let said = String::from_utf8_lossy(&run.stdout);
     assert!(run.status.success() && !said.contains("*ERROR"), "{said}");
@@ -36,15 +37,23 @@ pub fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
     lines.filter(|line| !line.trim().is_empty()).map(row).collect()
 }
 
-/// The largest difference of displacements, over the largest of the second ones.
+/// The largest difference of any node between the deck `NAME.inp` in a folder, which is run, and the result of `solver
+/// simulate` in `RESULT` there, over the largest displacement.
 ///
 /// # Panics
-/// When they are not of the same nodes.
+/// When CalculiX does not run, or the two are not of the same nodes.
 #[must_use]
-pub fn apart(ours: &[[f64; 3]], theirs: &[[f64; 3]]) -> f64 {
-    assert_eq!(ours.len(), theirs.len());
-    let norm = |u: [f64; 3]| u.iter().map(|u| u * u).sum::<f64>().sqrt();
-    let largest = theirs.iter().map(|u| norm(*u)).fold(0.0, f64::max);
-    let both = ours.iter().zip(theirs);
-    both.map(|(a, b)| norm(std::array::from_fn(|k| a[k] - b[k]))).fold(0.0, f64::max) / largest
+pub fn apart(dir: &Workdir, name: &str, result: &str) -> f64 {
+    let theirs = displacement(&dir.path(""), name);
+    let (ours, _) =
+        npy::read_f64(&dir.path(&format!("{result}/displacement.npy"))).expect("a result");
+    assert_eq!(ours.len(), 3 * theirs.len());
+    let ours = ours.chunks_exact(3).map(Vec3::from_column_slice);
+    let both = ours.zip(theirs.into_iter().map(Vec3::from));
+    let (mut apart, mut largest) = (0.0_f64, 0.0_f64);
+    for (ours, theirs) in both {
+        apart = apart.max((ours - theirs).norm());
+        largest = largest.max(ours.norm());
+    }
+    apart / largest
 }

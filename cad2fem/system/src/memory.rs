@@ -2,6 +2,8 @@
 //! group (version 2, as in containers) less what its processes hold, and the limit of the address space (`ulimit -v`)
 //! less what is mapped and what faer maps for products of matrices.
 
+// the tables of the system are no files of a user, and none is too large
+use std::fs::read_to_string;
 use std::path::Path;
 
 /// Memory that this process may still take [B], by the tables below a folder; none where there are no such tables.
@@ -17,13 +19,13 @@ fn machine(root: &Path) -> Option<usize> {
 /// The limit less what cannot be dropped, which the page cache can.
 fn control_group(root: &Path) -> Option<usize> {
     let folder = root.join("sys/fs/cgroup");
-    let limit = read(folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
+    let limit = read_to_string(folder.join("memory.max")).ok()?.trim().parse::<usize>().ok()?;
     let held = number_after(&folder.join("memory.stat"), "anon").unwrap_or(0);
     Some(limit.saturating_sub(held))
 }
 
 fn address_space(root: &Path) -> Option<usize> {
-    let text = read(root.join("proc/self/limits")).ok()?;
+    let text = read_to_string(root.join("proc/self/limits")).ok()?;
     let line = text.lines().find(|l| l.starts_with("Max address space"))?;
     let limit: usize = line.split_whitespace().nth(3)?.parse().ok()?;
     let mapped = kibibytes(&root.join("proc/self/status"), "VmSize:").unwrap_or(0);
@@ -33,7 +35,7 @@ fn address_space(root: &Path) -> Option<usize> {
 /// What the product of matrices in faer (private-gemm-x86) maps in a thread, most of it never touched: twice
 /// the third cache. Small problems have one such thread.
 fn packed(root: &Path) -> usize {
-    let cache = read(root.join("sys/devices/system/cpu/cpu0/cache/index3/size"));
+    let cache = read_to_string(root.join("sys/devices/system/cpu/cpu0/cache/index3/size"));
     let kib = cache.ok().and_then(|size| size.trim().strip_suffix('K')?.parse::<usize>().ok());
     2 * 1024 * kib.unwrap_or(0)
 }
@@ -45,14 +47,9 @@ pub(crate) fn kibibytes(path: &Path, key: &str) -> Option<usize> {
 
 /// The number after a key at the beginning of a line.
 fn number_after(path: &Path, key: &str) -> Option<usize> {
-    let text = read(path).ok()?;
+    let text = read_to_string(path).ok()?;
     let mut lines = text.lines().map(str::split_whitespace);
     lines.find_map(|mut words| (words.next()? == key).then(|| words.next())?)?.parse().ok()
-}
-
-/// The tables of the system are no files of a user, and of no size that could be too large.
-fn read(path: impl AsRef<Path>) -> std::io::Result<String> {
-    std::fs::read_to_string(path)
 }
 
 #[cfg(test)]

@@ -148,22 +148,13 @@ impl Scene {
     /// Gives a number a value. A wall is moved by it from where it is.
     fn set(&self, path: &str, value: f64) -> PyResult<()> {
         self.change(|scene, set| {
-            ensure!(value.is_finite(), "{path} = {value}: must be finite");
             let number = Number::find(scene, path)?;
-            match number.added_to(scene) {
-                Some(schedule) => {
-                    ensure!(schedule.number().is_some(), "{path} {NOT_CONSTANT}");
-                    let before = schedule.clone();
-                    *schedule = value.into();
-                    schedule.begin_with(&before);
-                }
-                None => {
-                    let walls = Walls::of([&number], &scene.body)?;
-                    number.set(scene, walls.as_ref(), value)?;
-                    match walls {
-                        Some(_) => *set.entry(path.to_owned()).or_default() += value,
-                        None => drop(set.insert(path.to_owned(), value)),
-                    }
+            let walls = Walls::of([&number], &scene.body)?;
+            number.replace(scene, walls.as_ref(), value)?;
+            if number.added_to(scene).is_none() {
+                match walls {
+                    Some(_) => *set.entry(path.to_owned()).or_default() += value,
+                    None => drop(set.insert(path.to_owned(), value)),
                 }
             }
             number.check(scene)

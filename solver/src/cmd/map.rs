@@ -118,7 +118,7 @@ fn begin(path: &Path, inputs: String, restart: bool) -> Result<Begun> {
             log::info!("continuing after row {}", begun.rows.len());
             return Ok(begun);
         }
-        log::warn!("{}: of another table; beginning anew", path.display());
+        log::warn!("{}: belongs to another table; beginning anew", path.display());
     }
     Ok(Begun { inputs, ..Begun::default() })
 }

@@ -18,11 +18,11 @@ use super::sensitivity::sensitivities;
 use crate::number::{Number, Swept, Walls};
 
 /// Memory for a state [B]; a static run has two.
-const MEMORY: f64 = 4e9;
+const STATE_MEMORY: f64 = 4e9;
 /// Values of one number at most.
 const MOST_VALUES: usize = 100_000;
 /// Part of a step by which the last value may be off the end of a range.
-const ROUNDED: f64 = 1e-9;
+const LARGEST_OVERSHOOT: f64 = 1e-9;
 /// What the columns of a pose are called.
 const POSE: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 
@@ -31,7 +31,7 @@ const POSE: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 pub struct Grid {
     /// The path of the number.
     pub path: String,
-    /// Its values, in its unit.
+    /// Values of the number, in its unit.
     pub values: Vec<f64>,
 }
 
@@ -58,7 +58,7 @@ impl FromStr for Grid {
 
 /// `from`, `from + step`, … up to `to`.
 fn steps([from, step, to]: [f64; 3]) -> Result<Vec<f64>, String> {
-    let count = ((to - from) / step + ROUNDED).floor();
+    let count = ((to - from) / step + LARGEST_OVERSHOOT).floor();
     if !(0.0..MOST_VALUES as f64).contains(&count) {
         return Err(format!(
             "{from}:{step}:{to} has no values, or more than {MOST_VALUES}; expected FROM:STEP:TO"
@@ -246,13 +246,13 @@ fn run(
         problem.dirichlet.supports().iter().for_each(|&dof| u[dof] = moved[dof]);
         let start = Configuration::new(problem, rest, u, 1.0);
         if let Ok(found) = solve_from(problem, workspace, &start, &stepping.newton) {
-            let mut run = Trajectory::begin(&integrator, MEMORY);
+            let mut run = Trajectory::begin(&integrator, STATE_MEMORY);
             run.push_displacement(problem, rest, 1.0, &found.u);
             return Some(run);
         }
     }
     let mut stepper = TimeStepper::new(stepping, integrator);
-    stepper.run(problem, workspace, rest, &[1.0], MEMORY, |_| {}).ok()
+    stepper.run(problem, workspace, rest, &[1.0], STATE_MEMORY, |_| {}).ok()
 }
 
 /// Whether an equilibrium does not depend on the way to it.

@@ -17,11 +17,11 @@ use mesh::Vec3;
 use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector6};
 
 /// Relative residual of the compliance.
-const RESIDUAL: f64 = 1e-9;
+const WANTED_RESIDUAL: f64 = 1e-9;
 /// Relative residual that is still good enough.
-const ENOUGH: f64 = 1e-7;
-/// Tilts of the rotation that no node resists, as parts of the largest.
-const LINE: f64 = 1e-9;
+const LARGEST_RESIDUAL: f64 = 1e-7;
+/// Resistance of the nodes to a rotation below which they lie in a line, as a part of the largest [1].
+const LEAST_TILT: f64 = 1e-9;
 
 /// A tag whose pose is asked for.
 pub struct Tip {
@@ -84,7 +84,7 @@ impl Tip {
         let resists = Matrix3::from_diagonal_element(stretch.trace()) - stretch;
         let eigen = resists.symmetric_eigenvalues();
         ensure!(
-            eigen.min() > LINE * eigen.max(),
+            eigen.min() > LEAST_TILT * eigen.max(),
             "the nodes of the tip are in a line, or its rotation is undefined: expected a tag with an area"
         );
         let inverse = resists.try_inverse().unwrap_or_default();
@@ -138,8 +138,8 @@ impl Pose {
         let mut compliance = Matrix6::zeros();
         for k in 0..6 {
             let mut solution = problem.restrict(&self.rows[k]);
-            match workspace.solve_sharply(&mut solution, RESIDUAL, ENOUGH) {
-                Some(residual) if residual <= ENOUGH => {}
+            match workspace.solve_sharply(&mut solution, WANTED_RESIDUAL, LARGEST_RESIDUAL) {
+                Some(residual) if residual <= LARGEST_RESIDUAL => {}
                 _ => return Ok((linearization, None)),
             }
             let moved = problem.prolong(&solution);
