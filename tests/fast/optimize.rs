@@ -148,3 +148,17 @@ fn nothing_to_gain_is_no_result() {
     let run = dir.solver("optimize design.toml -o out");
     run.assert_refused(1, &["design.toml", "no step lowered the objective", "report.json"]);
 }
+
+/// Targets are squares, whose curvature says how far to go.
+#[test]
+fn gauss_newton_comes_farther_in_the_same_number_of_steps() {
+    let fallen = |method: &str| {
+        let dir = chamber::workdir();
+        let set = format!("--set optimizer.method={method} --set optimizer.first_step=0.5");
+        dir.solver(&format!("optimize design.toml -o out {set}")).assert_good();
+        let report = dir.json("out/report.json");
+        1.0 - number(&report["objective_after"]) / number(&report["objective_before"])
+    };
+    let (squares, gradients) = (fallen("gauss-newton"), fallen("l-bfgs"));
+    assert!(squares > gradients, "{squares} and {gradients}");
+}

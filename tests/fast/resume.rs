@@ -236,3 +236,19 @@ pub fn unfinished() -> Workdir {
     assert!(killed(&dir, || lines() > 1), "over before it was killed");
     dir
 }
+
+/// The model of the Gauss–Newton method lies in the checkpoint.
+#[test]
+fn a_killed_gauss_newton_run_ends_as_one_that_is_not() {
+    let workdir = || {
+        let dir = chamber::workdir();
+        let method = "[optimizer]\nmethod = \"gauss-newton\"";
+        dir.write("design.toml", &dir.text("design.toml").replace("[optimizer]", method));
+        dir
+    };
+    let whole = workdir();
+    whole.solver(COMMAND).assert_good();
+    let dir = workdir();
+    assert!(kill_after_every_checkpoint(&dir) > 2, "over before it was killed");
+    assert_same(&dir, &results(&whole));
+}

@@ -11,6 +11,7 @@ use reports::Castable;
 use serde::{Deserialize, Serialize};
 
 use super::progress::LevelProgress;
+use super::trust_region::TrustRegion;
 use super::{Lbfgs, Run};
 
 /// The state after an accepted iteration. Numbers are written so that they are
@@ -60,6 +61,9 @@ pub struct Checkpoint {
     pub total_s: f64,
     /// Memory of the optimiser.
     pub lbfgs: Lbfgs,
+    /// Model of the objective, and how far it is trusted.
+    #[serde(default)]
+    pub region: TrustRegion,
     /// Lines that history.jsonl has at this point, ...
     pub history: usize,
     /// ... and their SHA-256; empty without any.
@@ -98,6 +102,7 @@ impl Checkpoint {
             spent_s: 0.0,
             total_s: 0.0,
             lbfgs,
+            region: TrustRegion::default(),
             history: 0,
             lines: String::new(),
             files: BTreeMap::new(),
@@ -111,7 +116,7 @@ impl Checkpoint {
     #[must_use]
     pub fn next_level(self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
         let stopped_before = self.all_stopped();
-        let Self { level, total_s, history, lines, weights, mold, mut files, .. } = self;
+        let Self { level, total_s, history, lines, weights, mold, region, mut files, .. } = self;
         let level = level + 1;
         // The meshes of the levels before stay in the folder, as a part of the result.
         files.retain(|name, _| !is_run(name));
@@ -125,6 +130,7 @@ impl Checkpoint {
             loads,
             stopped_before,
             mold,
+            region: region.without_model(),
             ..Self::new(self.inputs, lbfgs)
         }
     }
@@ -140,6 +146,7 @@ impl Checkpoint {
             start: Vec::new(),
             loads,
             lbfgs,
+            region: self.region.without_model(),
             ..self
         }
     }

@@ -71,10 +71,10 @@ impl<'a> Start<'a> {
 pub struct Level {
     /// The body at θ = 0.
     pub body: Body,
-    map: DesignMap,
+    pub(super) map: DesignMap,
     path: RestPath,
-    scenarios: Vec<Scenario>,
-    robust: Robust,
+    pub(super) scenarios: Vec<Scenario>,
+    pub(super) robust: Robust,
 }
 
 impl Level {

@@ -1,8 +1,9 @@
-//! The outer loop: shape optimisation by a quasi-Newton method (L-BFGS, within bounds
-//! L-BFGS-B) with a backtracking line search, in a cascade of levels.
+//! The outer loop: shape optimisation in a cascade of levels, by a quasi-Newton method (L-BFGS, within bounds
+//! L-BFGS-B) with a backtracking line search, or by the Gauss–Newton method within a trust region.
 
 mod cascade;
 mod checkpoint;
+mod curvature;
 mod history;
 mod lbfgs;
 mod lbfgsb;
@@ -18,6 +19,7 @@ mod robust;
 mod scenario;
 mod shares;
 mod trial_step;
+mod trust_region;
 pub mod validity;
 
 pub use cascade::{Cascade, Finished, LATEST};

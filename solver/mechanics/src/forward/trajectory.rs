@@ -105,7 +105,17 @@ impl Trajectory {
     /// Step n ≥ 1 with its lagged contacts.
     #[must_use]
     pub fn step(&self, problem: &Problem, rest: &[Vec3], n: usize) -> TimeStep {
-        let (before, end) = (self.times[n - 1], self.times[n]);
+        self.step_to(problem, rest, n, self.times[n])
+    }
+
+    /// The step from the last state to a time [s], with its lagged contacts.
+    #[must_use]
+    pub fn next_step(&self, problem: &Problem, rest: &[Vec3], end: f64) -> TimeStep {
+        self.step_to(problem, rest, self.times.len(), end)
+    }
+
+    fn step_to(&self, problem: &Problem, rest: &[Vec3], n: usize, end: f64) -> TimeStep {
+        let before = self.times[n - 1];
         let last = self.state(n - 1);
         let lagged_contacts = problem.lagged_contacts(&problem.iterate(rest, &last.u, before));
         TimeStep { lagged_contacts, ..self.past(n).step(end - before) }

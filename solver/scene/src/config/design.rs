@@ -68,6 +68,8 @@ pub struct MoldConfig {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OptimizerConfig {
+    /// How steps are found.
+    pub method: OptimizerMethod,
     /// Accepted iterations of a design without levels, which have their own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<usize>,
@@ -97,6 +99,7 @@ pub struct OptimizerConfig {
 impl Default for OptimizerConfig {
     fn default() -> Self {
         Self {
+            method: OptimizerMethod::LBfgs,
             iterations: None,
             first_step: 0.5,
             largest_step: 3.0,
@@ -107,6 +110,18 @@ impl Default for OptimizerConfig {
             state_memory: 4e9,
         }
     }
+}
+
+/// How an optimiser finds its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OptimizerMethod {
+    /// From the gradients of the last iterations.
+    #[default]
+    LBfgs,
+    /// From the curvature of the terms, by the first-order change of the run for each variable. For targets and
+    /// probes with a target, which are squares, and up to some hundred variables.
+    GaussNewton,
 }
 
 /// A cascade of shape levels on one tag or several.
@@ -294,6 +309,7 @@ impl DesignConfig {
     pub fn optimizer_of(&self, level: &LevelConfig) -> OptimizerConfig {
         let own = &self.optimizer;
         OptimizerConfig {
+            method: own.method,
             iterations: Some(level.iterations),
             first_step: level.first_step.unwrap_or(own.first_step),
             largest_step: level.largest_step.unwrap_or(own.largest_step),

@@ -35,8 +35,8 @@ pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfi
 pub use symmetry::SymmetryConfig;
 
 pub use design::{
-    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, ParameterDesign, ShapeConfig,
-    Spread,
+    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod,
+    ParameterDesign, ShapeConfig, Spread,
 };
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;

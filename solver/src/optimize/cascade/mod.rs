@@ -6,6 +6,7 @@
 
 mod begin;
 mod say;
+mod trust_region_step;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,7 +16,7 @@ use mechanics::body::Body;
 use mechanics::math::linear::{dot, norm};
 use program::Unusable;
 use reports::{Ended, Iteration, NoStart, Optimization, Status, numbers};
-use scene::config::{DesignConfig, OptimizerConfig};
+use scene::config::{DesignConfig, OptimizerConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
 use self::say::{say_gain, time_left, variables};
@@ -159,7 +160,15 @@ impl Cascade<'_> {
             && checkpoint.stopped.is_none()
             && !checkpoint.flat
         {
-            match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
+            let step = match optimizer.method {
+                OptimizerMethod::LBfgs => {
+                    self.iterate(&mut level, checkpoint, &current, &optimizer)?
+                }
+                OptimizerMethod::GaussNewton => {
+                    self.iterate_in_region(&mut level, checkpoint, &current, &optimizer)?
+                }
+            };
+            match step {
                 Ok(step) => {
                     current = step.evaluation.clone();
                     self.accept(&mut level, checkpoint, step, &optimizer)?;

@@ -2,6 +2,7 @@
 //! derivatives of that by all that the run depends on.
 
 mod changes;
+mod curvature;
 mod run;
 mod terms;
 
@@ -25,7 +26,7 @@ use scene::config::{DesignConfig, LevelConfig, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
 pub use self::run::Run;
-use self::terms::Forces;
+use self::terms::{Forces, add_partials};
 use super::offset::Offset;
 use super::validity;
 use crate::design::LoadMap;
@@ -395,19 +396,12 @@ impl Scenario {
         let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
         let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.name);
         let mut by_rest = vec![0.0; 3 * rest.len()];
-        let partials = |space: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
-            let (state, time) = (states.state(n), states.times[n]);
-            let (u, Forces { contact, reaction }) = (&state.u[..], &forces[n]);
-            let here = Equilibrium { space, rest, u, time, contact, reaction };
+        let terms = &self.terms;
+        let partials = |_: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
             let adjoint::Partials { by_u, by_contact, by_reaction } = out;
             let (u, contact, reaction) = (by_u, by_contact, by_reaction);
             let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
-            for term in self.terms.iter().filter(wanted) {
-                let factor = factor * term.weight * term.factor * term.factors[n];
-                if factor != 0.0 {
-                    term.quantity.add_partials(&here, factor, &mut out);
-                }
-            }
+            add_partials(terms.iter().filter(wanted), run, n, &forces[n], factor, &mut out);
         };
         let (problem, workspace) = (&*run.problem, &mut self.workspace);
         let linearization = run.linearized(self.linearization.as_ref());

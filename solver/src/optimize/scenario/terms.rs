@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use measure::quantity::{Equilibrium, Quantity};
+use measure::quantity::{Equilibrium, Partials, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
@@ -16,6 +16,26 @@ pub(super) struct Forces {
     pub contact: Vec<f64>,
     /// Forces of supports.
     pub reaction: Vec<f64>,
+}
+
+/// Adds the partial derivatives of some terms, times a factor, by what they look at in a moment.
+pub(super) fn add_partials<'a>(
+    terms: impl Iterator<Item = &'a Weighted>,
+    run: &Run,
+    n: usize,
+    Forces { contact, reaction }: &Forces,
+    factor: f64,
+    out: &mut Partials,
+) {
+    let (state, time) = (run.states.state(n), run.states.times[n]);
+    let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
+    let here = Equilibrium { space, rest, u, time, contact, reaction };
+    for term in terms {
+        let factor = factor * term.weight * term.factor * term.factors[n];
+        if factor != 0.0 {
+            term.quantity.add_partials(&here, factor, out);
+        }
+    }
 }
 
 impl Scenario {

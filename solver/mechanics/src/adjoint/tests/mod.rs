@@ -25,6 +25,7 @@ use crate::testing::{check_gradient, cube, flat, points};
 mod dilatation;
 mod internal;
 mod membrane;
+mod neighbours;
 mod tangent;
 mod viscous;
 
@@ -205,6 +206,15 @@ impl Case {
         (problem, workspace, rest)
     }
 
+    /// The derivative of the number of the chamber by the pressure that it stands for.
+    fn by_pressure(&self) -> f64 {
+        match self.inside {
+            Inside::Pressure | Inside::Gas => 1.0,
+            Inside::Volume => CHANGE,
+            Inside::Factor => FACTOR,
+        }
+    }
+
     fn hits(&self) -> bool {
         self.body == Shape::Blocks
     }
@@ -380,12 +390,7 @@ fn check(case: &Case, forces: bool) {
     by.push(one(ParameterId::Friction) * NUMBERS.friction);
     let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
     let pressure = chamber.map_or(0.0, one);
-    let per_number = match case.inside {
-        Inside::Pressure | Inside::Gas => 1.0,
-        Inside::Volume => CHANGE,
-        Inside::Factor => FACTOR,
-    };
-    by.push(pressure * per_number * NUMBERS.pressure);
+    by.push(pressure * case.by_pressure() * NUMBERS.pressure);
     let falls = of(ParameterId::Weight(0)).into_iter().skip(1);
     by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
     with(&[1.0; 10], &by);

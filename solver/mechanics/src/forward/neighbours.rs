@@ -1,0 +1,121 @@
+//! First-order changes of a run: the tangent, or forward, mode of what the adjoint method does backwards.
+//!
+//! Step n of a run solves G(u_n; X, past_n, p) = 0 on the free degrees of freedom. Of a neighbour, whose
+//! rest shape X, past and parameters p differ by a small δ, it is to first order
+//!
+//! H δu_n = −(G(u_n; X + δX, past_n + δpast_n, p + δp) − G(u_n; X, past_n, p))
+//!
+//! with the exact Hessian H, one factorisation a step for all neighbours. The difference takes the whole residual, so
+//! that no term has to know its own derivatives by the past. Where the pressure of a prescribed volume V is unknown, too,
+//! H δu + G δp = −δG with Gᵀ δu = −δV.
+//!
+//! Source: the forward mode of equation 5 of Gjoka et al. 2024; for trajectories see Griewank and Walther 2008,
+//! "Evaluating Derivatives", section 3.1.
+
+use std::sync::Arc;
+
+use mesh::Vec3;
+use nalgebra::linalg::LU;
+use nalgebra::{DMatrix, DVector, Dyn};
+
+use super::{Integrator, Linearization, Problem, Trajectory, Workspace, solve_multipliers};
+use crate::energy::{Constraint, Iterate};
+use crate::math::linear::dot;
+
+/// Relative residual of the changes: a neighbour is one to first order anyway.
+const TOLERANCE: f64 = 1e-5;
+
+/// A problem and a rest shape [m] that differ little from those of a run.
+pub struct Varied {
+    /// What it solves.
+    pub problem: Arc<Problem>,
+    /// Rest vertices [m].
+    pub rest: Vec<Vec3>,
+}
+
+/// The runs of varied problems, to first order, from a start and with memory for the states of each [B]. None where
+/// some tangent has no usable factor. A linearisation at the last state, if the workspace still holds it, saves
+/// one factorisation.
+pub fn neighbours(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    (rest, run): (&[Vec3], &Trajectory),
+    linearization: Option<&Linearization>,
+    varied: &[Varied],
+    (start, memory): (&Integrator, f64),
+) -> Option<Vec<Trajectory>> {
+    let begin = |_: &Varied| Trajectory::begin(start, memory);
+    let mut runs: Vec<Trajectory> = varied.iter().map(begin).collect();
+    for n in 1..=run.steps() {
+        let (state, time, step) = (run.state(n), run.times[n], run.step(problem, rest, n));
+        let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, time) };
+        let multipliers = solve_multipliers(problem, workspace, &at);
+        let at = Iterate { multipliers: &multipliers, ..at };
+        let is_held = |l: &&Linearization| n == run.steps() && workspace.has_factor_of(l, &at);
+        if linearization.filter(is_held).is_none() {
+            workspace.linearize(problem, &at);
+        }
+        let (residual, _) = workspace.gradient(problem, &at);
+        let volumes = Volumes::new(problem, workspace, &problem.constraints(&at))?;
+        for (Varied { problem: other, rest }, run) in varied.iter().zip(&mut runs) {
+            let u = moved_supports(problem, other, &state.u, time);
+            let step = run.next_step(other, rest, time);
+            let there = Iterate { step: Some(&step), ..other.iterate(rest, &u, time) };
+            let there = Iterate { multipliers: &multipliers, ..there };
+            let (changed, _) = workspace.gradient(other, &there);
+            let change: Vec<f64> = residual.iter().zip(&changed).map(|(a, b)| a - b).collect();
+            let mut du = problem.restrict(&change);
+            workspace.linear().last()?.solve_to(&mut du, TOLERANCE);
+            volumes.hold(&mut du, &other.constraints(&there))?;
+            let du = problem.prolong(&du);
+            let u: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
+            run.push_displacement(other, rest, time, &u);
+        }
+    }
+    Some(runs)
+}
+
+/// A displacement with the supports where another problem holds them [m].
+fn moved_supports(problem: &Problem, other: &Problem, u: &[f64], time: f64) -> Vec<f64> {
+    if !other.dirichlet.moves() {
+        return u.to_vec();
+    }
+    let (from, to) = (problem.dirichlet.displacement(time), other.dirichlet.displacement(time));
+    let mut moved = u.to_vec();
+    problem.dirichlet.supports().iter().for_each(|&dof| moved[dof] += to[dof] - from[dof]);
+    moved
+}
+
+/// What holds prescribed volumes: G, H⁻¹ G and Gᵀ H⁻¹ G over the free degrees of freedom.
+struct Volumes {
+    across: Vec<Vec<f64>>,
+    solved: Vec<Vec<f64>>,
+    matrix: LU<f64, Dyn, Dyn>,
+}
+
+impl Volumes {
+    fn new(problem: &Problem, workspace: &Workspace, constraints: &[Constraint]) -> Option<Self> {
+        let across: Vec<Vec<f64>> =
+            constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
+        let mut solved = across.clone();
+        for z in &mut solved {
+            workspace.linear().last()?.solve_to(z, TOLERANCE);
+        }
+        let count = across.len();
+        let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j])).lu();
+        Some(Self { across, solved, matrix })
+    }
+
+    /// Adds the changes of pressures that keep the volumes where they are wanted to a change of the displacement [m].
+    fn hold(&self, du: &mut [f64], constraints: &[Constraint]) -> Option<()> {
+        if constraints.is_empty() {
+            return Some(());
+        }
+        let off = |i: usize| constraints[i].wanted - constraints[i].volume;
+        let side = DVector::from_fn(constraints.len(), |i, _| off(i) - dot(&self.across[i], du));
+        for (z, pressure) in self.solved.iter().zip(self.matrix.solve(&side)?.iter()) {
+            du.iter_mut().zip(z).for_each(|(du, z)| *du += pressure * z);
+        }
+        Some(())
+    }
+}

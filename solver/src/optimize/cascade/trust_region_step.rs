@@ -1,0 +1,148 @@
+//! An iteration of the Gauss–Newton method: the step that minimises a quadratic model within a trust region.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use mechanics::math::linear::norm;
+use scene::config::OptimizerConfig;
+
+use super::{ARMIJO, Cascade, End, FLAT_TRIALS, HALVINGS, Step, ahead, lower};
+use crate::optimize::checkpoint::Checkpoint;
+use crate::optimize::trust_region::TrustRegion;
+use crate::optimize::{Evaluation, Level, Rejected};
+
+/// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
+const VARIABLES_PER_STEP: usize = 16;
+/// Radii that are tried until a rest shape is valid.
+const RADII: usize = 12;
+/// Radius after a rejected trial, over its motion.
+const AFTER_REJECTION: f64 = 0.4;
+
+/// A step that the model proposes, with a valid rest shape.
+struct Proposal {
+    d: Vec<f64>,
+    motion: f64,
+    /// Radii at which elements were flat.
+    flat: usize,
+}
+
+impl Cascade<'_> {
+    /// One step within the trust region, and the model after it; the inner error is why there is none.
+    pub(super) fn iterate_in_region(
+        &self,
+        level: &mut Level,
+        checkpoint: &mut Checkpoint,
+        current: &Evaluation,
+        optimizer: &OptimizerConfig,
+    ) -> Result<Result<Step, End>> {
+        let (theta, gradient) = (checkpoint.theta.clone(), checkpoint.gradient.clone());
+        if norm(&gradient) == 0.0 {
+            return Ok(Err(End::because("the gradient is zero")));
+        }
+        let clock = Instant::now();
+        let edge = level.map().mean_edge();
+        let mut region = checkpoint.region.clone();
+        if let Err(Rejected(why)) = renew(&mut region, level, &theta, current) {
+            return Ok(Err(End { reason: why, flat: false }));
+        }
+        if region.radius == 0.0 {
+            region.radius = optimizer.first_step * edge;
+        }
+        let mut forward_s = clock.elapsed().as_secs_f64();
+        let (mut reason, mut flat) = (String::new(), 0);
+        for trials in 1..=HALVINGS {
+            let clock = Instant::now();
+            let proposal = propose(level, &region, &theta, &gradient);
+            let Proposal { d, motion, .. } = proposal;
+            flat += proposal.flat;
+            let change = region.change(&gradient, &d);
+            if change.is_nan() || change >= 0.0 {
+                return Ok(Err(End::because("no step within the bounds decreases the model")));
+            }
+            let there = moved(&theta, &d);
+            let predicted = level.predict(&there, current);
+            let start = ahead(current, predicted.as_deref(), 1.0);
+            let wanted = checkpoint.objective + ARMIJO * change;
+            let outcome = lower(level, &there, current, &start, wanted);
+            forward_s += clock.elapsed().as_secs_f64();
+            let clock = Instant::now();
+            match outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e))) {
+                Ok((new, evaluation)) => {
+                    let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
+                    region.judge((evaluation.objective - checkpoint.objective) / change, motion);
+                    region.radius = region.radius.min(optimizer.largest_step * edge);
+                    region.update(&d, &y);
+                    checkpoint.region = region;
+                    // a step as long as the first of a level is not held back
+                    let short = motion < optimizer.first_step * edge;
+                    return Ok(Ok(Step {
+                        theta: there,
+                        evaluation,
+                        gradient: new,
+                        motion,
+                        trials,
+                        flat: short && flat >= FLAT_TRIALS,
+                        forward_s,
+                        gradient_s: clock.elapsed().as_secs_f64(),
+                    }));
+                }
+                Err(Rejected(why)) => reason = why,
+            }
+            log::info!("trial {trials} rejected: {reason}");
+            region.radius = AFTER_REJECTION * motion;
+        }
+        let reason =
+            format!("no step was accepted in {HALVINGS} trials, the last because: {reason}");
+        Ok(Err(End { reason, flat: flat >= FLAT_TRIALS }))
+    }
+}
+
+/// Takes the curvature of the objective anew, where the model has none or has aged.
+fn renew(
+    region: &mut TrustRegion,
+    level: &mut Level,
+    theta: &[f64],
+    current: &Evaluation,
+) -> Result<(), Rejected> {
+    if region.is_good_for(theta.len() / VARIABLES_PER_STEP) {
+        return Ok(());
+    }
+    match level.curvature(theta, current)? {
+        Some(curvature) => region.renew(&curvature),
+        None if region.is_empty() => {
+            let why = "the tangent of the start cannot be factored: it gives way there";
+            return Err(Rejected(why.to_owned()));
+        }
+        None => log::debug!("the curvature of before is kept, as the tangent cannot be factored"),
+    }
+    Ok(())
+}
+
+/// The step of the model within the region, which shrinks until the rest shape is valid.
+fn propose(level: &Level, region: &TrustRegion, theta: &[f64], gradient: &[f64]) -> Proposal {
+    let metric = level.metric(theta);
+    let bounds: Vec<[f64; 2]> = match level.map().bounds(theta) {
+        None => vec![[f64::NEG_INFINITY, f64::INFINITY]; theta.len()],
+        Some((low, high)) => {
+            (0..theta.len()).map(|i| [low[i] - theta[i], high[i] - theta[i]]).collect()
+        }
+    };
+    let motion = |d: &[f64]| level.map().motion(theta, &moved(theta, d));
+    let (mut radius, mut flat) = (region.radius, 0);
+    for _ in 1..RADII {
+        let d = region.step(gradient, &bounds, &metric, radius, motion);
+        let there = moved(theta, &d);
+        let is_free = level.free_fraction(theta, &d) == 1.0;
+        if is_free && level.admit(&level.map().shape(&there)).is_ok() {
+            return Proposal { motion: motion(&d), d, flat };
+        }
+        flat += usize::from(level.is_flat(&there));
+        radius = 0.5 * motion(&d).min(radius);
+    }
+    let d = region.step(gradient, &bounds, &metric, radius, motion);
+    Proposal { motion: motion(&d), d, flat }
+}
+
+fn moved(theta: &[f64], d: &[f64]) -> Vec<f64> {
+    theta.iter().zip(d).map(|(t, d)| t + d).collect()
+}

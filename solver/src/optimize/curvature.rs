@@ -1,0 +1,82 @@
+//! Second derivatives of the objective of a level.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::{Evaluation, Level, Rejected};
+
+/// Motion of the surface by which runs are varied, over its mean edge [1].
+const VARIATION: f64 = 1e-5;
+
+impl Level {
+    /// Curvature of the objective along first-order changes of the runs with θ, where the level is linearised. None
+    /// where a run has no usable tangent.
+    ///
+    /// # Errors
+    /// When a scenario does not admit the loads.
+    pub fn curvature(
+        &mut self,
+        theta: &[f64],
+        at: &Evaluation,
+    ) -> Result<Option<DMatrix<f64>>, Rejected> {
+        let sizes = self.variations(theta);
+        let varied: Vec<Vec<f64>> = (0..theta.len()).map(|i| moved(theta, i, sizes[i])).collect();
+        let shapes: Vec<_> = varied.par_iter().map(|theta| self.map.shape(theta)).collect();
+        let objectives: Vec<f64> = at.runs.iter().map(|run| run.objective).collect();
+        let by = self.robust.derivatives(&objectives);
+        let mut sum = DMatrix::zeros(theta.len(), theta.len());
+        let Self { map, scenarios, .. } = self;
+        for ((scenario, run), by) in scenarios.iter_mut().zip(&at.runs).zip(by) {
+            let vary = |(theta, shape): (&Vec<f64>, &Vec<_>)| {
+                scenario.varied(map.load_variables(theta), shape)
+            };
+            let varied: Vec<_> = varied.iter().zip(&shapes).map(vary).collect::<Result<_, _>>()?;
+            let Some(curvature) = scenario.curvature(run, &varied) else { return Ok(None) };
+            sum += by * curvature;
+        }
+        Ok(Some(DMatrix::from_fn(theta.len(), theta.len(), |i, j| {
+            sum[(i, j)] / (sizes[i] * sizes[j])
+        })))
+    }
+
+    /// Mean square of the motion of the moving surface as a quadratic form in a step from θ; the variables of loads
+    /// count as motions.
+    #[must_use]
+    pub fn metric(&self, theta: &[f64]) -> DMatrix<f64> {
+        let sizes = self.variations(theta);
+        let shapes = self.map.shape_variables();
+        let here = self.map.surface(theta);
+        let column = |i: usize| -> Vec<f64> {
+            let there = self.map.surface(&moved(theta, i, sizes[i]));
+            let motion = |(a, b): (&mesh::Vec3, &mesh::Vec3)| (a - b) / sizes[i];
+            there.iter().zip(&here).map(motion).flat_map(|d| [d.x, d.y, d.z]).collect()
+        };
+        let columns: Vec<Vec<f64>> = (0..shapes).into_par_iter().map(column).collect();
+        let moving = columns.iter().fold(vec![false; 3 * here.len()], |mut all, column| {
+            all.iter_mut().zip(column).for_each(|(all, d)| *all |= *d != 0.0);
+            all
+        });
+        let count = (moving.iter().filter(|moves| **moves).count() as f64 / 3.0).max(1.0);
+        DMatrix::from_fn(theta.len(), theta.len(), |i, j| match (i < shapes, j < shapes) {
+            (true, true) => {
+                columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum::<f64>() / count
+            }
+            _ => f64::from(u8::from(i == j)),
+        })
+    }
+
+    /// How far each variable is varied.
+    fn variations(&self, theta: &[f64]) -> Vec<f64> {
+        let small = VARIATION * self.map.mean_edge();
+        let size =
+            |i| small * small / self.map.motion(theta, &moved(theta, i, small)).max(1e-3 * small);
+        (0..theta.len()).map(size).collect()
+    }
+}
+
+/// θ with one variable moved.
+fn moved(theta: &[f64], i: usize, by: f64) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    theta[i] += by;
+    theta
+}

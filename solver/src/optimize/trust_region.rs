@@ -1,0 +1,260 @@
+//! A quadratic model of the objective, and the step that minimises it within a trust region (method of Levenberg and
+//! Marquardt).
+//!
+//! d = argmin gᵀ d + ½ dᵀ B d   with   l ≤ d ≤ u,   motion(d) ≤ Δ
+//!
+//! B is the curvature along first-order changes of the runs ([`Level::curvature`](super::Level::curvature)); between
+//! two of these it is updated by y = g₊ − g (BFGS, damped). The region is kept by B + λ M in place of B, where
+//! dᵀ M d is the mean square of the motion of the surface: what moves it far and gains little is held back first.
+//!
+//! Source: Nocedal and Wright 2006, "Numerical Optimization", chapters 4 and 10.3, procedure 18.2.
+
+use mechanics::math::linear::dot;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// Smallest eigenvalue of a model relative to its largest, where it has no curvature.
+const LEAST_CURVATURE: f64 = 1e-8;
+/// How much of the radius a step uses at least, where it is held back.
+const USED: f64 = 0.8;
+/// The first λ over the mean curvature.
+const LEAST_SHIFT: f64 = 1e-8;
+/// Most values of λ that are tried.
+const SHIFTS: usize = 60;
+/// Agreement with a decrease above which a region grows, ...
+const GOOD: f64 = 0.75;
+/// ... and below which it shrinks.
+const POOR: f64 = 0.25;
+/// Motion over the radius of a step that the region holds back.
+const HELD_BACK: f64 = 0.7;
+/// Agreement of a model that is used once more.
+const USABLE: std::ops::Range<f64> = 0.5..2.0;
+/// Fraction of sᵀ B s that the curvature sᵀ y of an update has at least.
+const DAMPING: f64 = 0.2;
+
+/// The model at an accepted state, with how far it is trusted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrustRegion {
+    /// Rows of B, one after the other; none before the first curvature.
+    hessian: Vec<f64>,
+    /// How far a step may move the surface; zero before the first step [m].
+    pub radius: f64,
+    /// Updates since the last curvature.
+    age: usize,
+    /// The decrease of the last step over what the model said [1].
+    agreement: f64,
+}
+
+impl TrustRegion {
+    /// As trusted as this one, without a model.
+    #[must_use]
+    pub fn without_model(&self) -> Self {
+        Self { radius: self.radius, ..Self::default() }
+    }
+
+    /// Whether there is no model yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.hessian.is_empty()
+    }
+
+    /// Whether there is a model that was updated at most `oldest` times and told the last decrease.
+    #[must_use]
+    pub fn is_good_for(&self, oldest: usize) -> bool {
+        !self.is_empty() && self.age <= oldest && USABLE.contains(&self.agreement)
+    }
+
+    /// Takes in how the decrease along an accepted step agreed with the model, and how far it moved the surface [m].
+    pub fn judge(&mut self, agreement: f64, motion: f64) {
+        self.agreement = agreement;
+        if agreement < POOR {
+            self.radius = 0.5 * motion;
+        } else if agreement > GOOD && motion > HELD_BACK * self.radius {
+            self.radius *= 2.0;
+        }
+    }
+
+    /// Takes over a curvature without its negative part.
+    pub fn renew(&mut self, curvature: &DMatrix<f64>) {
+        let mut eigen = curvature.clone().symmetric_eigen();
+        let least = LEAST_CURVATURE * eigen.eigenvalues.amax();
+        eigen.eigenvalues.iter_mut().for_each(|e| *e = e.max(least));
+        self.hessian = eigen.recompose().as_slice().to_vec();
+        self.age = 0;
+        self.agreement = 1.0;
+    }
+
+    /// The matrix B.
+    #[must_use]
+    pub fn matrix(&self) -> DMatrix<f64> {
+        let n = self.hessian.len().isqrt();
+        DMatrix::from_column_slice(n, n, &self.hessian)
+    }
+
+    /// gᵀ d + ½ dᵀ B d.
+    #[must_use]
+    pub fn change(&self, gradient: &[f64], d: &[f64]) -> f64 {
+        let d = DVector::from_column_slice(d);
+        dot(gradient, d.as_slice()) + 0.5 * d.dot(&(self.matrix() * &d))
+    }
+
+    /// The step that minimises the model within bounds on it, and moves no farther than `radius`; `metric` is M.
+    #[must_use]
+    pub fn step(
+        &self,
+        gradient: &[f64],
+        bounds: &[[f64; 2]],
+        metric: &DMatrix<f64>,
+        radius: f64,
+        motion: impl Fn(&[f64]) -> f64,
+    ) -> Vec<f64> {
+        let hessian = self.matrix();
+        let at = |shift: f64| minimum(&(&hessian + shift * metric), gradient, bounds);
+        let free = at(0.0);
+        if motion(&free) <= radius {
+            return free;
+        }
+        let (mut low, mut high) = (0.0, LEAST_SHIFT * hessian.trace() / metric.trace());
+        let mut step = at(high);
+        let mut shifts = 0;
+        while motion(&step) > radius && shifts < SHIFTS {
+            (low, high, shifts) = (high, 10.0 * high, shifts + 1);
+            step = at(high);
+        }
+        while low > 0.0 && motion(&step) < USED * radius && shifts < SHIFTS {
+            let middle = (low * high).sqrt();
+            let tried = at(middle);
+            if motion(&tried) > radius {
+                low = middle;
+            } else {
+                (high, step) = (middle, tried);
+            }
+            shifts += 1;
+        }
+        step
+    }
+
+    /// Takes in an accepted step s and the change y of the gradient along it.
+    pub fn update(&mut self, s: &[f64], y: &[f64]) {
+        let mut hessian = self.matrix();
+        let (s, y) = (DVector::from_column_slice(s), DVector::from_column_slice(y));
+        let through = &hessian * &s;
+        let (bend, own) = (s.dot(&through), s.dot(&y));
+        if !(bend > 0.0 && own.is_finite()) {
+            return;
+        }
+        let part = if own < DAMPING * bend { (1.0 - DAMPING) * bend / (bend - own) } else { 1.0 };
+        let y = part * y + (1.0 - part) * &through;
+        hessian += &y * y.transpose() / s.dot(&y) - &through * through.transpose() / bend;
+        self.hessian = hessian.as_slice().to_vec();
+        self.age += 1;
+    }
+}
+
+/// argmin gᵀ d + ½ dᵀ A d within bounds, A positive definite, by active sets.
+fn minimum(a: &DMatrix<f64>, gradient: &[f64], bounds: &[[f64; 2]]) -> Vec<f64> {
+    let n = gradient.len();
+    let mut held: Vec<Option<f64>> = vec![None; n];
+    let mut d = DVector::zeros(n);
+    for _ in 0..3 * n + 1 {
+        let free: Vec<usize> = (0..n).filter(|&i| held[i].is_none()).collect();
+        d = DVector::from_fn(n, |i, _| held[i].unwrap_or(0.0));
+        let side = a * &d;
+        let side = DVector::from_fn(free.len(), |k, _| -gradient[free[k]] - side[free[k]]);
+        let block = a.select_rows(&free).select_columns(&free);
+        let Some(factor) = block.cholesky() else { break };
+        for (&i, x) in free.iter().zip(factor.solve(&side).iter()) {
+            d[i] = *x;
+        }
+        let mut changed = false;
+        for &i in &free {
+            let [low, high] = bounds[i];
+            if d[i] < low || d[i] > high {
+                held[i] = Some(d[i].clamp(low, high));
+                changed = true;
+            }
+        }
+        if !changed {
+            let slope = a * &d;
+            let release = (0..n).find(|&i| {
+                held[i].is_some_and(|at| {
+                    let slope = slope[i] + gradient[i];
+                    (at <= bounds[i][0] && slope < 0.0) || (at >= bounds[i][1] && slope > 0.0)
+                })
+            });
+            let Some(i) = release else { break };
+            held[i] = None;
+        }
+    }
+    (0..n).map(|i| d[i].clamp(bounds[i][0], bounds[i][1])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far out in each variable alone.
+    const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+    fn largest(d: &[f64]) -> f64 {
+        d.iter().fold(0.0, |most: f64, d| most.max(d.abs()))
+    }
+
+    /// A stiff and a soft direction, across both variables.
+    fn valley() -> TrustRegion {
+        let mut region = TrustRegion::default();
+        region.renew(&DMatrix::from_row_slice(2, 2, &[101.0, 99.0, 99.0, 101.0]));
+        region
+    }
+
+    #[test]
+    fn a_near_minimum_is_reached_in_one_step() {
+        let (region, gradient) = (valley(), [2.0, -2.0]);
+        let d = region.step(&gradient, &[OPEN; 2], &DMatrix::identity(2, 2), 10.0, largest);
+        assert!((d[0] + 1.0).abs() < 1e-12 && (d[1] - 1.0).abs() < 1e-12, "{d:?}");
+        assert!((region.change(&gradient, &d) + 2.0).abs() < 1e-12);
+    }
+
+    /// Cut back to the same length, the step to the minimum would climb less far down: it goes along the soft direction.
+    #[test]
+    fn a_step_that_is_held_back_is_better_than_one_that_is_cut() {
+        let (region, gradient) = (valley(), [3.0, 1.0]);
+        let metric = DMatrix::identity(2, 2);
+        let whole = region.step(&gradient, &[OPEN; 2], &metric, f64::INFINITY, largest);
+        let held = region.step(&gradient, &[OPEN; 2], &metric, 0.01, largest);
+        let length = largest(&held);
+        assert!((0.008..=0.01).contains(&length), "{held:?}");
+        let cut: Vec<f64> = whole.iter().map(|d| d * length / largest(&whole)).collect();
+        assert!(region.change(&gradient, &held) < 1.2 * region.change(&gradient, &cut));
+    }
+
+    #[test]
+    fn a_step_keeps_to_its_bounds_and_is_the_least_there() {
+        let (region, gradient) = (valley(), [2.0, -2.0]);
+        let bounds = [[-0.25, 0.5], OPEN];
+        let d = region.step(&gradient, &bounds, &DMatrix::identity(2, 2), 10.0, largest);
+        // with d₀ = −1/4 held: 101 d₁ = 2 + 99/4
+        assert!((d[0] + 0.25).abs() < 1e-12 && (d[1] - 26.75 / 101.0).abs() < 1e-12, "{d:?}");
+    }
+
+    #[test]
+    fn a_model_has_no_negative_curvature() {
+        let mut region = TrustRegion::default();
+        region.renew(&DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, -3.0]));
+        let eigenvalues = region.matrix().symmetric_eigen().eigenvalues;
+        assert!(eigenvalues.min() > 0.0 && (eigenvalues.max() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_update_takes_over_the_curvature_along_the_step() {
+        let mut region = valley();
+        let (s, y) = ([0.3, -0.1], [12.0, 4.0]);
+        region.update(&s, &y);
+        let through = region.matrix() * DVector::from_column_slice(&s);
+        assert!((through - DVector::from_column_slice(&y)).norm() < 1e-10);
+        assert_eq!(region.age, 1);
+        // a curvature that is not positive is damped
+        region.update(&s, &[-1.0, 1.0]);
+        assert!(region.matrix().symmetric_eigen().eigenvalues.min() > 0.0);
+    }
+}
