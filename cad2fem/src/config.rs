@@ -29,7 +29,8 @@ pub struct Tetmesh {
     /// `ftetwild` or `gmsh`.
     #[schemars(schema_with = "meshers")]
     pub mesher: String,
-    /// Wanted edge length [m]; instead of `relative_edge_length`.
+    /// Wanted edge length [m]; instead of `relative_edge_length`. `gmsh` keeps the triangles of the surface:
+    /// inside alone edges are no longer.
     pub edge_length: Option<f64>,
     /// Wanted edge length, by default 0.05 [diagonal].
     pub relative_edge_length: Option<f64>,

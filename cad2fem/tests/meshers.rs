@@ -77,12 +77,19 @@ fn gmsh_takes_the_chamber_from_cad_to_tets() {
     assert!((enclosed_volume(&surface) / exact - 1.0).abs() < 0.02);
 
     let config = scene("chamber", "cad2fem.toml");
-    run(&["tetmesh", "model/model.stl", "--config", &config, "-o", "out.msh"]).succeeds();
+    let made = run(&["tetmesh", "model/model.stl", "--config", &config, "-o", "out.msh"]);
+    made.succeeds();
     let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
     let off = volume(&tets) / enclosed_volume(&surface) - 1.0;
     assert!(off.abs() < 1e-9, "{off:e}");
     let (skin, _) = boundary(&tets).surface(&tets);
     assert_eq!(skin.triangles.len(), surface.triangles.len());
+
+    // a user who wants longer edges than the surface has learns what makes them
+    assert!(!made.stderr.contains("keeps the triangles"), "{}", made.stderr);
+    let mesh = ["tetmesh", "model/model.stl", "--mesher", "gmsh", "-o", "longer.msh"];
+    run(&[&mesh[..], &["--edge-length", "6e-3"]].concat())
+        .says("edges of 6.0000 mm are wanted, but gmsh keeps the triangles of the surface");
 
     run(&["model", &script, "--unit", "mm", "--set", "k=4", "-o", "model"]).fails(2, "no number k");
     dir.write("broken.geo", "Sphere(1) = {0,");

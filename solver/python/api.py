@@ -18,7 +18,7 @@ MODULES = {
 #: Commands of pip, which `puffer --help` explains, are no functions for others.
 COMMANDS = {"cad2fem", "tagger", "solver", "fab", "puffer"}
 #: Values that a user gets and does not make, and helpers that other modules share.
-MADE_ELSEWHERE, SHARED = {"Run", "Design", "Response"}, {"floats"}
+MADE_ELSEWHERE, SHARED = {"Run", "Design", "Response", "ProgramError"}, {"floats"}
 
 
 def public(body):

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use tests::reported::check_simulation;
 use tests::skip::skip;
-use tests::workdir::{Workdir, repository};
+use tests::workdir::{Workdir, program, repository};
 
 /// A folder with the package, and in it the module as it is now.
 fn package() -> Workdir {
@@ -51,6 +51,7 @@ fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
     let mut command = Command::new(python);
     command.arg("-B").arg(tests).args(classes).current_dir(dir.path(""));
     command.env("PYTHONPATH", dir.path("")).env("PUFFER_SAVED", dir.path("saved"));
+    command.env("PUFFER_BIN", program("fab").parent().unwrap());
     let done = command.output().unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     Some(dir)
@@ -59,7 +60,12 @@ fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
 /// What it saves is what the program makes of the same scene.
 #[test]
 fn the_python_package_works_on_a_small_body() {
-    let Some(dir) = passed(&["Bodies", "Scenes", "Runs", "Book"], "autograd") else { return };
+    let Some(dir) = passed(
+        &["Bodies", "Scenes", "Runs", "Starts", "Scenarios", "Programs", "Book"],
+        "autograd",
+    ) else {
+        return;
+    };
     for name in ["still", "moving"] {
         dir.solver(&format!("simulate saved/{name}/sim.toml -o {name}")).assert_good();
         let [saved, made] = [format!("saved/{name}"), name.to_owned()]

@@ -340,6 +340,127 @@ class Jax(unittest.TestCase):
         self.assertEqual(float(jax.jit(loss)(still, pressure)), float(loss(still, pressure)))
 
 
+class Starts(unittest.TestCase):
+    """Runs that begin at another one."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scene = scene(solver={"relative_tolerance": 1e-10, "first_load_step": 0.25})
+        cls.before = cls.scene.simulate()
+
+    def test_a_neighbour_is_found_in_one_step_and_is_the_same(self):
+        other = self.scene.copy()
+        other.set("chamber.cavity.pressure", 22e3)
+        other.vertices = other.vertices * 1.01
+        anew, near = other.simulate(), other.simulate(start=self.before)
+        self.assertEqual(len(near.times), 1)
+        self.assertLess(near.newton_iterations, anew.newton_iterations)
+        size = np.abs(anew.displacement).max()
+        # equal to the tolerance of the forces, and moved by far more than that from the start
+        self.assertLess(np.abs(near.displacement - anew.displacement).max(), 1e-7 * size)
+        self.assertGreater(np.abs(near.displacement - self.before.displacement).max(), 1e-2 * size)
+        slopes = [run.gradient("height", ["chamber.cavity.pressure"])[1] for run in (anew, near)]
+        self.assertAlmostEqual(slopes[1]["chamber.cavity.pressure"] / slopes[0]["chamber.cavity.pressure"], 1, 6)
+
+    def test_what_is_not_near_is_sought_from_rest(self):
+        turned = self.scene.copy()
+        turned.vertices = turned.vertices[:, ::-1] * [1, 1, -1]
+        anew, near = turned.simulate(), turned.simulate(start=self.before)
+        size = np.abs(anew.displacement).max()
+        self.assertLess(np.abs(near.displacement - anew.displacement).max(), 1e-7 * size)
+
+    def test_a_start_that_does_not_fit_is_refused(self):
+        for words, other in [
+            ("on another mesh: 156 tetrahedra of degree 1, and the scene has 156 tetrahedra of degree 2", scene(degree=2)),
+            ("the scene goes through time", moving_scene()),
+            ("depends on the way to it", scene(contact={"friction": 0.3})),
+        ]:
+            with self.assertRaises(sp.InputError, msg=words) as caught:
+                other.simulate(start=self.before)
+            self.assertIn(words, str(caught.exception))
+
+    def test_ctrl_c_ends_it(self):
+        calls = []
+
+        def press(*said):
+            calls.append(said)
+            signal.raise_signal(signal.SIGINT)
+
+        other = self.scene.copy()
+        other.set("chamber.cavity.pressure", 15e3)
+        with self.assertRaises(KeyboardInterrupt):
+            other.simulate(progress=press, start=self.before)
+        self.assertEqual(len(calls), 1)
+
+
+class Scenarios(unittest.TestCase):
+    def test_a_scenario_is_the_scene_with_its_changes(self):
+        drawn = scene()
+        thin = drawn.scenario(name="thin", modulus=0.9, pressure=500, wall={"top": -0.2e-3}, weights={"bends": 2})
+        self.assertAlmostEqual(thin.get("material.body.c1"), 0.9 * 55e3, 6)
+        self.assertEqual(thin.get("chamber.cavity.pressure"), 20.5e3)
+        top = np.unique(drawn.body.tags["top"])
+        self.assertAlmostEqual(drawn.vertices[top, 2].min() - thin.vertices[top, 2].min(), 0.2e-3, 6)
+        self.assertEqual(drawn.get("material.body.c1"), 55e3)
+        # it says itself as TOML with all of that
+        with tempfile.TemporaryDirectory() as folder:
+            again = sp.load(thin.write(folder))
+        self.assertEqual(again.numbers, thin.numbers)
+        np.testing.assert_array_equal(again.vertices, thin.vertices)
+        alone = drawn.scenario(numbers={"material.body.c1": 60e3})
+        self.assertEqual(alone.get("material.body.c1"), 60e3)
+
+    def test_scenes_run_beside_each_other(self):
+        drawn = scene()
+        cases = [drawn, drawn.scenario(modulus=0.8), drawn.scenario(pressure=2e3)]
+        runs = sp.simulate_all(cases)
+        for case, run in zip(cases, runs):
+            np.testing.assert_array_equal(run.displacement, case.simulate().displacement)
+        rises = [run.probe("height") for run in runs]
+        self.assertTrue(rises[0] < rises[1] and rises[0] < rises[2])
+        near = sp.simulate_all(cases, start=runs[0])
+        np.testing.assert_allclose([run.probe("height") for run in near], rises, rtol=1e-8)
+
+    def test_bad_scenarios_have_the_words_of_the_programs(self):
+        for words, changes in [
+            ("did you mean `wall`?", {"wal": 1e-3}),
+            ("modulus = -1: must be positive", {"modulus": -1}),
+            ("friction: there is none in [contact] of the scene", {"friction": 0.5}),
+            ("no such number", {"numbers": {"material.body.c9": 1}}),
+            ("turn an element over", {"wall": {"top": -9e-3}}),
+        ]:
+            with self.assertRaises(sp.InputError, msg=words) as caught:
+                scene().scenario(**changes)
+            self.assertIn(words, str(caught.exception))
+
+
+class Programs(unittest.TestCase):
+    """The programs lie in the folder that PUFFER_BIN names, not in the package."""
+
+    def setUp(self):
+        from softpuffer import programs
+
+        before = programs.BIN
+        programs.BIN = pathlib.Path(os.environ["PUFFER_BIN"])
+        self.addCleanup(setattr, programs, "BIN", before)
+
+    def test_what_fails_says_why(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bad = pathlib.Path(folder) / "bad.msh"
+            bad.write_text("no mesh")
+            with self.assertRaises(sp.ProgramError) as caught:
+                sp.fab.plan(bad)
+            self.assertEqual(str(caught.exception), f'fab: {bad}: not a Gmsh file: it begins with "no", not "$MeshFormat"')
+            self.assertEqual((caught.exception.program, caught.exception.returncode), ("fab", 2))
+            with self.assertRaises(sp.ProgramError) as caught:
+                sp.new(pathlib.Path(folder) / "mine", like="zebra")
+            self.assertIn("there is no zebra", str(caught.exception))
+            sp.new(pathlib.Path(folder) / "mine", like="beam")
+            with self.assertRaises(sp.ProgramError) as caught:
+                sp.new(pathlib.Path(folder) / "mine")
+            self.assertIn("is there already; give another name", str(caught.exception))
+
+
 def chapter():
     """The pieces of Python of the book's chapter."""
     page = (pathlib.Path(__file__).parents[2] / "pipelines/book/python.md").read_text()
@@ -359,7 +480,7 @@ class SciPy(unittest.TestCase):
 class Book(unittest.TestCase):
     def test_the_pieces_of_the_chapter_run(self):
         pieces = chapter()
-        self.assertEqual(len(pieces), 6)
+        self.assertEqual(len(pieces), 8)
         before = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

@@ -1,5 +1,5 @@
 //! The wheel that `make wheel` builds, in a clean environment of Python, without Rust and without the checkout: from
-//! `puffer new` to a page and a verified mold.
+//! `puffer new` to a page and a verified mold. And one that pip builds of the sources that are published beside it.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -88,4 +88,31 @@ fn a_wheel_makes_a_body_without_the_checkout() {
     let version =
         environment.says("python -c", &[Path::new("import softpuffer as s; print(s.__version__)")]);
     assert_eq!(version.trim(), env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+#[ignore = "compiles the package from its sources, fifteen minutes: runs in make test-all"]
+fn pip_builds_the_sources_without_the_checkout() {
+    make(".cargo-tools/wheel/installed");
+    let dir = Workdir::new();
+    let mut pack = Command::new(repository().join(".cargo-tools/wheel/bin/python"));
+    pack.args(["-B", "-c", "import backend, sys; backend.build_sdist(sys.argv[1])"]);
+    run(pack.arg(dir.path("")).current_dir(repository().join("solver/python")));
+    let sources = format!("softpuffer-{}.tar.gz", env!("CARGO_PKG_VERSION"));
+    run(Command::new("python3").args(["-m", "venv"]).arg(dir.path("env")));
+    // pip fetches maturin, and cargo is in PATH
+    let mut build = Command::new(dir.path("env/bin/pip"));
+    build.args(["wheel", "--quiet", "--no-deps", "--wheel-dir", "built", &sources]);
+    run(build.current_dir(dir.path("")));
+    let mut built = dir.path("built").read_dir().unwrap().flatten().map(|entry| entry.path());
+    let Some(environment) = Environment::new(&built.next().unwrap()) else {
+        return skip("pip cannot install the meshers here");
+    };
+    let doctor = environment.says("puffer doctor", &[]);
+    assert!(doctor.contains("site-packages/softpuffer/share/puffer/folder.mk"), "{doctor}");
+    let listed =
+        environment.says("python -c", &[Path::new("import softpuffer as s; print(s.Scene)")]);
+    assert!(listed.contains("softpuffer.scene.Scene"), "{listed}");
+    environment.says("puffer new mine --like beam", &[]);
+    environment.says("puffer cad2fem model mine/model.toml -o model", &[]);
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use mesh::io::{is_standard, write_tets};
 use mesh::measure::diagonal;
+use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Tags};
 use program::Changes;
 use serde::Serialize;
@@ -17,6 +18,9 @@ use crate::mesher::python::Python;
 use crate::report::{Input, read_in};
 use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
 use crate::units::Unit;
+
+/// Edges wanted, over the longest of a surface that stays, from which on a user expects a coarser mesh.
+const COARSER: f64 = 1.25;
 
 /// Settings come from --config, then from the flags; what neither says has a default.
 /// Writes OUT and OUT with the extension .report.json, which standard output, msh:-, has not
@@ -42,7 +46,7 @@ pub struct Args {
     /// ftetwild or gmsh
     #[arg(long)]
     mesher: Option<String>,
-    /// Wanted edge length [m]
+    /// Wanted edge length [m]; gmsh keeps the triangles of the surface, and bounds edges inside alone
     #[arg(long, value_name = "M", conflicts_with = "relative_edge_length")]
     edge_length: Option<f64>,
     /// Wanted edge length [diagonal of the bounding box]
@@ -103,6 +107,9 @@ pub fn run(args: &Args) -> Result<()> {
         cache: if args.no_cache { None } else { Cache::open() },
         timeout: Duration::from_secs(args.timeout),
     };
+    if settings.edge_length.or(settings.relative_edge_length).is_some() {
+        warn_of_kept_triangles(&surface, &request);
+    }
     let (mesh, outcome) = tetrahedralize(&surface, &request).with_context(place)?;
     outcome.log();
     write_tets(&args.output, &mesh, &Tags::default())?;
@@ -111,6 +118,23 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let report = Report { program: crate::PROGRAM, input, outcome };
     program::write_json(&args.output.with_extension("report.json"), &report)
+}
+
+/// Says so where longer edges are wanted than the surface has, whose triangles the mesher keeps.
+fn warn_of_kept_triangles(surface: &SurfaceMesh, request: &Request) {
+    let (mesher, wanted) = (request.mesher, request.options.edge_length);
+    let ends = |[a, b]: &[usize; 2]| (surface.vertices[*a] - surface.vertices[*b]).norm();
+    let edge = edge_facets(&surface.triangles).keys().map(ends).fold(0.0, f64::max);
+    if mesher.keeps_triangles() && wanted > COARSER * edge {
+        log::warn!(
+            "edges of {:.4} mm are wanted, but {} keeps the triangles of the surface, whose longest edge has \
+             {:.4} mm: for a coarser mesh make a coarser surface (`cad2fem model` takes --edge-length, and --set for \
+             a number of a script), or take mesher = \"ftetwild\"",
+            wanted * 1e3,
+            mesher.name(),
+            edge * 1e3
+        );
+    }
 }
 
 /// Several surfaces as one, in which vertices at the same place are one.

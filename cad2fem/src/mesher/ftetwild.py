@@ -1,5 +1,6 @@
 # Runs fTetWild on vertices.npy, triangles.npy; leaves points.npy, tets.npy.
 import json
+import os
 import sys
 
 import numpy
@@ -27,7 +28,8 @@ def size(point):
     return length * scale
 
 
-if not fix_seed(wildmeshing.wildmeshing.__file__, seed):
+# the system lists libraries without links, such as that of an environment
+if not fix_seed(os.path.realpath(wildmeshing.wildmeshing.__file__), seed):
     open("unseeded", "w").close()
 mesher = wildmeshing.Tetrahedralizer(**settings)
 mesher.set_log_level(6)

@@ -28,6 +28,10 @@ impl TetMesher for Gmsh {
         "gmsh"
     }
 
+    fn keeps_triangles(&self) -> bool {
+        true
+    }
+
     fn package(&self) -> &'static str {
         "gmsh"
     }

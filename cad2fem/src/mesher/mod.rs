@@ -53,6 +53,10 @@ pub struct Refinement {
 pub trait TetMesher: Sync {
     /// Name in configurations.
     fn name(&self) -> &'static str;
+    /// Whether the triangles of the surface become facets as they are, whatever edges are wanted.
+    fn keeps_triangles(&self) -> bool {
+        false
+    }
     /// Python package that carries it.
     fn package(&self) -> &'static str;
     /// Script that drives it, with or without surfaces inside; part of what decides the result.

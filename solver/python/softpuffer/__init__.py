@@ -18,6 +18,7 @@ _PLACES = {
     "Body": "body",
     "InputError": "_native",
     "NoEquilibrium": "_native",
+    "ProgramError": "programs",
     "Run": "run",
     "Scene": "scene",
     "design": "designs",
@@ -25,6 +26,7 @@ _PLACES = {
     "mesh": "folders",
     "new": "folders",
     "response": "responses",
+    "simulate_all": "scene",
 }
 _MODULES = ("fab", "jax", "torch")
 

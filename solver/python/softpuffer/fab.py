@@ -1,7 +1,6 @@
 """Molds: how to cast a body, the parts to print, and their verification.
 
-Each function runs the program `fab` and returns what it wrote. Raises subprocess.CalledProcessError where that
-fails; its `stderr` says why.
+Each function runs the program `fab` and returns what it wrote. Raises ProgramError, with its message, where that fails.
 """
 
 from __future__ import annotations

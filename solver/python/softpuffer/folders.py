@@ -14,11 +14,14 @@ from .programs import run
 _MODELS = (".toml", ".geo", ".step")
 _OTHERS = (".stp", ".brep", ".iges", ".3mf", ".stl", ".obj", ".ply")
 
+#: CAD files that state the unit of their edges.
+_CAD = (".geo", ".step", ".stp", ".iges")
+
 
 def new(folder: str | os.PathLike, like: str = "blank") -> Path:
     """Writes a folder with all files of a body, to begin with: blank, beam, finger, pneunet, arm, frog, gripper, ...
 
-    Raises subprocess.CalledProcessError where the folder is there already or there is no such body.
+    Raises ProgramError where the folder is there already or there is no such body.
     """
     run("cad2fem", ["new", os.fspath(folder), "--like", like])
     return Path(folder)
@@ -28,9 +31,10 @@ def mesh(folder: str | os.PathLike, set: Iterable[str] = (), edge_length: float 
     """Makes the tagged mesh of a folder from its model, in its folder `build`, as make does, and reads it.
 
     set: other numbers of the model, as `cad2fem model` takes them: ["cavity.slot.shape.box.size.1=8"].
-    edge_length: longest edge of the tetrahedra [m], in place of that of cad2fem.toml.
+    edge_length: longest edge of the tetrahedra [m], in place of that of cad2fem.toml, and of the triangles of a
+        CAD model. Where a script has sizes of its own, `set` makes its triangles longer: ["h=4"].
 
-    Raises InputError where there is no model, subprocess.CalledProcessError where a program fails.
+    Raises InputError where there is no model, ProgramError where a program fails.
     """
     folder, build = Path(folder), Path(folder) / "build"
     models = [folder / f"model{ending}" for ending in (*_MODELS, *_OTHERS)]
@@ -40,11 +44,11 @@ def mesh(folder: str | os.PathLike, set: Iterable[str] = (), edge_length: float 
     verb = "model" if model.suffix in _MODELS else "import"
     unit = ["--unit", "mm"] if model.suffix == ".geo" else []
     changes = [word for change in set for word in ("--set", change)]
-    finer = [] if edge_length is None else ["--edge-length", repr(edge_length)]
+    edges = [] if edge_length is None else ["--edge-length", repr(edge_length)]
     surface, volume, tagged = build / "model", build / "volume.msh", build / "tagged.msh"
-    run("cad2fem", [verb, str(model), *unit, *changes, "-o", str(surface)])
+    run("cad2fem", [verb, str(model), *unit, *changes, *(edges if model.suffix in _CAD else []), "-o", str(surface)])
     settings = ["--config", str(folder / "cad2fem.toml")]
-    run("cad2fem", ["tetmesh", str(surface / "model.stl"), *settings, *finer, "-o", str(volume)])
+    run("cad2fem", ["tetmesh", str(surface / "model.stl"), *settings, *edges, "-o", str(volume)])
     names = ["--config", str(folder / "tags.toml"), "--patches", str(surface / "patches")]
     run("tagger", ["tag", str(volume), *names, "-o", str(tagged)])
     return Body.read(tagged)

@@ -25,6 +25,26 @@ Puffer: from a model of a soft actuator to printable molds.
 """
 
 
+class ProgramError(RuntimeError):
+    """A program failed. The text is its message.
+
+    program, returncode: which one, and its exit code: 1 where a result must not be used, 2 where the input is wrong.
+    stderr: all that it said.
+    """
+
+    def __init__(self, program: str, returncode: int, stderr: str):
+        self.program, self.returncode, self.stderr = program, returncode, stderr
+        super().__init__(_message(program, stderr) or f"{program} ended with exit code {returncode}, without a message")
+
+
+def _message(program, stderr):
+    """The message with which a program ended: from the last line on that begins with its name, or of what is wrong
+    with its arguments."""
+    lines = stderr.strip().splitlines()
+    begins = [i for i, line in enumerate(lines) if line.startswith((f"{program}: ", "error: "))]
+    return "\n".join(lines[begins[-1] :]) if begins else ""
+
+
 def cad2fem():
     """Runs the program `cad2fem`."""
     _run_program("cad2fem", sys.argv[1:])
@@ -79,12 +99,13 @@ def program(name: str) -> Path:
 def run(name: str, arguments: Sequence[str]) -> str:
     """Runs a program to its end and returns what it printed. Its messages go where those of Python go.
 
-    Raises subprocess.CalledProcessError where it fails; its `stderr` has the message.
+    Raises ProgramError, with the message of the program, where it fails.
     """
     command = [str(program(name)), *arguments]
     done = subprocess.run(command, env=_environment(), capture_output=True, text=True)
+    if done.returncode:
+        raise ProgramError(name, done.returncode, done.stderr)
     print(done.stderr, end="", file=sys.stderr)
-    done.check_returncode()
     return done.stdout
 
 

@@ -11,6 +11,7 @@ from typing import Iterable, Mapping, Sequence
 import numpy as np
 
 from ._native import NoEquilibrium
+from .run import Run
 from .scene import Scene
 
 
@@ -55,18 +56,24 @@ def response(
     names = list(scene.probes if probes is None else probes)
     paths = [*grid, *(path for path in by if path not in grid)]
     columns = [*grid, *names, *(f"d {name}/d {path}" for name in names for path in paths)]
-    rows = []
+    rows, start = [], None
     for values in itertools.product(*grid.values()):
         for path, value in zip(grid, values):
             scene.set(path, value)
-        rows.append([*values, *_case(scene, names, paths)])
+        row, run = _case(scene, names, paths, start)
+        rows.append([*values, *row])
+        # the next case goes on from this one, where the way to it does not matter
+        start = run if scene._native.is_free_of_history() else None
     return Response(columns, np.array(rows, dtype=float))
 
 
-def _case(scene: Scene, names: list[str], paths: list[str]) -> list[float]:
+def _case(
+    scene: Scene, names: list[str], paths: list[str], start: Run | None
+) -> tuple[list[float], Run | None]:
+    """The values of a row, and its run."""
     try:
-        run = scene.simulate(progress=False)
+        run = scene.simulate(progress=False, start=start)
         found = [run.gradient(name, paths) for name in names]
     except NoEquilibrium:
-        return [np.nan] * (len(names) * (1 + len(paths)))
-    return [value for value, _ in found] + [slopes[path] for _, slopes in found for path in paths]
+        return [np.nan] * (len(names) * (1 + len(paths))), None
+    return [value for value, _ in found] + [slopes[path] for _, slopes in found for path in paths], run

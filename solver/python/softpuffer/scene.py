@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
+from .beside import run_all
 from .body import Body, floats
 from .progress import shown
 from .run import Run
@@ -134,16 +135,31 @@ class Scene:
         """The body at rest as it is now, several as one."""
         return Body._of(self._native.body())
 
-    def simulate(self, progress: Progress | bool | None = None) -> Run:
+    def scenario(self, **changes: Any) -> Scene:
+        """A copy of the scene under a scenario, with the keys of `[[scenario]]` in design.toml: wall=-0.15e-3,
+        modulus={"insert": 0.9}, pressure=500, friction=0.7, numbers={...}, parameters={...}. So
+        `scene.scenario(**table)` takes a table of that file; its name and weights change nothing.
+
+        Raises InputError where the scene does not have what is changed, or does not admit it.
+        """
+        table = {"name": "", **changes}
+        return Scene._of(self._native.scenario(json.dumps(table, default=_plain)))
+
+    def simulate(self, progress: Progress | bool | None = None, start: Run | None = None) -> Run:
         """Solves the scene for its equilibrium, or through time.
 
         progress: True draws a line while it runs, a function is called at every
-        iteration of Newton's method, None draws where there is a terminal.
+            iteration of Newton's method, None draws where there is a terminal.
+        start: a run on the same tetrahedra, of a scene that differs a little, such as the one before in a design
+            or a sweep. The equilibrium is sought next to its end, in one load step, and from rest where
+            none is found there: to the same tolerance, in a fraction of the time. Where there are several
+            equilibria, it stays on the branch of `start`. For scenes without time and friction.
 
-        Raises NoEquilibrium with what is known of the reason. Ctrl-C ends it with KeyboardInterrupt.
+        Raises NoEquilibrium with what is known of the reason, InputError where the scene cannot begin at `start`.
+        Ctrl-C ends it with KeyboardInterrupt.
         """
         with shown(progress) as told:
-            native = self._native.simulate(told)
+            native = self._native.simulate(told, None if start is None else start._native)
         return Run(native, self.copy())
 
     def __repr__(self) -> str:
@@ -153,6 +169,17 @@ class Scene:
 def load(path: str | os.PathLike, set: Iterable[str] = ()) -> Scene:
     """Reads a scene of TOML, with changes as `--set` of the programs takes them: ["degree=1"]."""
     return Scene._of(_native.Scene.read(os.fspath(path), list(set)))
+
+
+def simulate_all(scenes: Iterable[Scene], start: Run | None = None) -> list[Run]:
+    """Solves several scenes beside each other, such as the scenarios of a design, and returns their runs in order.
+
+    start: as for `Scene.simulate`, for all of them.
+
+    Raises what `Scene.simulate` raises, for the first scene that fails.
+    """
+    scenes = list(scenes)
+    return run_all(lambda k: scenes[k].simulate(progress=False, start=start), len(scenes))
 
 
 #: Stands for the path of a mesh that is in memory.

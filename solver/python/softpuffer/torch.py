@@ -12,7 +12,8 @@ from typing import Mapping, Sequence
 import numpy as np
 import torch
 
-from .differentiable import run_all, solved
+from .beside import run_all
+from .differentiable import solved
 from .scene import Scene
 
 

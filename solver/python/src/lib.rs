@@ -4,6 +4,7 @@
 //! the programs. What these log goes to Python's `logging`. Computations release Python's lock, and end where Ctrl-C is pressed.
 
 mod body;
+mod course;
 mod error;
 mod run;
 mod scene;

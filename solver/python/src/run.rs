@@ -9,9 +9,7 @@ use anyhow::{Context, Result};
 use measure::probe::{Probe, measure};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::energy::Iterate;
-use mechanics::forward::{
-    Event, LoadStep, Problem, TimeStepper, Trajectory, Watch, Workspace, predicted_time,
-};
+use mechanics::forward::{Event, LoadStep, Problem, Trajectory, Watch, Workspace, predicted_time};
 use mesh::io::vtu;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use program::FolderLock;
@@ -24,14 +22,13 @@ use solver::report::failure::Diagnosis;
 use solver::report::record::{Finished, Recorder};
 use solver::report::results;
 use solver::report::simulation::{self, Spent};
+use solver::study::nearby;
 use solver::study::sensitivity::sensitivities;
 use solver::study::uncertainty;
 
 use crate::body::{by_rows, vectors};
+use crate::course::Course;
 use crate::error::{NoEquilibrium, refused, refused_as};
-
-/// Memory for states; others lie on disk [B].
-const STATE_MEMORY: f64 = 4e9;
 
 /// The name of the derivative by rest positions.
 const SHAPE: &str = "shape";
@@ -53,24 +50,49 @@ pub struct Run {
 }
 
 impl Run {
-    /// Solves a scene.
+    /// Solves a scene, next to a displacement [m] if there is one.
     pub fn new(
         py: Python<'_>,
         scene: Arc<scene::Scene>,
         progress: Option<Py<PyAny>>,
+        start: Option<Vec<f64>>,
     ) -> PyResult<Self> {
         let broken_off = Arc::new(Mutex::new(None));
         let told = Arc::clone(&broken_off);
-        let outcome = py.detach(|| Self::solve(scene, |own| watch(own, progress, told)));
+        let watch = |own| watch(own, progress, told);
+        let outcome = py.detach(|| Self::solve(scene, start.as_deref(), watch));
         if let Some(error) = broken_off.lock().unwrap_or_else(PoisonError::into_inner).take() {
             return Err(error);
         }
         outcome.map_err(refused)?.map_err(NoEquilibrium::new_err)
     }
 
+    /// The displacement at the end [m], from which a scene may be solved.
+    pub fn start_of(&self, scene: &scene::Scene) -> PyResult<Vec<f64>> {
+        let leave_out = "leave `start` out";
+        if scene.config.time.is_some() {
+            let why = "the scene goes through time, which begins at rest";
+            return Err(refused_as(format!("start: {why}; {leave_out}")));
+        }
+        if !nearby::is_free_of_history(scene) {
+            let why = "with friction an equilibrium depends on the way to it";
+            return Err(refused_as(format!("start: {why}; {leave_out}")));
+        }
+        let [own, other] = [&*self.scene, scene].map(|of| (&of.body.mesh.tets, of.config.degree));
+        if own != other {
+            let [own, other] = [own, other]
+                .map(|(tets, degree)| format!("{} tetrahedra of degree {degree}", tets.len()));
+            return Err(refused_as(format!(
+                "start: it is a run on another mesh: {own}, and the scene has {other}; {leave_out}"
+            )));
+        }
+        Ok(self.trajectory.last().into_owned())
+    }
+
     /// The run, or why there is no equilibrium.
     fn solve(
         scene: Arc<scene::Scene>,
+        start: Option<&[f64]>,
         watch: impl FnOnce(Option<Watch>) -> Watch,
     ) -> Result<Result<Self, String>> {
         let begin = Instant::now();
@@ -78,23 +100,19 @@ impl Run {
         let probes = scene.probes(&scene.body, &problem.space)?;
         scene.check_loads()?;
         workspace.watch = Some(watch(workspace.watch.take()));
-        let mut stepper =
-            TimeStepper::new(scene.stepping(), scene.integrator(&scene.body, &problem));
-        let (rest, times) = (&scene.body.mesh.vertices, scene.times());
         let timed = scene.config.time.is_some();
-        let predicted_s = predicted_time(&problem, &workspace, timed.then_some(times.len()));
-        let mut load_steps = Vec::new();
-        let keep = |step: &LoadStep| load_steps.push(step.clone());
-        let run = stepper.run(&problem, &mut workspace, rest, &times, STATE_MEMORY, keep);
+        let predicted_s =
+            predicted_time(&problem, &workspace, timed.then_some(scene.times().len()));
+        let course = Course::new(&scene, (&problem, &mut workspace), start);
         workspace.watch = None;
-        let trajectory = match run {
-            Ok(trajectory) => trajectory,
+        let course = match course {
+            Ok(course) => course,
             Err(unreached) => {
                 let solver = (&problem, &mut workspace);
                 return Ok(Err(Diagnosis::new(&scene, &scene.body, solver, &unreached).message));
             }
         };
-        let newton_iterations = stepper.progress.newton_iterations;
+        let Course { trajectory, load_steps, newton_iterations } = course;
         let (workspace, seconds) = (Mutex::new(workspace), begin.elapsed().as_secs_f64());
         Ok(Ok(Self {
             scene,
@@ -417,6 +435,10 @@ fn watch(
         let &Event::Iterate { time, iteration, residual, wanted } = event else {
             return scene.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event));
         };
+        // a run that was sought next to another one begins anew from rest
+        if broken_off.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
+            return ControlFlow::Break(());
+        }
         let said = Python::attach(|py| {
             py.check_signals()?;
             match &progress {

@@ -7,9 +7,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use anyhow::{Context, anyhow, ensure};
 use mechanics::element::FunctionSpace;
 use numpy::{PyArray2, PyReadonlyArray2};
-use program::Change;
+use program::{Change, Settings};
 use pyo3::prelude::*;
+use scene::config::ScenarioConfig;
 use solver::number::{self, Number, Walls};
+use solver::optimize::scene_of;
+use solver::study::nearby;
 
 use crate::body::{Body, points, vectors};
 use crate::error::{refused, refused_as};
@@ -125,6 +128,31 @@ impl Scene {
         FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets.clone()).node_count()
     }
 
+    /// A scene of its own, as a scenario of a design has it, by its table in JSON.
+    fn scenario(&self, table: &str) -> PyResult<Self> {
+        let State { scene: before, mut set } = self.lock().clone();
+        let table: serde_json::Value = serde_json::from_str(table).map_err(refused)?;
+        let text = toml::to_string(&table).map_err(refused)?;
+        let config: ScenarioConfig = Settings::of_text(&text).parse().map_err(refused)?;
+        let scene = scene_of(&before, &config).map_err(refused)?;
+        for number in Number::all(&scene).iter().filter(|number| number.word() != "wall") {
+            let is_new = number.value(&scene) != number.value(&before);
+            if is_new && number.added_to(&mut scene.clone()).is_none() {
+                set.insert(number.path.clone(), number.value(&scene));
+            }
+        }
+        for (tag, distance) in config.walls() {
+            let path = tag.map_or_else(|| "wall".to_owned(), |tag| format!("wall.{tag}"));
+            *set.entry(path).or_default() += distance;
+        }
+        Ok(Self { state: Mutex::new(State { scene: Arc::new(scene), set }) })
+    }
+
+    /// Whether an equilibrium does not depend on the way to it, so that one may be sought from another.
+    fn is_free_of_history(&self) -> bool {
+        nearby::is_free_of_history(&self.now())
+    }
+
     /// A scene of its own that is like this one.
     fn copy(&self) -> Self {
         Self { state: Mutex::new(self.lock().clone()) }
@@ -192,10 +220,18 @@ impl Scene {
     }
 
     /// Solves the scene. `progress` is called with the time, the number of an iteration of Newton's
-    /// method, the unbalanced force and the one wanted [N].
-    #[pyo3(signature = (progress=None))]
-    fn simulate(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<Run> {
-        Run::new(py, self.now(), progress)
+    /// method, the unbalanced force and the one wanted [N]. The equilibrium is sought next to that of
+    /// `start` first.
+    #[pyo3(signature = (progress=None, start=None))]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        progress: Option<Py<PyAny>>,
+        start: Option<PyRef<'_, Run>>,
+    ) -> PyResult<Run> {
+        let scene = self.now();
+        let start = start.map(|run| run.start_of(&scene)).transpose()?;
+        Run::new(py, scene, progress, start)
     }
 
     fn __repr__(&self) -> String {

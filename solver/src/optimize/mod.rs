@@ -32,4 +32,4 @@ pub use meshes::Meshes;
 pub use molding::Molding;
 pub use parameter::{Parameter, Perturbed};
 pub use remesh::{mesh_file, write_bodies};
-pub use scenario::{Rejected, Run, Scenario};
+pub use scenario::{Rejected, Run, Scenario, scene_of};

@@ -9,10 +9,11 @@ use anyhow::{Result, ensure};
 use measure::probe::Probe;
 use mechanics::adjoint;
 use mechanics::energy::Iterate;
-use mechanics::forward::{Configuration, Problem, TimeStepper, Trajectory, Workspace, solve_from};
+use mechanics::forward::{Problem, TimeStepper, Trajectory, Workspace};
 use nalgebra::Matrix6;
 use scene::Scene;
 
+use super::nearby::{is_free_of_history, next_to};
 use super::pose::Tip;
 use super::sensitivity::sensitivities;
 use crate::number::{Number, Swept, Walls};
@@ -239,26 +240,16 @@ fn run(
 ) -> Option<Trajectory> {
     let rest = &scene.body.mesh.vertices[..];
     let integrator = scene.integrator(&scene.body, problem);
-    let stepping = scene.stepping();
-    if before.len() == problem.dofs() && is_free_of_history(scene) {
-        let mut u = before.to_vec();
-        let moved = problem.dirichlet.displacement(1.0);
-        problem.dirichlet.supports().iter().for_each(|&dof| u[dof] = moved[dof]);
-        let start = Configuration::new(problem, rest, u, 1.0);
-        if let Ok(found) = solve_from(problem, workspace, &start, &stepping.newton) {
-            let mut run = Trajectory::begin(&integrator, STATE_MEMORY);
-            run.push_displacement(problem, rest, 1.0, &found.u);
-            return Some(run);
-        }
+    if before.len() == problem.dofs()
+        && is_free_of_history(scene)
+        && let Ok(found) = next_to(scene, (problem, workspace), before)
+    {
+        let mut run = Trajectory::begin(&integrator, STATE_MEMORY);
+        run.push_displacement(problem, rest, 1.0, &found.u);
+        return Some(run);
     }
-    let mut stepper = TimeStepper::new(stepping, integrator);
+    let mut stepper = TimeStepper::new(scene.stepping(), integrator);
     stepper.run(problem, workspace, rest, &[1.0], STATE_MEMORY, |_| {}).ok()
-}
-
-/// Whether an equilibrium does not depend on the way to it.
-fn is_free_of_history(scene: &Scene) -> bool {
-    let rubs = scene.config.contact().is_some_and(|contact| contact.friction > 0.0);
-    !rubs && scene.config.relaxation.is_empty()
 }
 
 /// Places of a symmetric matrix on and above its diagonal.

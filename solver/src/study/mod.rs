@@ -1,6 +1,7 @@
 //! Studies of scenes: each a list of runs with other numbers.
 
 pub mod sensitivity; // derivatives of probes by numbers of a scene
+pub mod nearby; // the equilibrium next to a known one
 pub mod pose; // where a tag is, and its stiffness
 pub mod map; // probes, pose and stiffness on a grid of numbers
 pub mod uncertainty; // what probes change by if numbers are off

@@ -138,6 +138,15 @@ impl ScenarioConfig {
         }
     }
 
+    /// Whether it makes sense, outside of a design.
+    ///
+    /// # Errors
+    /// With the key, what was found and what was needed.
+    pub fn check_alone(&self) -> Result<()> {
+        let weighted: Vec<&str> = self.weights.keys().map(String::as_str).collect();
+        self.check(&weighted, &[])
+    }
+
     fn check(&self, objectives: &[&str], designed: &[&str]) -> Result<()> {
         let Self { weight, modulus, density, membrane, friction, pressure, .. } = self;
         let named = [("modulus", modulus), ("density", density), ("membrane", membrane)];

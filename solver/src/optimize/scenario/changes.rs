@@ -5,6 +5,23 @@ use scene::config::{FactorConfig, ScenarioConfig};
 use scene::{Scene, SceneLaw};
 
 use crate::number::{self, Group, Number};
+use crate::optimize::offset::Offset;
+
+/// The scene of a scenario, walls included.
+///
+/// # Errors
+/// When the scene does not have what the scenario changes, or does not admit it.
+pub fn scene_of(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
+    scenario.check_alone()?;
+    let mut changed = under(scene, scenario)?;
+    if let Some(offset) = Offset::new(scenario, &scene.body)? {
+        let mesh = &mut changed.body.mesh;
+        mesh.vertices = offset.apply(&mesh.vertices);
+        let findings = mesh::check::check_tets(mesh);
+        ensure!(findings.is_empty(), "wall: walls that are moved so far turn an element over");
+    }
+    Ok(changed)
+}
 
 /// The scene under a scenario, without what it says of walls: they are moved with the shape of a
 /// level.

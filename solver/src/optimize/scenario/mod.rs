@@ -25,6 +25,7 @@ use program::Heartbeat;
 use scene::config::{DesignConfig, LevelConfig, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
+pub use self::changes::scene_of;
 pub use self::run::Run;
 use self::terms::{Forces, add_partials};
 use super::offset::Offset;
