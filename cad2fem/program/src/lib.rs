@@ -34,7 +34,8 @@ pub use owner::{is_as_safe_as_program, is_own_folder, temporary_folder};
 pub use pattern::fits;
 pub use progress::{Heartbeat, Progress, Spinner};
 pub use settings::{
-    Change, Changes, KeyPath, Keys, Meaning, Misfit, Settings, VERSION, read_key, read_table, read_toml,
+    Change, Changes, KeyPath, Keys, Meaning, Misfit, Settings, VERSION, read_key, read_table,
+    read_toml,
 };
 pub use shell::parse;
 pub use terminal::{Stdout, stdout};

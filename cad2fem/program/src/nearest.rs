@@ -45,7 +45,8 @@ mod tests {
         assert_eq!(nearest("presure", ["on", "pressure", "fill"]), Some("pressure"));
         assert_eq!(nearest("x", ["on", "pressure"]), None);
         assert_eq!(nearest("x", []), None);
-        let said = |word: &str| unknown("no such tag", word, ["seat", "top"], ';', "it has seat, top");
+        let said =
+            |word: &str| unknown("no such tag", word, ["seat", "top"], ';', "it has seat, top");
         assert_eq!(said("seta"), "no such tag; did you mean `seat`? it has seat, top");
         assert_eq!(said("x"), "no such tag; it has seat, top");
     }

@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
 use program::schema::partial;
-use program::{Change, KeyPath, Keys, Misfit, Settings, misfit, read_table};
+use program::{Change, KeyPath, Keys, Settings, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::json;
@@ -16,6 +16,7 @@ use toml::{Table, Value};
 
 pub use super::shape::Bounds;
 use super::shape::Shape;
+use super::value::{require_file_name, require_finite};
 use crate::units::Unit;
 
 /// Most cells of the sampling lattice, 2 samples each.
@@ -227,10 +228,7 @@ impl ModelFile {
         for changes in &model.variant {
             let (name, changes) = named(changes.clone())?;
             let title = || KeyPath::of("variant").named(&name);
-            ensure!(
-                variants.iter().all(|(n, _)| *n != name),
-                misfit!(title(), " occurs twice")
-            );
+            ensure!(variants.iter().all(|(n, _)| *n != name), misfit!(title(), " occurs twice"));
             let variant = vary(&table, changes).with_context(title)?;
             variants.push((name, variant));
         }
@@ -286,36 +284,6 @@ fn merge(target: &mut Value, change: Value) {
         }
         (target, change) => *target = change,
     }
-}
-
-/// TOML has `nan` and `inf`; a length is neither.
-fn require_finite(key: &str, path: KeyPath, value: &Value) -> Result<(), Misfit> {
-    match value {
-        Value::Float(x) if !x.is_finite() => {
-            Err(path.told(format!("{key} is {x}; a finite number is needed")))
-        }
-        Value::Array(items) => items
-            .iter()
-            .enumerate()
-            .try_for_each(|(i, item)| require_finite(key, path.clone().number(i + 1), item)),
-        Value::Table(table) => table.iter().try_for_each(|(name, item)| {
-            let key = format!("{key}.{name}");
-            require_finite(key.trim_start_matches('.'), path.clone().key(name), item)
-        }),
-        _ => Ok(()),
-    }
-}
-
-/// Names of regions and variants become names of files.
-fn require_file_name(name: &str) -> Result<()> {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
-    ensure!(
-        !name.is_empty() && name != "patches" && name.chars().all(plain),
-        KeyPath::word(name).told(format!(
-            "name {name:?} must consist of letters, digits, - and _ (it names a file), and not be `patches`"
-        ))
-    );
-    Ok(())
 }
 
 impl Model {

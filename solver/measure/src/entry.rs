@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use program::{KeyPath, Misfit, misfit, read_table};
 use program::schema::{Key, add_keys, key_names, keys_of, one_of};
+use program::{KeyPath, Misfit, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -73,7 +73,7 @@ impl<C: Common> Entry<C> {
     pub fn check(&self) -> Result<()> {
         let may_be_maximised = self.kind.may_be_maximised && self.own.may_be_maximised();
         let checked = self.common.check(may_be_maximised).and_then(|()| self.own.check());
-        checked.with_context(|| self.title())
+        Ok(checked.map_err(|what| self.title().around(self.title(), &what))?)
     }
 
     /// Builds the quantity on bodies.
@@ -92,7 +92,8 @@ impl<C: Common> Entry<C> {
 
     fn read(mut keys: Table) -> Result<Self, Misfit> {
         let kind = keys.remove("kind").ok_or_else(|| Misfit::missing_field("kind"))?;
-        let kind = kind.as_str().ok_or_else(|| misfit!(KeyPath::of("kind"), " = {kind}: a name"))?;
+        let kind =
+            kind.as_str().ok_or_else(|| misfit!(KeyPath::of("kind"), " = {kind}: a name"))?;
         let (kind, names) = (kinds::find(C::LIST, kind)?, key_names::<C>());
         let (common, own): (Table, Table) =
             keys.into_iter().partition(|(key, _)| names.contains(&key.as_str()));

@@ -315,7 +315,10 @@ mod tests {
             ("kind = 'mooney'".to_owned(), "mooney-rivlin-quadratic, neo-hookean, yeoh"),
             ("c1 = 1.0".to_owned(), "no kind"),
             ("kind = 3".to_owned(), "kind = 3"),
-            (format!("{yeoh}c4 = 1"), "unknown parameter \"c4\"; expected c1 [Pa], c2 [Pa]"),
+            (
+                format!("{yeoh}c4 = 1"),
+                "unknown parameter \"c4\"; did you mean `c1`? expected c1 [Pa], c2 [Pa]",
+            ),
             ("kind = 'neo-hookean'\nyoung = 1e5".to_owned(), "no \"poisson\""),
             ("kind = 'neo-hookean'\nyoung = 1e5\npoisson = 0.5".to_owned(), "inf Pa"),
             ("kind = 'neo-hookean'\nyoung = -1e5\npoisson = 0.3".to_owned(), "-38461.5"),

@@ -18,11 +18,13 @@ pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
         return Some(KeyPath::default().told(format!("{error}{}", near.unwrap_or_default())));
     }
     if let Some(error) = error.downcast_ref::<CutError>() {
-        let tags = match error {
-            CutError::Tag { tags, .. } | CutError::Plane { tags, .. } => tags,
-            CutError::Parallel(parallel) => &parallel.planes[1].tags,
+        let path = match error {
+            // the error of the tag says where
+            CutError::Tag { .. } => KeyPath::list("symmetry"),
+            CutError::Plane { tags, .. } => cut(tags),
+            CutError::Parallel(parallel) => cut(&parallel.planes[1].tags),
         };
-        return Some(cut(tags).told(error));
+        return Some(path.told(error));
     }
     let key = match error.downcast_ref()? {
         Refused::Gas { ambient, .. } if !(*ambient > 0.0 && ambient.is_finite()) => "ambient",
@@ -45,7 +47,13 @@ fn of_tag(error: &TagError) -> Misfit {
         TagError::Unknown { tag, known } => {
             let (before, has) = (format!("unknown tag \"{tag}\""), known.join(", "));
             let known = known.iter().map(|tag| &tag[..]);
-            KeyPath::word(tag).told(unknown(&before, tag, known, ';', &format!("the mesh has: {has}")))
+            KeyPath::word(tag).told(unknown(
+                &before,
+                tag,
+                known,
+                ';',
+                &format!("the mesh has: {has}"),
+            ))
         }
         TagError::Untagged { tag }
         | TagError::NotOnBoundary { tag }

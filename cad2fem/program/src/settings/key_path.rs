@@ -96,8 +96,8 @@ impl KeyPath {
 
     /// The error that is there, whose message names the keys itself.
     #[must_use]
-    pub fn told(self, message: impl Display) -> Misfit {
-        Misfit { message: message.to_string(), path: self }
+    pub fn told(self, what: impl Display) -> Misfit {
+        Misfit { message: what.to_string(), path: self }
     }
 
     /// The error of what is below these keys, with a title.

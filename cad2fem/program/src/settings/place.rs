@@ -11,24 +11,28 @@ use super::merge::identity;
 /// As much of a line is shown before a place, and twice as much from there on [bytes].
 const AROUND: usize = 300;
 
-/// The place that keys lead to, as far as they do.
+/// The place that keys lead to, as far as they do; words are looked for where that is.
 pub fn of_path(tree: &DeTable, path: &KeyPath) -> Option<Range<usize>> {
-    let (mut table, mut list, mut found) = (Some(tree), None, None);
+    let (mut table, mut list, mut found, mut lost) = (Some(tree), None, None, false);
     for step in path.steps() {
         let next = match step {
             Step::Table(name) | Step::List(name) | Step::Key(name) => table
                 .and_then(|table| entry(table, name))
                 .map(|(key, value)| (key.start..end_on_its_line(&key, value), Some(value))),
-            Step::Value(name) => {
-                table.and_then(|table| table.get(name.as_str())).map(|value| (value.span(), Some(value)))
-            }
+            Step::Value(name) => table
+                .and_then(|table| table.get(name.as_str()))
+                .map(|value| (value.span(), Some(value))),
             Step::Word(word) => {
                 let place = table.and_then(|table| holds(table, word));
                 place.or_else(|| list_holds(list?, word)).map(|place| (place, None))
             }
             _ => list.and_then(|list| item_of(list, step)).map(|item| (item.span(), Some(item))),
         };
-        let Some((place, value)) = next else { break };
+        let next = next.filter(|_| !lost || matches!(step, Step::Word(_)));
+        let Some((place, value)) = next else {
+            lost = true;
+            continue;
+        };
         table = value.and_then(|value| value.get_ref().as_table());
         list = value.and_then(|value| value.get_ref().as_array());
         found = Some(place);
@@ -159,6 +163,8 @@ mod tests {
             (KeyPath::list("chamber").on("a").key("on"), "on = 'a'"),
             (second().key("fill.t"), "t = 1"),
             (second().key("none"), "[[chamber]]"),
+            (second().key("none").key("on"), "[[chamber]]"),
+            (second().key("none").with(KeyPath::word("c")), "'c'"),
             (second().with(KeyPath::word("t")), "t"),
             (second().with(KeyPath::word("c")), "'c'"),
             (second().key("on").with(KeyPath::word("b")), "'b'"),

@@ -150,7 +150,14 @@ impl<'de> Deserializer<'de> for Reader<'de> {
     ) -> Result<V::Value, Misfit> {
         match self.0 {
             Value::String(word) => visitor.visit_enum(word.as_str().into_deserializer()),
-            Value::Table(table) => visitor.visit_enum(MapAccessDeserializer::new(Entries::of(table))),
+            Value::Table(table) if table.len() == 1 => {
+                visitor.visit_enum(MapAccessDeserializer::new(Entries::of(table)))
+            }
+            Value::Table(table) => Err(Misfit::custom(format!(
+                "{} keys in place of one, {}",
+                table.len(),
+                expected(variants)
+            ))),
             other => {
                 let found = other.type_str();
                 Err(Misfit::custom(format!("invalid type: {found}, {}", expected(variants))))

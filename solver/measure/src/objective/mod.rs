@@ -56,9 +56,7 @@ impl Common for ObjectiveKeys {
     fn complete(&self) -> Result<(), Misfit> {
         match self.weight.is_some() != self.share.is_some() {
             true => Ok(()),
-            false => {
-                Err(KeyPath::default().told("expected one of weight = ... and share = ..."))
-            }
+            false => Err(KeyPath::default().told("expected one of weight = ... and share = ...")),
         }
     }
 

@@ -37,7 +37,8 @@ impl ChamberConfig {
     fn read(mut keys: toml::Table) -> Result<Self, Misfit> {
         let on: String = read_key(&keys, "on")?.ok_or_else(|| Misfit::missing_field("on"))?;
         let title = title(&on);
-        let plug = read_key(&keys, "plug").map_err(|what| what.titled(title.clone().key("plug")))?;
+        let plug =
+            read_key(&keys, "plug").map_err(|what| what.titled(title.clone().key("plug")))?;
         keys.retain(|key, _| !["on", "plug"].contains(&key));
         let gas = gas::read(&keys).map_err(|what| what.titled(title))?;
         Ok(Self { on, plug: plug.unwrap_or(false), gas })

@@ -336,10 +336,7 @@ impl SolverConfig {
             KeyPath::table("solver").key(key).told(format!("{key} = {what}"))
         };
         let [smallest, relative] = [s.smallest_load_step, s.relative_tolerance];
-        ensure!(
-            largest > 0.0,
-            refused("largest_load_step", format!("{largest}: must be above 0"))
-        );
+        ensure!(largest > 0.0, refused("largest_load_step", format!("{largest}: must be above 0")));
         ensure!(
             first > 0.0 && first <= 1.0,
             refused("first_load_step", format!("{first}: must be above 0 and at most 1"))

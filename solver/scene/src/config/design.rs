@@ -18,11 +18,8 @@ use super::{
     refuse_outside_of_chambers, scenario,
 };
 
-const KEYS: Keys = Keys {
-    paths: &["scene", "target", "config", "mesh"],
-    named: &[],
-    meaning: Some(meaning),
-};
+const KEYS: Keys =
+    Keys { paths: &["scene", "target", "config", "mesh"], named: &[], meaning: Some(meaning) };
 
 /// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -343,9 +340,11 @@ impl DesignConfig {
                 ))
             }
             (None, Some(_)) if leveled => {
-                bail!(iterations.told(
-                    "iterations in [optimizer] beside [[level]]: write them in [[level]]"
-                ))
+                bail!(
+                    iterations.told(
+                        "iterations in [optimizer] beside [[level]]: write them in [[level]]"
+                    )
+                )
             }
             (Some(_), None) if leveled => {
                 bail!(misfit!(

@@ -20,9 +20,8 @@ use crate::law_table;
 /// When no key or several select a law, or a key is missing, unknown or of the wrong type.
 pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>, Misfit> {
     let (law, selecting) = select(keys)?;
-    let missing = |key: &Key| {
-        KeyPath::default().told(format!("missing field `{}` [{}]", key.name, key.unit))
-    };
+    let missing =
+        |key: &Key| KeyPath::default().told(format!("missing field `{}` [{}]", key.name, key.unit));
     let schedule: Option<Schedule> = read_key(keys, selecting.name).map_err(|what| {
         let value = keys.get(selecting.name).map_or_else(String::new, Value::to_string);
         what.titled(format!("{} = {value}", selecting.name))

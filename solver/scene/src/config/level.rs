@@ -76,7 +76,10 @@ pub struct LevelTime {
 
 /// `handles` of a level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a number of handles, a table with one for each tag, or one with first, factor and levels"
+)]
 pub enum HandlesConfig {
     /// As many on each tag that moves.
     Each(usize),
@@ -100,7 +103,7 @@ pub struct Growing {
 
 /// `vertices` of a level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected true, false, the name of a tag, or a list of names")]
 pub enum VerticesConfig {
     /// All or none.
     All(bool),

@@ -49,11 +49,8 @@ use crate::meaning::meaning;
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
 
-const SCENE_KEYS: Keys = Keys {
-    paths: &["mesh", "surface"],
-    named: &["parameters", "numbers"],
-    meaning: Some(meaning),
-};
+const SCENE_KEYS: Keys =
+    Keys { paths: &["mesh", "surface"], named: &["parameters", "numbers"], meaning: Some(meaning) };
 
 /// A scene: a tagged body, its material, supports and loads.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

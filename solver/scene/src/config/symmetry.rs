@@ -29,12 +29,15 @@ impl SimConfig {
         let cuts = self.cuts();
         for (i, tags) in cuts.iter().enumerate() {
             let title = KeyPath::list("symmetry");
-            let empty = title.clone().number(i + 1).told("[[symmetry]]: on = []: name the tags of the cut");
+            let empty =
+                title.clone().number(i + 1).told("[[symmetry]]: on = []: name the tags of the cut");
             ensure!(!tags.is_empty(), empty);
             for tag in tags {
                 ensure!(
                     cuts[..i].iter().all(|others| !others.contains(tag)),
-                    title.number(i + 1).told(format!("two [[symmetry]] are on \"{tag}\": keep one"))
+                    title
+                        .number(i + 1)
+                        .told(format!("two [[symmetry]] are on \"{tag}\": keep one"))
                 );
                 let chamber = self.chamber.iter().any(|c| c.on == *tag).then_some("[[chamber]]");
                 let traction = self.traction.iter().any(|t| t.on == *tag).then_some("[[traction]]");

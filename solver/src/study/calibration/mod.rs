@@ -71,7 +71,7 @@ pub struct ExperimentConfig {
 
 /// At which t of the scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a time [s], or the title of a column")]
 pub enum Time {
     /// All lines [s].
     At(f64),
@@ -363,7 +363,8 @@ impl Experiment {
                 points.push(Point { step, t: times[step - 1], measured: measured * own_unit.1 });
             }
         }
-        let unit = unit.ok_or_else(|| misfit!(KeyPath::of("columns"), " = []: name a column or more"))?;
+        let unit =
+            unit.ok_or_else(|| misfit!(KeyPath::of("columns"), " = []: name a column or more"))?;
         Ok(Self { config: own, scene: index, probe, unit, points })
     }
 }
