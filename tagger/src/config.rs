@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use program::schema::{Format, add_keys, one_of};
-use program::{Change, KeyPath, Keys, Settings};
+use program::{Change, KeyPath, Keys, Misfit, Settings, read_key, unknown};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::select::{Entry, SELECTORS};
@@ -17,7 +18,7 @@ const TAG_KEYS: [&str; 5] = ["name", "pressure", "rim", "plug", "inside"];
 /// Keys of a `[[volume]]` besides the selectors.
 const VOLUME_KEYS: [&str; 1] = ["name"];
 
-const KEYS: Keys = Keys { paths: &["patch", "surface", "volume"], named: &[] };
+const KEYS: Keys = Keys { paths: &["patch", "surface", "volume"], named: &[], meaning: None };
 
 /// A tag file.
 #[derive(Debug)]
@@ -193,7 +194,8 @@ impl Config {
             .collect::<Result<_>>()?;
         for (i, volume) in volumes.iter().enumerate() {
             let twice = volumes[..i].iter().any(|other| other.name == volume.name);
-            ensure!(!twice, "the name `{}` of a [[volume]] is used twice", volume.name);
+            let what = format!("the name `{}` of a [[volume]] is used twice", volume.name);
+            ensure!(!twice, KeyPath::list("volume").number(i + 1).key("name").told(what));
         }
         Ok(Self { epsilon, surface: file.surface, tags, volumes })
     }
@@ -204,16 +206,17 @@ impl Tag {
         let (selector, name) = selector_and_name(&mut table, &TAG_KEYS)?;
         let pressure = take(&mut table, "pressure")?.unwrap_or(false);
         let rim = take::<Rim>(&mut table, "rim")?.map_or_else(Vec::new, Rim::all);
-        ensure!(rim.is_empty() || pressure, "`rim` needs `pressure = true`");
+        let refused = |key: &str, what: &str| KeyPath::of(key).told(what);
+        ensure!(rim.is_empty() || pressure, refused("rim", "`rim` needs `pressure = true`"));
         let plug = take(&mut table, "plug")?.unwrap_or(false);
         ensure!(
             !plug || (pressure && rim.is_empty()),
-            "`plug = true` is for a wall with `pressure = true` and without `rim`"
+            refused("plug", "`plug = true` is for a wall with `pressure = true` and without `rim`")
         );
         let inside = take(&mut table, "inside")?.unwrap_or(false);
         ensure!(
             !inside || (selector == "patch" && !pressure),
-            "`inside = true` is for a `patch`, without `pressure`"
+            refused("inside", "`inside = true` is for a `patch`, without `pressure`")
         );
         let value = table.remove(selector).ok_or_else(|| anyhow!("`{selector}` is missing"))?;
         Ok(Self { name, selector, value, pressure, rim, plug, inside })
@@ -233,15 +236,15 @@ fn selector_and_name(table: &mut toml::Table, others: &[&str]) -> Result<(&'stat
     let selectors = SELECTORS.iter().map(|s| s.key);
     let keys: Vec<&str> = others.iter().copied().chain(selectors).collect();
     if let Some(key) = table.keys().find(|k| !keys.contains(&k.as_str())) {
-        bail!(
-            KeyPath::of(key)
-                .told(format!("unknown key `{key}`, expected one of {}", keys.join(", ")))
-        );
+        let (before, list) = (format!("unknown key `{key}`"), keys.join(", "));
+        let list = format!("expected one of {list}");
+        bail!(KeyPath::word(key).told(unknown(&before, key, keys.iter().copied(), ',', &list)));
     }
     let mut given = SELECTORS.iter().filter(|s| table.contains_key(s.key)).map(|s| s.key);
     let (selector, second) = (given.next(), given.next());
     if let (Some(a), Some(b)) = (selector, second) {
-        bail!("both `{a}` and `{b}`: there is exactly one selector");
+        let what = format!("both `{a}` and `{b}`: there is exactly one selector");
+        bail!(KeyPath::word(b).told(what));
     }
     let forms = || SELECTORS.iter().map(|s| format!("\n  {} = {}", s.key, s.meaning));
     let selector =
@@ -270,24 +273,28 @@ impl Rim {
 }
 
 /// Removes and converts the value of a key.
-fn take<T: serde::de::DeserializeOwned>(table: &mut toml::Table, key: &str) -> Result<Option<T>> {
-    let Some(value) = table.remove(key) else { return Ok(None) };
-    value
-        .try_into()
-        .map(Some)
-        .map_err(|e| KeyPath::of(key).told(format!("`{key}`: {}", e.message().trim())).into())
+fn take<T: DeserializeOwned>(table: &mut toml::Table, key: &str) -> Result<Option<T>, Misfit> {
+    let found = read_key(table, key).map_err(|what| what.titled(format!("`{key}`")));
+    table.remove(key);
+    found
 }
 
 fn check_names(tags: &[Tag]) -> Result<()> {
     let names: Vec<&str> = tags.iter().map(|t| t.name.as_str()).collect();
     for (i, tag) in tags.iter().enumerate() {
-        ensure!(!names[..i].contains(&names[i]), "the name `{}` is used twice", names[i]);
+        let at = || KeyPath::list("tag").number(i + 1);
+        ensure!(
+            !names[..i].contains(&names[i]),
+            at().key("name").told(format!("the name `{}` is used twice", names[i]))
+        );
         for rim in &tag.rim {
             ensure!(
                 names.contains(&rim.as_str()) && *rim != tag.name,
-                "[[tag]] `{}`: rim = \"{rim}\" is not another tag; tags: {}",
-                tag.name,
-                names.join(", ")
+                at().key("rim").told(format!(
+                    "[[tag]] `{}`: rim = \"{rim}\" is not another tag; tags: {}",
+                    tag.name,
+                    names.join(", ")
+                ))
             );
         }
     }

@@ -56,3 +56,21 @@ fn systems_differ_in_one_crate() {
     }
     assert!(!naming("nix::", &sources).is_empty());
 }
+
+/// An error in settings carries its keys, and is not read for them.
+#[test]
+fn messages_of_errors_are_not_read() {
+    let program = repository().join("cad2fem/program/src");
+    let readers = ["settings/key_path", "settings/place", "settings/reading", "nearest"];
+    for name in readers {
+        let code = code(&program.join(name).with_extension("rs"));
+        for word in ["strip_prefix", "strip_suffix", "starts_with", "ends_with", "message."] {
+            assert!(!code.contains(word), "{name}: {word}");
+        }
+    }
+    // texts of errors of `toml` are shown in one place, and where a value is no setting of a file
+    let shown = BTreeSet::from(
+        ["cad2fem/program/src/settings/mod.rs", "tagger/src/select/mod.rs"].map(str::to_owned),
+    );
+    assert_eq!(naming(".message()", &sources()), shown);
+}

@@ -29,10 +29,13 @@ pub use input::{InputFile, relative};
 pub use json::write_json;
 pub use lock::FolderLock;
 pub use memory::peak_rss_mb;
-pub use nearest::{did_you_mean, nearest};
+pub use nearest::{did_you_mean, nearest, unknown};
 pub use owner::{is_as_safe_as_program, is_own_folder, temporary_folder};
 pub use pattern::fits;
 pub use progress::{Heartbeat, Progress, Spinner};
-pub use settings::{Change, Changes, KeyPath, Keys, Misfit, Settings, VERSION, read_toml};
+pub use settings::{
+    Change, Changes, KeyPath, Keys, Meaning, Misfit, Settings, VERSION, read_key, read_table,
+    read_toml,
+};
 pub use shell::parse;
 pub use terminal::{Stdout, stdout};

@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
 use program::schema::partial;
-use program::{Change, Keys, Settings};
+use program::{Change, KeyPath, Keys, Settings, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::json;
@@ -16,6 +16,7 @@ use toml::{Table, Value};
 
 pub use super::shape::Bounds;
 use super::shape::Shape;
+use super::value::{require_file_name, require_finite};
 use crate::units::Unit;
 
 /// Most cells of the sampling lattice, 2 samples each.
@@ -221,13 +222,14 @@ impl ModelFile {
         let model: Model = file.parse()?;
         let mut table: Table = file.parse()?;
         table.remove("variant");
-        require_finite("", &Value::Table(table.clone()))?;
+        require_finite("", KeyPath::default(), &Value::Table(table.clone()))?;
         model.check()?;
         let mut variants: Vec<(String, Model)> = Vec::new();
         for changes in &model.variant {
             let (name, changes) = named(changes.clone())?;
-            ensure!(variants.iter().all(|(n, _)| *n != name), "variant {name:?} occurs twice");
-            let variant = vary(&table, changes).with_context(|| format!("variant {name:?}"))?;
+            let title = || KeyPath::of("variant").named(&name);
+            ensure!(variants.iter().all(|(n, _)| *n != name), misfit!(title(), " occurs twice"));
+            let variant = vary(&table, changes).with_context(title)?;
             variants.push((name, variant));
         }
         Ok(Self { model, variants })
@@ -248,19 +250,23 @@ fn vary(base: &Table, changes: Table) -> Result<Model> {
     let mut table = base.clone();
     for (list, primitives) in changes {
         let (Value::Table(primitives), "solid" | "cavity") = (primitives, list.as_str()) else {
-            bail!("unknown key {list:?}; a variant changes primitives: [variant.solid.NAME]");
+            bail!(KeyPath::word(&list).told(format!(
+                "unknown key {list:?}; a variant changes primitives: [variant.solid.NAME]"
+            )));
         };
         for (name, change) in primitives {
             let target = table
                 .get_mut(&list)
                 .and_then(Value::as_array_mut)
                 .and_then(|a| a.iter_mut().find(|p| p.get("name") == Some(&name.clone().into())))
-                .with_context(|| format!("there is no {list} primitive {name:?}"))?;
+                .ok_or_else(|| {
+                    KeyPath::word(&name).told(format!("there is no {list} primitive {name:?}"))
+                })?;
             merge(target, change);
         }
     }
-    require_finite("", &Value::Table(table.clone()))?;
-    let model: Model = table.try_into()?;
+    require_finite("", KeyPath::default(), &Value::Table(table.clone()))?;
+    let model: Model = read_table(&table)?;
     model.check()?;
     Ok(model)
 }
@@ -280,44 +286,26 @@ fn merge(target: &mut Value, change: Value) {
     }
 }
 
-/// TOML has `nan` and `inf`; a length is neither.
-fn require_finite(key: &str, value: &Value) -> Result<()> {
-    match value {
-        Value::Float(x) => ensure!(x.is_finite(), "{key} is {x}; a finite number is needed"),
-        Value::Array(items) => items.iter().try_for_each(|v| require_finite(key, v))?,
-        Value::Table(table) => {
-            for (name, item) in table {
-                require_finite(format!("{key}.{name}").trim_start_matches('.'), item)?;
-            }
-        }
-        _ => {}
-    }
-    Ok(())
-}
-
-/// Names of regions and variants become names of files.
-fn require_file_name(name: &str) -> Result<()> {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
-    ensure!(
-        !name.is_empty() && name != "patches" && name.chars().all(plain),
-        "name {name:?} must consist of letters, digits, - and _ (it names a file), and not be `patches`"
-    );
-    Ok(())
-}
-
 impl Model {
     fn check(&self) -> Result<()> {
-        ensure!(self.grid > 0.0, "grid must be positive, found {}", self.grid);
-        ensure!(self.simplify >= 0.0, "simplify must not be negative, found {}", self.simplify);
+        let (grid, simplify) = (self.grid, self.simplify);
+        ensure!(grid > 0.0, misfit!(KeyPath::of("grid"), " must be positive, found {grid}"));
+        ensure!(
+            simplify >= 0.0,
+            misfit!(KeyPath::of("simplify"), " must not be negative, found {simplify}")
+        );
         check_primitives("solid", &self.solid)?;
         check_primitives("cavity", &self.cavity)?;
         ensure!(!self.solid.is_empty(), "a model needs at least one [[solid]] primitive");
         for cut in &self.cut {
-            ensure!(Vec3::from(cut.normal).norm() > 0.0, "cut {:?}: the normal is zero", cut.name);
+            ensure!(
+                Vec3::from(cut.normal).norm() > 0.0,
+                misfit!(KeyPath::of("cut").named(&cut.name), ": the normal is zero")
+            );
         }
         self.require_cells(self.grid)?;
         self.region.iter().try_for_each(|region| {
-            self.check_region(region).with_context(|| format!("region {:?}", region.name))
+            self.check_region(region).with_context(|| KeyPath::of("region").named(&region.name))
         })
     }
 
@@ -327,8 +315,10 @@ impl Model {
         let cells = (max - min).product() / grid.powi(3);
         ensure!(
             cells <= MAX_CELLS,
-            "grid {grid} makes {cells:.1e} cells in the box of the body; more than {MAX_CELLS:.0e} \
-             take minutes and gigabytes: choose a coarser grid"
+            KeyPath::of("grid").told(format!(
+                "grid {grid} makes {cells:.1e} cells in the box of the body; more than {MAX_CELLS:.0e} \
+                 take minutes and gigabytes: choose a coarser grid"
+            ))
         );
         Ok(())
     }
@@ -337,24 +327,29 @@ impl Model {
         require_file_name(&region.name)?;
         if let Some(cut) = &region.cut {
             let known = names(self.cut.iter().map(|c| &c.name));
-            ensure!(self.cut.iter().any(|c| c.name == *cut), "no cut {cut:?}; cuts: {known}");
+            let what = || KeyPath::of("cut").told(format!("no cut {cut:?}; cuts: {known}"));
+            ensure!(self.cut.iter().any(|c| c.name == *cut), what());
         }
         for name in region.primitives.iter().flatten() {
             let known = names(self.solid.iter().map(|p| &p.name));
             ensure!(
                 self.cavity.iter().all(|p| p.name != *name),
-                "{name:?} is in [[cavity]], and its walls are cavity = {name:?}; primitives: {known}"
+                KeyPath::word(name).told(format!(
+                    "{name:?} is in [[cavity]], and its walls are cavity = {name:?}; primitives: {known}"
+                ))
             );
             ensure!(
                 self.solid.iter().any(|p| p.name == *name && p.is_body()),
-                "no body {name:?} in [[solid]]; primitives: {known}"
+                KeyPath::word(name)
+                    .told(format!("no body {name:?} in [[solid]]; primitives: {known}"))
             );
         }
         for name in region.cavity.names() {
             let known = names(self.cavity.iter().map(|p| &p.name));
             ensure!(
                 self.cavity.iter().any(|p| p.name == *name && p.is_body()),
-                "no body {name:?} in [[cavity]]; primitives: {known}"
+                KeyPath::word(name)
+                    .told(format!("no body {name:?} in [[cavity]]; primitives: {known}"))
             );
         }
         let selective = region.cut.is_some()
@@ -420,17 +415,23 @@ impl Primitive {
 fn check_primitives(list: &str, primitives: &[Primitive]) -> Result<()> {
     for (i, primitive) in primitives.iter().enumerate() {
         let name = &primitive.name;
-        let place = || format!("{list} primitive {name:?}");
+        let refused = |what: String| {
+            let title = format!("{list} primitive {name:?}");
+            KeyPath::of(list).number(i + 1).told(what).titled(title)
+        };
         let twice = primitives[..i].iter().any(|p| p.name == *name);
-        ensure!(!twice, "{}: the name occurs twice", place());
-        ensure!(primitive.blend >= 0.0, "{}: blend {} is negative", place(), primitive.blend);
-        primitive.shape.check().map_err(anyhow::Error::msg).with_context(place)?;
-        ensure!(i > 0 || primitive.is_body(), "{}: the first primitive must be a body", place());
+        ensure!(!twice, refused("the name occurs twice".into()));
+        let blend = primitive.blend;
+        ensure!(blend >= 0.0, refused(format!("blend {blend} is negative")));
+        primitive.shape.check().map_err(refused)?;
+        let first = "the first primitive must be a body";
+        ensure!(i > 0 || primitive.is_body(), refused(first.into()));
         let crease = matches!(primitive.shape, Shape::Crease { .. });
         let plain = primitive.op == Op::Union && primitive.blend == 0.0;
-        ensure!(!crease || plain, "{}: a crease takes neither op nor blend", place());
+        ensure!(!crease || plain, refused("a crease takes neither op nor blend".into()));
         if let Op::Emboss { width, .. } = primitive.op {
-            ensure!(width > 0.0, "{}: width must be positive, found {width}", place());
+            let what = || format!("width must be positive, found {width}");
+            ensure!(width > 0.0, refused(what()));
         }
     }
     Ok(())

@@ -201,7 +201,8 @@ impl Config {
 
     fn of(file: &Settings) -> Result<Self> {
         if let Some(tag) = file.parse::<toml::Table>()?.get("cavity") {
-            bail!("the key `cavity` is now called `chamber`: write chamber = {tag}");
+            let what = format!("the key `cavity` is now called `chamber`: write chamber = {tag}");
+            bail!(KeyPath::word("cavity").told(what));
         }
         let config: Self = file.parse()?;
         config.check()?;

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use program::KeyPath;
 use program::schema::{Key, add_keys, key_names, keys_of, one_of};
+use program::{KeyPath, Misfit, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -24,7 +24,7 @@ pub trait Common: Clone + Serialize + DeserializeOwned + JsonSchema {
     ///
     /// # Errors
     /// With what was expected.
-    fn complete(&self) -> Result<()> {
+    fn complete(&self) -> Result<(), Misfit> {
         Ok(())
     }
     /// Checks what can be checked without a body, for a quantity that may be maximised or not.
@@ -73,7 +73,7 @@ impl<C: Common> Entry<C> {
     pub fn check(&self) -> Result<()> {
         let may_be_maximised = self.kind.may_be_maximised && self.own.may_be_maximised();
         let checked = self.common.check(may_be_maximised).and_then(|()| self.own.check());
-        Ok(checked.map_err(|what| self.title().around(&what))?)
+        Ok(checked.map_err(|what| self.title().around(self.title(), &what))?)
     }
 
     /// Builds the quantity on bodies.
@@ -90,14 +90,15 @@ impl<C: Common> Entry<C> {
         keys_of::<C>()
     }
 
-    fn read(mut keys: Table) -> Result<Self> {
-        let kind = keys.remove("kind").context("missing field `kind`")?;
-        let kind = kind.as_str().with_context(|| format!("kind = {kind}: a name"))?;
+    fn read(mut keys: Table) -> Result<Self, Misfit> {
+        let kind = keys.remove("kind").ok_or_else(|| Misfit::missing_field("kind"))?;
+        let kind =
+            kind.as_str().ok_or_else(|| misfit!(KeyPath::of("kind"), " = {kind}: a name"))?;
         let (kind, names) = (kinds::find(C::LIST, kind)?, key_names::<C>());
         let (common, own): (Table, Table) =
             keys.into_iter().partition(|(key, _)| names.contains(&key.as_str()));
-        let (own, keys) = kind.read(own, names)?;
-        let common: C = common.try_into()?;
+        let (own, keys) = kind.read(&own, names)?;
+        let common: C = read_table(&common)?;
         common.complete()?;
         Ok(Self { common, kind, own, keys })
     }
@@ -121,10 +122,11 @@ impl<'de, C: Common> Deserialize<'de> for Entry<C> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let keys = Table::deserialize(deserializer)?;
         let name = keys.get("name").and_then(|name| name.as_str()).map(str::to_owned);
-        Self::read(keys).map_err(|what| {
-            let title = name.map_or_else(String::new, |name| format!("{}: ", C::LIST.title(&name)));
-            D::Error::custom(format!("{title}{}", format!("{what:#}").trim_end()))
-        })
+        let titled = |what: Misfit| match name {
+            Some(name) => what.titled(C::LIST.title(&name)),
+            None => what,
+        };
+        Self::read(keys).map_err(|what| titled(what).carried())
     }
 }
 

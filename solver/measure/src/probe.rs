@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::{Result, ensure};
 use mechanics::energy::Iterate;
 use mechanics::forward::Problem;
+use program::KeyPath;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +36,8 @@ impl Common for ProbeKeys {
         let sound = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
         ensure!(
             !self.name.is_empty() && self.name.chars().all(sound),
-            "a name has letters, digits, _ and -, and one of them or more"
+            KeyPath::of("name")
+                .told("a name has letters, digits, _ and -, and one of them or more")
         );
         Ok(())
     }

@@ -5,7 +5,7 @@
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
 use program::schema::{add_keys, add_kind};
-use program::{KeyPath, misfit};
+use program::{KeyPath, misfit, unknown};
 use schemars::Schema;
 use serde_json::json;
 use toml::{Table, Value};
@@ -70,10 +70,9 @@ fn find_in<M: ?Sized + 'static>(
     let found = laws.iter().find(|law| law.key == kind);
     Ok(found.ok_or_else(|| {
         let known: Vec<_> = laws.iter().map(|law| law.key).collect();
-        KeyPath::of("kind").told(format!(
-            "unknown kind \"{kind}\"; known are {}\n  `{command}` explains them",
-            known.join(", ")
-        ))
+        let listed = format!("known are {}\n  `{command}` explains them", known.join(", "));
+        let before = format!("unknown kind \"{kind}\"");
+        KeyPath::of("kind").told(unknown(&before, kind, known, ';', &listed))
     })?)
 }
 
@@ -84,9 +83,11 @@ fn find_in<M: ?Sized + 'static>(
 /// differ in length, or when a modulus at rest is not positive.
 pub fn values<M: ?Sized + 'static>(law: &Law<M>, table: &Table) -> Result<Vec<f64>> {
     let is_known = |name: &String| law.parameters.iter().any(|p| p.name == *name);
-    if let Some(unknown) = table.keys().find(|name| !is_known(name)) {
-        let what = format!("{}: unknown parameter \"{unknown}\"; expected {}", law.key, needs(law));
-        bail!(KeyPath::of(unknown).told(what));
+    if let Some(name) = table.keys().find(|name| !is_known(name)) {
+        let before = format!("{}: unknown parameter \"{name}\"", law.key);
+        let (known, listed) = (law.parameters.iter().map(|p| p.name), needs(law));
+        let what = unknown(&before, name, known, ';', &format!("expected {listed}"));
+        bail!(KeyPath::of(name).told(what));
     }
     let mut values = Vec::new();
     let mut terms = None;
@@ -314,7 +315,10 @@ mod tests {
             ("kind = 'mooney'".to_owned(), "mooney-rivlin-quadratic, neo-hookean, yeoh"),
             ("c1 = 1.0".to_owned(), "no kind"),
             ("kind = 3".to_owned(), "kind = 3"),
-            (format!("{yeoh}c4 = 1"), "unknown parameter \"c4\"; expected c1 [Pa], c2 [Pa]"),
+            (
+                format!("{yeoh}c4 = 1"),
+                "unknown parameter \"c4\"; did you mean `c1`? expected c1 [Pa], c2 [Pa]",
+            ),
             ("kind = 'neo-hookean'\nyoung = 1e5".to_owned(), "no \"poisson\""),
             ("kind = 'neo-hookean'\nyoung = 1e5\npoisson = 0.5".to_owned(), "inf Pa"),
             ("kind = 'neo-hookean'\nyoung = -1e5\npoisson = 0.3".to_owned(), "-38461.5"),

@@ -5,6 +5,7 @@
 pub mod memory; // what the machine has left
 pub mod law_table; // laws of materials as tables
 pub mod silicone; // known materials
+pub mod meaning; // what errors of the mechanics mean for it
 pub mod config; // what people write
 pub mod supports; // Dirichlet conditions: fixed degrees of freedom
 pub mod model; // config and files to objects

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use anyhow::{Context, Result};
 use library::silicones;
 use mechanics::material::{Softening, Specification};
+use program::KeyPath;
 use serde_json::{Value, json};
 
 /// A silicone one can buy, and its laws.
@@ -113,24 +114,27 @@ pub fn all() -> &'static [Silicone] {
 /// When there is none; the message lists those there are.
 pub fn find(name: &str) -> Result<Named> {
     let (key, which) = name.split_once('/').map_or((name, None), |(key, which)| (key, Some(which)));
-    let silicone = all().iter().find(|s| s.key == key).with_context(|| {
+    let silicone = all().iter().find(|s| s.key == key).ok_or_else(|| {
         let unknown = silicones().find(key).err().unwrap_or_default();
-        format!(
+        KeyPath::word(name).told(format!(
             "material = \"{name}\": {unknown}\n  `solver list --silicones` describes them; for \
              another one use a table [material], or `solver fit`"
-        )
+        ))
     })?;
     let is_meant = |fit: &&Fit| {
         which.is_none_or(|which| fit.specification.law.key == which || fit.entry.source == which)
     };
-    let fit = silicone.fits.iter().find(is_meant).with_context(|| {
+    let fit = silicone.fits.iter().find(is_meant).ok_or_else(|| {
         let mut known: Vec<&str> = Vec::new();
         for fit in &silicone.fits {
             known.extend([fit.entry.source.as_str(), fit.specification.law.key]);
         }
         known.sort_unstable();
         known.dedup();
-        format!("material = \"{name}\": {key} has the sources and laws {}", known.join(", "))
+        KeyPath::word(name).told(format!(
+            "material = \"{name}\": {key} has the sources and laws {}",
+            known.join(", ")
+        ))
     })?;
     Ok(Named { silicone, fit })
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use mesh::io::vtu;
-use program::{Changes, FolderLock, InputFile, Settings, Unusable};
+use program::{Changes, FolderLock, InputFile, KeyPath, Settings, Unusable};
 use reports::{Designed, DesignedProbe, Ended, Inputs, Iteration, Numbers, Optimization};
 use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, ProbeConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
@@ -141,7 +141,8 @@ pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Resu
 fn meshes(arguments: &Arguments, design: &DesignConfig, scene: &Scene) -> Result<Meshes> {
     let (_, of_scene) = arguments.changes.own_and_scene();
     Meshes::new(&scene.body, design, |level| {
-        check_body(level, scene)?;
+        let levels = if design.shape.is_some() { "shape.level" } else { "level" };
+        check_body(level, &KeyPath::list(levels), scene)?;
         let path = level.mesh.iter().map(|path| beside(&arguments.design, path));
         let others: Vec<_> = path.map(|path| (level.body.clone(), path)).collect();
         Ok(number::read(&scene.path, &others, &of_scene)?.body)
@@ -149,17 +150,22 @@ fn meshes(arguments: &Arguments, design: &DesignConfig, scene: &Scene) -> Result
 }
 
 /// The mesh of a level is of a body that the scene has.
-fn check_body(level: &LevelConfig, scene: &Scene) -> Result<()> {
+fn check_body(level: &LevelConfig, levels: &KeyPath, scene: &Scene) -> Result<()> {
+    let refused = |word: &str, what: String| levels.clone().with(KeyPath::word(word)).told(what);
     let names: Vec<&str> = scene.body.parts.iter().filter_map(|p| p.name.as_deref()).collect();
     match level.body.as_deref() {
         Some(body) if names.is_empty() => {
-            bail!("level: body = \"{body}\": the scene has only one body; expected none")
+            let what = "the scene has only one body; expected none";
+            bail!(refused(body, format!("level: body = \"{body}\": {what}")))
         }
         Some(body) if !names.contains(&body) => {
-            bail!("level: body = \"{body}\": expected one of {}", names.join(", "))
+            let known = names.join(", ");
+            bail!(refused(body, format!("level: body = \"{body}\": expected one of {known}")))
         }
         None if names.len() > 1 => {
-            bail!("level: mesh without body; expected body = one of {}", names.join(", "))
+            let known = names.join(", ");
+            let what = format!("level: mesh without body; expected body = one of {known}");
+            bail!(refused("mesh", what))
         }
         _ => Ok(()),
     }

@@ -17,6 +17,7 @@ use mechanics::energy::Iterate;
 use mechanics::forward::Problem;
 use mechanics::material::Specification;
 use mesh::Vec3;
+use program::KeyPath;
 use scene::Scene;
 
 use names::Names;
@@ -178,11 +179,11 @@ fn tell(volume: &Volume, program: &str, differs: &str) -> String {
 
 /// A law that a program does not have.
 fn no_law<T>(volume: &Volume, program: &str, why: &str) -> Result<T> {
-    bail!(
-        "[material]: kind = \"{}\" of \"{}\": {program} has no such law{why}; expected another law",
-        volume.material.law.key,
+    let law = volume.material.law.key;
+    bail!(KeyPath::of("material").with(KeyPath::word(law)).told(format!(
+        "[material]: kind = \"{law}\" of \"{}\": {program} has no such law{why}; expected another law",
         volume.name
-    )
+    )))
 }
 
 fn volumes(scene: &Scene) -> Vec<Volume> {

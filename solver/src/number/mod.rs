@@ -19,7 +19,7 @@ use mechanics::energy::ParameterGradients;
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
-use program::did_you_mean;
+use program::{KeyPath, did_you_mean};
 use scene::Scene;
 
 pub use group::{Change, Group};
@@ -147,11 +147,11 @@ impl Number {
             return Ok(found.clone());
         }
         let known: Vec<&str> = all.iter().map(|number| number.path.as_str()).collect();
-        bail!(
+        bail!(KeyPath::word(path).told(format!(
             "{path}: the scene has no such number{}; there are: {}",
             did_you_mean(path, known.iter().copied()),
             known.join(", ")
-        )
+        )))
     }
 
     /// The word of its kind.

@@ -38,7 +38,7 @@ const NEAR: f64 = 0.02;
 /// Memory for the states of a run [B]; the others lie on disk.
 const STATE_MEMORY: f64 = 1e9;
 
-const KEYS: Keys = Keys { paths: &[], named: &[] };
+const KEYS: Keys = Keys { paths: &[], named: &[], meaning: None };
 
 /// What was measured of a cast body, and which of its walls may be off.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

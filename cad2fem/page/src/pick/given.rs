@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use program::{Keys, Settings, fits};
+use program::{KeyPath, Keys, Settings, fits, misfit, read_table};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -106,15 +106,15 @@ impl Given {
     fn of(file: File, body: &Body) -> Result<Self> {
         let mut given = Self { of: vec![NONE; body.faces.len()], ..Self::default() };
         let mut rims = Vec::new();
-        for table in file.tag {
-            let name = name_of(&table)?;
+        for (i, table) in file.tag.into_iter().enumerate() {
+            let at = || KeyPath::list("tag").number(i + 1);
+            let name = name_of(&table).with_context(at)?;
             ensure!(
                 given.list.iter().all(|tag| tag.name != name),
-                "the name `{name}` is used twice"
+                at().key("name").told(format!("the name `{name}` is used twice"))
             );
-            let rim = given
-                .add(table, body)
-                .with_context(|| format!("[[tag]] `{name}` cannot be shown"))?;
+            let shown = || format!("[[tag]] `{name}` cannot be shown");
+            let rim = given.add(table, body).map_err(|what| at().around(shown(), &what))?;
             rims.push(rim);
         }
         ensure!(!given.list.is_empty(), "no [[tag]]: there is nothing to begin with");
@@ -144,15 +144,18 @@ impl Given {
             self.list.push(Tag { name, chamber, plug: false, kept, rim: Vec::new() });
             return Ok(Vec::new());
         }
-        let Faces { name, patch, pressure, rim, plug, inside } = table.try_into()?;
+        let Faces { name, patch, pressure, rim, plug, inside } = read_table(&table)?;
         let own = i64::try_from(self.list.len())?;
         for pattern in patch.all() {
             for face in faces(&pattern, body)? {
                 ensure!(
                     body.faces[face].inside == inside,
-                    "inside = {inside}, and {} lies {} the body",
-                    body.faces[face].name,
-                    if inside { "on" } else { "in" }
+                    misfit!(
+                        KeyPath::of("inside"),
+                        " = {inside}, and {} lies {} the body",
+                        body.faces[face].name,
+                        if inside { "on" } else { "in" }
+                    )
                 );
                 if self.of[face] == NONE {
                     self.of[face] = own;
@@ -220,13 +223,13 @@ fn faces(pattern: &str, body: &Body) -> Result<Vec<usize>> {
         files.clone().filter(|(_, file)| fits(file, pattern)).map(|(i, _)| i).collect();
     if found.is_empty() {
         let names: Vec<&str> = files.map(|(_, file)| file).collect();
-        bail!(
+        bail!(KeyPath::word(pattern).told(format!(
             "no face of {} is called {pattern}; it has {} faces: {}; load the tags with the body that \
              they are of",
             body.source,
             names.len(),
             names.join(", ")
-        );
+        )));
     }
     Ok(found)
 }

@@ -25,6 +25,12 @@ pub(super) enum Step {
     Number(usize),
     /// The component of a vector along this axis.
     Along(usize),
+    /// The value of a key, without the key.
+    Value(String),
+    /// The item of a list with this number, counted from 1, without what is called so.
+    Item(usize),
+    /// The key or value that is this word, here or anywhere below.
+    Word(String),
 }
 
 impl KeyPath {
@@ -76,6 +82,12 @@ impl KeyPath {
         self.then(Step::Along(axis))
     }
 
+    /// The key or text that is this word, wherever it is in the table that a context says.
+    #[must_use]
+    pub fn word(word: &str) -> Self {
+        Self(vec![Step::Word(word.to_owned())])
+    }
+
     /// The error that is there: `what` follows the keys in its message.
     #[must_use]
     pub fn says(self, what: impl Display) -> Misfit {
@@ -84,31 +96,40 @@ impl KeyPath {
 
     /// The error that is there, whose message names the keys itself.
     #[must_use]
-    pub fn told(self, message: impl Display) -> Misfit {
-        Misfit { message: message.to_string(), path: self }
+    pub fn told(self, what: impl Display) -> Misfit {
+        Misfit { message: what.to_string(), path: self }
     }
 
-    /// The error of what is below these keys, which go before its message.
+    /// The error of what is below these keys, with a title.
     #[must_use]
-    pub fn around(self, error: &anyhow::Error) -> Misfit {
-        let message = format!("{self}: {error:#}");
-        Misfit { path: self.join(Self::of_error(error)), message }
+    pub fn around(self, title: impl Display, error: &anyhow::Error) -> Misfit {
+        let below = Self::told_by(error, None).titled(title);
+        Misfit { path: self.with(below.path), ..below }
     }
 
-    /// The keys that an error carries: those of a context, and of what is in it.
+    /// The message of an error, with the keys that it carries: those of a context, and of what is in it. `meaning` is
+    /// what errors of other crates have.
     #[must_use]
-    pub(super) fn of_error(error: &anyhow::Error) -> Option<Self> {
-        let context = error.downcast_ref::<Self>().cloned();
-        let misfit = error.chain().find_map(|cause| cause.downcast_ref::<Misfit>());
-        let below = misfit.map(|misfit| misfit.path.clone());
-        match context {
-            Some(path) => Some(path.join(below)),
-            None => below,
+    pub(super) fn told_by(error: &anyhow::Error, meaning: Option<Meaning>) -> Misfit {
+        let mut path = error.downcast_ref::<Self>().cloned().unwrap_or_default();
+        let mut told = Vec::new();
+        for cause in error.chain() {
+            let misfit = cause.downcast_ref::<Misfit>().cloned();
+            match misfit.or_else(|| meaning.and_then(|meaning| meaning(cause))) {
+                Some(misfit) => {
+                    path = path.with(misfit.path);
+                    told.push(misfit.message);
+                }
+                None => told.push(cause.to_string()),
+            }
         }
+        path.told(told.join(": "))
     }
 
-    fn join(mut self, below: Option<Self>) -> Self {
-        self.0.extend(below.into_iter().flat_map(|path| path.0));
+    /// The keys below these.
+    #[must_use]
+    pub fn with(mut self, below: Self) -> Self {
+        self.0.extend(below.0);
         self
     }
 
@@ -133,6 +154,7 @@ impl Display for KeyPath {
                 Step::On(tag) => write!(f, " on \"{tag}\"")?,
                 Step::Number(number) => write!(f, " {number}")?,
                 Step::Along(axis) => write!(f, " along {}", ["x", "y", "z"][*axis])?,
+                Step::Value(_) | Step::Item(_) | Step::Word(_) => {}
             }
         }
         Ok(())
@@ -146,6 +168,23 @@ pub struct Misfit {
     /// Where it is, below what contexts say.
     pub(super) path: KeyPath,
     message: String,
+}
+
+/// What an error of a crate that knows no settings means for them.
+pub type Meaning = fn(&(dyn std::error::Error + 'static)) -> Option<Misfit>;
+
+impl Misfit {
+    /// The same with a title before its message.
+    #[must_use]
+    pub fn titled(self, title: impl Display) -> Self {
+        Self { message: format!("{title}: {}", self.message), ..self }
+    }
+
+    /// The same below a step.
+    pub(super) fn below(mut self, step: Step) -> Self {
+        self.path.0.insert(0, step);
+        self
+    }
 }
 
 impl From<Misfit> for String {

@@ -8,6 +8,7 @@ mod key_path;
 mod magnitude;
 mod merge;
 mod place;
+mod reading;
 mod version;
 
 use std::ops::Range;
@@ -15,12 +16,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use mesh::io::read_text;
+use serde::Deserialize as _;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
 pub use change::{Change, Changes};
-pub use key_path::{KeyPath, Misfit};
+pub use key_path::{KeyPath, Meaning, Misfit};
+pub use reading::{read_key, read_table};
 pub use version::VERSION;
 
 use crate::InputFile;
@@ -39,6 +42,8 @@ pub struct Keys {
     pub paths: &'static [&'static str],
     /// Tables whose keys are names that people choose: `--set` replaces values there, and adds none.
     pub named: &'static [&'static str],
+    /// What errors of crates that know no settings mean.
+    pub meaning: Option<Meaning>,
 }
 
 /// A file as it was read. What it holds is [`Settings::parse`]d from it.
@@ -119,9 +124,10 @@ impl Settings {
             return Err(self.refused(&what, Some(place)));
         }
         let root = Spanned::new(self.whole(), tree.clone());
-        T::deserialize(Deserializer::from(root)).map_err(|error| {
-            let span = error.span().filter(|span| *span != self.whole());
-            self.refused(error.message(), place::find(&tree, span, error.message()))
+        let table = toml::Table::deserialize(Deserializer::from(root))
+            .map_err(|error| self.refused(error.message(), error.span()))?;
+        read_table(&table).map_err(|misfit| {
+            self.refused(&misfit.to_string(), place::of_path(&tree, &misfit.path))
         })
     }
 
@@ -133,24 +139,18 @@ impl Settings {
         read(self).map_err(|error| self.place(error))
     }
 
-    /// An error in what the settings mean, with its place: that of the [`KeyPath`]s that it carries, or of the keys
-    /// that its message names as these are written.
+    /// An error in what the settings mean, with its place: that of the [`KeyPath`]s that it carries.
     #[must_use]
     pub fn place(&self, error: anyhow::Error) -> anyhow::Error {
-        let text = format!("{error:#}");
-        let name = self.name_of(self.own);
-        let what = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
-        let is_named = name.is_empty() || text.contains(&name);
         if error.chain().any(|cause| cause.is::<Placed>() || cause.is::<crate::Unusable>()) {
             return error;
         }
-        let place = |tree: &DeTable| match KeyPath::of_error(&error) {
-            Some(path) => place::of_path(tree, &path, what),
-            None => place::find(tree, None, what),
-        };
-        match self.tree().ok().and_then(|tree| place(&tree)) {
+        let misfit = KeyPath::told_by(&error, self.keys.meaning);
+        let (text, name) = (misfit.to_string(), self.name_of(self.own));
+        let what = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
+        match self.tree().ok().and_then(|tree| place::of_path(&tree, &misfit.path)) {
             Some(place) => self.refused(what, Some(place)),
-            None if is_named => error,
+            None if name.is_empty() || text.contains(&name) => error,
             None => error.context(name),
         }
     }
@@ -333,21 +333,22 @@ impl Settings {
 
     /// The error at a place.
     fn refused(&self, what: &str, place: Option<Range<usize>>) -> anyhow::Error {
-        let what = crate::nearest::with_proposal(what.trim_end());
         let found = place.and_then(|place| Some((self.source_at(place.start)?, place)));
         let Some((source, place)) = found else {
             let name = self.name_of(self.own);
-            return Placed(if name.is_empty() { what } else { format!("{name}: {what}") }).into();
+            let what = what.trim_end();
+            let named = if name.is_empty() { what.into() } else { format!("{name}: {what}") };
+            return Placed(named).into();
         };
         let text = source.text.as_str();
         let place = place.start - source.start..place.end.saturating_sub(source.start);
         match &source.origin {
             Origin::File { path, .. } => {
-                Placed(place::shown(&path.display().to_string(), text, place, &what)).into()
+                Placed(place::shown(&path.display().to_string(), text, place, what)).into()
             }
             Origin::Change(change) => {
                 let name = format!("{}: --set {change}", self.name_of(self.own));
-                let mut shown = place::shown_alone(&name, text, place, &what);
+                let mut shown = place::shown_alone(&name, text, place, what);
                 if self.keys.paths.contains(&"scene") {
                     shown += &format!("\n  for a key of its scene: --set scene.{change}");
                 }

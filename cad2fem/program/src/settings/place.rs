@@ -1,8 +1,4 @@
 //! Where in a file an error is, and how that is shown.
-//!
-//! Errors of checks carry the keys that lead there ([`of_path`]). Messages are read ([`find`]) where there is nothing
-//! else: of `toml` and of types that read themselves, as serde hands on texts alone, and below the keys of
-//! checks that know only the table.
 
 use std::ops::Range;
 
@@ -15,29 +11,33 @@ use super::merge::identity;
 /// As much of a line is shown before a place, and twice as much from there on [bytes].
 const AROUND: usize = 300;
 
-/// The place that keys lead to, as far as they do; below it the keys that the rest of the message names.
-pub fn of_path(tree: &DeTable, path: &KeyPath, message: &str) -> Option<Range<usize>> {
-    let (mut table, mut list, mut found) = (Some(tree), None, None);
+/// The place that keys lead to, as far as they do; words are looked for where that is.
+pub fn of_path(tree: &DeTable, path: &KeyPath) -> Option<Range<usize>> {
+    let (mut table, mut list, mut found, mut lost) = (Some(tree), None, None, false);
     for step in path.steps() {
-        let (place, value) = match step {
-            Step::Table(name) | Step::List(name) | Step::Key(name) => {
-                let Some((key, value)) = table.and_then(|table| entry(table, name)) else { break };
-                (key.start..end_on_its_line(&key, value), value)
+        let next = match step {
+            Step::Table(name) | Step::List(name) | Step::Key(name) => table
+                .and_then(|table| entry(table, name))
+                .map(|(key, value)| (key.start..end_on_its_line(&key, value), Some(value))),
+            Step::Value(name) => table
+                .and_then(|table| table.get(name.as_str()))
+                .map(|value| (value.span(), Some(value))),
+            Step::Word(word) => {
+                let place = table.and_then(|table| holds(table, word));
+                place.or_else(|| list_holds(list?, word)).map(|place| (place, None))
             }
-            _ => match list.and_then(|list| item_of(list, step)) {
-                Some(item) => (item.span(), item),
-                None => break,
-            },
+            _ => list.and_then(|list| item_of(list, step)).map(|item| (item.span(), Some(item))),
         };
-        (table, list) = (value.get_ref().as_table(), value.get_ref().as_array());
+        let next = next.filter(|_| !lost || matches!(step, Step::Word(_)));
+        let Some((place, value)) = next else {
+            lost = true;
+            continue;
+        };
+        table = value.and_then(|value| value.get_ref().as_table());
+        list = value.and_then(|value| value.get_ref().as_array());
         found = Some(place);
     }
-    let rest = message.strip_prefix(&path.to_string()).unwrap_or_default();
-    let below = |table| {
-        let unknown = crate::nearest::unknown(rest).and_then(|(_, word, _)| holds(table, word));
-        unknown.or_else(|| address(table, rest))
-    };
-    table.and_then(below).or(found)
+    found
 }
 
 /// The item of a list that a step stands for.
@@ -46,136 +46,32 @@ fn item_of<'t, 'a>(list: &'t DeArray<'a>, step: &Step) -> Option<&'t Spanned<DeV
         Step::Named(name) | Step::On(name) => {
             list.iter().find(|item| identity(item.get_ref()) == Some(name))
         }
-        Step::Number(number) => list.get(number.checked_sub(1)?),
+        Step::Number(number) | Step::Item(number) => list.get(number.checked_sub(1)?),
         Step::Along(axis) => list.get(*axis),
-        Step::Table(_) | Step::List(_) | Step::Key(_) => None,
-    }
-}
-
-/// The place of an error that carries no keys. `span` is that of what did not fit: of a key or value it is the place,
-/// in a table it is looked for. Without one the whole file is. There it is the word that the message
-/// calls unknown, or the address that it begins or ends with.
-pub fn find(tree: &DeTable, span: Option<Range<usize>>, message: &str) -> Option<Range<usize>> {
-    let (table, span) = match span {
-        None => (tree, None),
-        Some(span) => match node(tree, &span, message) {
-            None => return Some(span),
-            Some((table, span)) => (table, Some(span)),
-        },
-    };
-    let unknown = || holds(table, crate::nearest::unknown(message)?.1);
-    // `toml` names a key without a place last
-    let last = || {
-        let (_, key) = message.strip_suffix('`')?.rsplit_once("in `")?;
-        address(table, &format!("{key}:"))
-    };
-    unknown()
-        .or_else(last)
-        .or_else(|| address(tree, message))
-        .or_else(|| address(table, message))
-        .or(span)
-}
-
-/// The table at a place, with its own place. A list of tables has the place of its first one: there it is the first
-/// that the message fits.
-fn node<'t, 'a>(
-    tree: &'t DeTable<'a>,
-    span: &Range<usize>,
-    message: &str,
-) -> Option<(&'t DeTable<'a>, Range<usize>)> {
-    tree.iter().find_map(|(_, value)| node_in(value, span, message))
-}
-
-fn node_in<'t, 'a>(
-    value: &'t Spanned<DeValue<'a>>,
-    span: &Range<usize>,
-    message: &str,
-) -> Option<(&'t DeTable<'a>, Range<usize>)> {
-    match value.get_ref() {
-        DeValue::Table(table) if value.span() == *span => Some((table, span.clone())),
-        DeValue::Table(table) => node(table, span, message),
-        DeValue::Array(list) if value.span() == *span => {
-            let mut tables = list.iter().filter_map(|i| Some((i.get_ref().as_table()?, i.span())));
-            tables.find(|(table, _)| fits(table, message))
-        }
-        DeValue::Array(list) => list.iter().find_map(|item| node_in(item, span, message)),
         _ => None,
     }
 }
 
-/// Whether a table lacks what the message misses, or has under the key that it begins with what it found.
-fn fits(table: &DeTable, message: &str) -> bool {
-    if let Some(missing) = message.strip_prefix("missing field `").and_then(|m| m.split_once('`')) {
-        return table.get(missing.0).is_none();
-    }
-    let Some((key, what)) = message.split_once(": ") else { return true };
-    let found = ["invalid type: ", "invalid value: "].iter().find_map(|m| what.strip_prefix(m));
-    let (Some(found), Some(value)) = (found, table.get(key)) else { return found.is_none() };
-    found.starts_with(match value.get_ref() {
-        DeValue::String(_) => "string",
-        DeValue::Integer(_) => "integer",
-        DeValue::Float(_) => "floating point",
-        DeValue::Boolean(_) => "boolean",
-        DeValue::Array(_) => "sequence",
-        DeValue::Table(_) | DeValue::Datetime(_) => "map",
-    })
+/// The key of a table that is `word`, or the first key or value below.
+fn holds(table: &DeTable, word: &str) -> Option<Range<usize>> {
+    let own = table.get_key_value(word).map(|(key, _)| key.span());
+    own.or_else(|| table.values().find_map(|value| value_holds(value, word)))
 }
 
-/// The first key or text of a table, at any depth, that is `word`.
-fn holds(table: &DeTable, word: &str) -> Option<Range<usize>> {
-    table.iter().find_map(|(key, value)| match key.get_ref() == word {
-        true => Some(key.span()),
-        false => value_holds(value, word),
-    })
+fn list_holds(list: &DeArray, word: &str) -> Option<Range<usize>> {
+    list.iter().find_map(|item| value_holds(item, word))
 }
 
 fn value_holds(value: &Spanned<DeValue>, word: &str) -> Option<Range<usize>> {
-    match value.get_ref() {
-        DeValue::String(text) if text == word => Some(value.span()),
-        DeValue::Table(below) => holds(below, word),
-        DeValue::Array(list) => list.iter().find_map(|item| value_holds(item, word)),
-        _ => None,
-    }
-}
-
-/// Follows the address that a message begins with: `[table]`, `[[table]] "name"`,
-/// `[[table]] on "tag"`, `[[table]] 2`, `table "name"`, and keys before `:`, ` =` or ` is`.
-fn address(tree: &DeTable, message: &str) -> Option<Range<usize>> {
-    let (mut table, mut rest, mut found) = (tree, message, None);
-    loop {
-        rest = rest.trim_start_matches([' ', ':', ',', '\n']);
-        let Some(step) = step(rest) else { return found };
-        let Some((key, value)) = entry(table, step.name) else { return found };
-        let (mut place, mut next) = (key.start..end_on_its_line(&key, value), value);
-        rest = step.rest;
-        if let DeValue::Array(list) = value.get_ref()
-            && let Some((item, after)) = item(list, rest)
-        {
-            (place, next, rest) = (item.span(), item, after);
-        }
-        found = Some(place);
-        let DeValue::Table(below) = next.get_ref() else { return found };
-        table = below;
-    }
-}
-
-/// A key in a message, and what follows it.
-struct Word<'m> {
-    name: &'m str,
-    rest: &'m str,
-}
-
-fn step(message: &str) -> Option<Word<'_>> {
-    for (open, close) in [("[[", "]]"), ("[", "]")] {
-        if let Some(inside) = message.strip_prefix(open) {
-            let (name, rest) = inside.split_once(close)?;
-            return Some(Word { name, rest });
-        }
-    }
-    let end = message.find(|c: char| !(c.is_alphanumeric() || "_-.".contains(c)))?;
-    let (name, rest) = message.split_at(end);
-    let follows = [":", " =", " is ", " \""].iter().any(|after| rest.starts_with(after));
-    (end > 0 && follows).then_some(Word { name, rest })
+    let is_word = match value.get_ref() {
+        DeValue::Table(below) => return holds(below, word),
+        DeValue::Array(list) => return list_holds(list, word),
+        DeValue::String(text) => text == word,
+        DeValue::Integer(number) => number.as_str() == word,
+        DeValue::Boolean(value) => word == if *value { "true" } else { "false" },
+        DeValue::Float(_) | DeValue::Datetime(_) => false,
+    };
+    is_word.then(|| value.span())
 }
 
 /// The entry of a dotted key: the place of the last key, and the value.
@@ -191,22 +87,6 @@ fn entry<'t, 'a>(
         DeValue::Table(below) => entry(below, rest),
         _ => None,
     }
-}
-
-/// The item of a list that ` "name"`, ` on "tag"` or ` 2`, counted from 1, stands for.
-fn item<'t, 'a, 'm>(
-    list: &'t [Spanned<DeValue<'a>>],
-    message: &'m str,
-) -> Option<(&'t Spanned<DeValue<'a>>, &'m str)> {
-    let rest = message.strip_prefix(' ')?;
-    let rest = rest.strip_prefix("on ").unwrap_or(rest);
-    if let Some((name, after)) = rest.strip_prefix('"').and_then(|rest| rest.split_once('"')) {
-        let found = list.iter().find(|item| identity(item.get_ref()) == Some(name))?;
-        return Some((found, after));
-    }
-    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
-    let number: usize = rest[..digits].parse().ok()?;
-    Some((list.get(number.checked_sub(1)?)?, &rest[digits..]))
 }
 
 /// Where a key and its value end, if both are in one line; else where the key ends.
@@ -272,17 +152,27 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// `toml` gives a list of tables one place, which is the place of the first table.
     #[test]
-    fn the_table_of_a_list_that_an_error_means_is_found() {
-        let text = "[[chamber]]\non = 'a'\nfill = 1\n\n[[chamber]]\non = ['b']\n";
+    fn keys_lead_to_keys_and_to_values() {
+        let text = "[[chamber]]\non = 'a'\n\n[[chamber]]\non = ['b', 'c']\nfill.t = 1\n";
         let tree = DeTable::parse(text).unwrap();
-        let list = tree.get_ref()["chamber"].span();
-        let found = |message: &str| find(tree.get_ref(), Some(list.clone()), message).unwrap();
-        let starts = |message: &str| &text[found(message).start..];
-        assert!(starts("on: invalid type: sequence, expected a string").starts_with("on = ['b']"));
-        assert!(starts("on: invalid type: string \"a\", expected a list").starts_with("on = 'a'"));
-        assert_eq!(found("missing field `fill`").start, text.rfind("[[").unwrap());
-        assert_eq!(found("missing field `pressure`").start, 0);
+        let found = |path: KeyPath| &text[of_path(tree.get_ref(), &path).unwrap()];
+        let second = || KeyPath::list("chamber").number(2);
+        for (path, words) in [
+            (second(), "[[chamber]]"),
+            (KeyPath::list("chamber").on("a").key("on"), "on = 'a'"),
+            (second().key("fill.t"), "t = 1"),
+            (second().key("none"), "[[chamber]]"),
+            (second().key("none").key("on"), "[[chamber]]"),
+            (second().key("none").with(KeyPath::word("c")), "'c'"),
+            (second().with(KeyPath::word("t")), "t"),
+            (second().with(KeyPath::word("c")), "'c'"),
+            (second().key("on").with(KeyPath::word("b")), "'b'"),
+            (KeyPath::list("chamber").with(KeyPath::word("a")), "'a'"),
+            (KeyPath::word("1"), "1"),
+        ] {
+            assert_eq!(found(path.clone()), words, "{path:?}");
+        }
+        assert_eq!(of_path(tree.get_ref(), &KeyPath::of("none")), None);
     }
 }

@@ -36,7 +36,7 @@ struct Time {
     steps: usize,
 }
 
-const KEYS: Keys = Keys { paths: &["mesh"], named: &["parameters"] };
+const KEYS: Keys = Keys { paths: &["mesh"], named: &["parameters"], meaning: None };
 
 const SCENE: &str = "\
 mesh = \"body.msh\"
@@ -252,48 +252,89 @@ fn the_hash_is_that_of_the_file_unless_there_is_more() {
 fn what_settings_mean_is_refused_with_its_place() {
     let folder = Folder::new(&[("sim.toml", SCENE)]);
     let settings = folder.read("sim.toml", &["time.steps=0"]).unwrap();
-    let place = |text: &'static str| {
-        let message = format!("{:#}", settings.place(anyhow!(text)));
+    let place = |error: anyhow::Error| {
+        let message = format!("{:#}", settings.place(error));
         message.replace(&format!("{}/", folder.0.path().display()), "")
     };
-    for (text, words) in [
-        (
-            "degree = 2: must be 7",
-            "sim.toml:2:1: degree = 2: must be 7\n  |\n2 | degree = 2\n  | ^^^^^^^^^^",
-        ),
-        (
-            "[[chamber]] on \"arm.left\": pressure: \"2e3*t\" is odd",
-            "sim.toml:10:1: [[chamber]] on \"arm.left\": pressure: \"2e3*t\" is odd\n   |\n10 | \
-             pressure = \"2e3*t\"\n   | ^^^^^^^^^^^^^^^^^^",
-        ),
-        ("[[chamber]] 2: is odd", "sim.toml:8:1: [[chamber]] 2: is odd\n"),
-        ("parameters.peak is 3, must be 4", "sim.toml:13:1: "),
-        ("[time]: steps = 0: must be positive", "sim.toml: --set time.steps=0: [time]: steps"),
-        ("no [[fixed]] tag", "sim.toml: no [[fixed]] tag"),
-    ] {
-        let message = place(text);
-        assert!(message.starts_with(words), "{text}: {message}");
-    }
-    let pressure = KeyPath::list("chamber").on("arm.left").key("pressure");
+    let steps = KeyPath::table("time").key("steps");
+    let left = || KeyPath::list("chamber").on("arm.left");
     let inner = KeyPath::of("pressure").says(" is odd");
     let context = anyhow::Error::from(inner).context(KeyPath::list("chamber").number(2));
     let carried = KeyPath::table("parameters").key("peak").told("three is odd");
     for (error, words) in [
         (
-            misfit!(pressure, " = {}: is odd", 2).into(),
-            "sim.toml:10:1: [[chamber]] on \"arm.left\": pressure = 2: is odd\n",
+            misfit!(KeyPath::of("degree"), " = {}: must be 7", 2).into(),
+            "sim.toml:2:1: degree = 2: must be 7\n  |\n2 | degree = 2\n  | ^^^^^^^^^^",
         ),
+        (
+            misfit!(left().key("pressure"), ": \"2e3*t\" is odd").into(),
+            "sim.toml:10:1: [[chamber]] on \"arm.left\": pressure: \"2e3*t\" is odd\n   |\n10 | \
+             pressure = \"2e3*t\"\n   | ^^^^^^^^^^^^^^^^^^",
+        ),
+        (KeyPath::of("parameters.peak").says(" is 3").into(), "sim.toml:13:1: "),
+        (steps.says(" = 0").into(), "sim.toml: --set time.steps=0: [time]: steps = 0"),
         (context, "sim.toml:10:1: [[chamber]] 2: pressure is odd\n"),
         (anyhow::Error::from(carried).context("peaks"), "sim.toml:13:1: peaks: three is odd\n"),
-        (anyhow!("on: is odd").context(KeyPath::list("chamber").number(1)), "sim.toml:5:1: "),
+        (anyhow!("is odd").context(KeyPath::list("chamber").number(1)), "sim.toml:4:1: "),
         (KeyPath::table("contact").says(": is odd").into(), "sim.toml: [contact]: is odd"),
+        // texts say nothing of places
+        (anyhow!("degree = 2: must be 7"), "sim.toml: degree = 2: must be 7"),
     ] {
-        let message = format!("{:#}", settings.place(error));
-        let message = message.replace(&format!("{}/", folder.0.path().display()), "");
+        let message = place(error);
         assert!(message.starts_with(words), "{words}: {message}");
     }
     let unusable = settings.place(crate::Unusable("degree = 2".into()).into());
     assert!(unusable.is::<crate::Unusable>());
+}
+
+/// A type that reads itself, from a buffer.
+#[derive(Debug)]
+struct Own;
+
+impl<'de> Deserialize<'de> for Own {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let keys = toml::Table::deserialize(deserializer)?;
+        read_table::<Time>(&keys).map(|_| Self).map_err(|what| what.titled("own").carried())
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(tag = "kind", deny_unknown_fields)]
+enum Tagged {
+    A {
+        #[serde(rename = "size")]
+        _size: f64,
+    },
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Several {
+    #[serde(rename = "own", default)]
+    _own: Vec<Own>,
+    #[serde(rename = "tagged", default)]
+    _tagged: Vec<Tagged>,
+    #[serde(rename = "point", default)]
+    _point: Option<[f64; 3]>,
+}
+
+#[test]
+fn what_does_not_fit_is_shown_at_its_key() {
+    for (text, words) in [
+        ("[[own]]\n[[own]]\nend = 'a'", "3:7: own: invalid type: string \"a\", expected f64\n"),
+        ("[[own]]\n[[own]]\nstep = 1", "3:1: own: unknown field `step`; did you mean `steps`? "),
+        ("[[tagged]]\nkind = 'A'\nsize = 'a'", "3:8: invalid type: string \"a\", expected f64\n"),
+        ("[[tagged]]\nkind = 'A'\nsise = 1", "3:1: unknown field `sise`; did you mean `size`? "),
+        ("tagged = [{ kind = 'A' }]", "1:11: missing field `size`\n"),
+        ("[[tagged]]\nkind = 'B'", "2:8: unknown variant `B`, expected `A`\n"),
+        ("point = [1, 2]", "1:9: invalid length 2, expected an array of length 3\n"),
+        ("point = [1, 2, 3, 4]", "1:9: invalid length 4, expected 3\n"),
+        ("point = [1, 2, true]", "1:16: invalid type: boolean `true`, expected f64\n"),
+    ] {
+        let read = Settings::of_text(text).parse::<Several>();
+        let message = read.expect_err(text).to_string();
+        assert!(message.starts_with(&format!("line {words}")), "{text}: {message}");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod wax;
 
 use std::borrow::Cow;
 use std::ops::Deref;
+use std::sync::LazyLock;
 
 use program::schema::one_of_these;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -209,10 +210,9 @@ impl JsonSchema for Method {
 
 impl<'de> Deserialize<'de> for Method {
     fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
+        static NAMES: LazyLock<Vec<&str>> =
+            LazyLock::new(|| METHODS.iter().map(|row| row.name).collect());
         let name = Cow::<str>::deserialize(input)?;
-        let known = || METHODS.iter().map(|row| row.name).collect::<Vec<_>>().join(", ");
-        Self::named(&name).ok_or_else(|| {
-            D::Error::custom(format!("unknown method {name:?}, known are {}", known()))
-        })
+        Self::named(&name).ok_or_else(|| D::Error::unknown_variant(&name, &NAMES))
     }
 }

@@ -96,7 +96,10 @@ impl Specification for Keys {
             ),
             (_, direction) => ensure!(
                 direction.is_none(),
-                "direction is for form = \"along\" only; remove one of them"
+                misfit!(
+                    KeyPath::of("direction"),
+                    " is for form = \"along\" only; remove one of them"
+                )
             ),
         }
         Ok(())

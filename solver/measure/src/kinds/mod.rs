@@ -23,7 +23,7 @@ mod volume;
 mod wall_thickness;
 mod wanted;
 
-use anyhow::{Context as _, Result};
+use program::{KeyPath, Misfit, unknown};
 
 use crate::quantity::{Kind, List};
 
@@ -67,12 +67,12 @@ pub fn of(list: List) -> impl Iterator<Item = &'static Kind> + Clone {
 ///
 /// # Errors
 /// When there is none; the message lists those there are.
-pub fn find(list: List, key: &str) -> Result<&'static Kind> {
-    of(list).find(|kind| kind.key == key).with_context(|| {
-        let known: Vec<String> = of(list).map(|kind| format!("`{}`", kind.key)).collect();
-        let (known, option) = (known.join(", "), list.option());
-        format!(
-            "unknown kind `{key}`, expected one of {known}\n  `solver list {option}` explains them"
-        )
+pub fn find(list: List, key: &str) -> Result<&'static Kind, Misfit> {
+    of(list).find(|kind| kind.key == key).ok_or_else(|| {
+        let names: Vec<String> = of(list).map(|kind| format!("`{}`", kind.key)).collect();
+        let (names, option) = (names.join(", "), list.option());
+        let listed = format!("expected one of {names}\n  `solver list {option}` explains them");
+        let (before, known) = (format!("unknown kind `{key}`"), of(list).map(|kind| kind.key));
+        KeyPath::of("kind").told(unknown(&before, key, known, ',', &listed))
     })
 }

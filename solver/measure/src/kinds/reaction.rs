@@ -7,8 +7,9 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,10 +35,11 @@ impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         // a tag that does not exist is another error than one that is not fixed
         site.body.facets(&self.on)?;
-        let dofs = site.supports.get(&self.on).with_context(|| {
+        let dofs = site.supports.get(&self.on).ok_or_else(|| {
             let fixed: Vec<&str> = site.supports.keys().map(String::as_str).collect();
-            format!(
-                "on = \"{}\": no [[fixed]] has this tag; fixed are: {}",
+            misfit!(
+                KeyPath::of("on"),
+                " = \"{}\": no [[fixed]] has this tag; fixed are: {}",
                 self.on,
                 fixed.join(", ")
             )

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, anyhow, ensure};
+use anyhow::{Result, ensure};
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
 use program::{KeyPath, misfit};
@@ -57,7 +57,7 @@ impl Specification for Keys {
         );
         if let Some(target) = &self.target {
             let bound = target.clone().bind(&BTreeMap::new());
-            bound.map_err(|what| anyhow!("target: {what}"))?;
+            bound.map_err(|what| misfit!(KeyPath::of("target"), ": {what}"))?;
             ensure!(
                 !target.uses_position(),
                 misfit!(KeyPath::of("target"), " = {target}: must depend on t alone")
@@ -72,15 +72,17 @@ impl Specification for Keys {
 
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let Self { probe, target, scale } = self;
-        let quantity = site.probes.get(probe).with_context(|| {
+        let quantity = site.probes.get(probe).ok_or_else(|| {
             let known: Vec<&str> = site.probes.keys().map(String::as_str).collect();
-            format!(
-                "probe = \"{probe}\": no [[probe]] of the scene is called that; there are: {}",
+            misfit!(
+                KeyPath::of("probe"),
+                " = \"{probe}\": no [[probe]] of the scene is called that; there are: {}",
                 known.join(", ")
             )
         })?;
         if let Some(target) = target {
-            target.check(&site.times, &[]).map_err(|what| anyhow!("target: {what}"))?;
+            let checked = target.check(&site.times, &[]);
+            checked.map_err(|what| misfit!(KeyPath::of("target"), ": {what}"))?;
         }
         let (quantity, target) = (Arc::clone(quantity), target.clone());
         Ok(Arc::new(Wanted { quantity, target, scale: *scale }))

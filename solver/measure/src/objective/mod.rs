@@ -5,7 +5,7 @@ mod time_integral;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use program::{KeyPath, misfit};
+use program::{KeyPath, Misfit, misfit};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -53,10 +53,11 @@ impl Common for ObjectiveKeys {
         &self.name
     }
 
-    fn complete(&self) -> Result<()> {
-        let one = self.weight.is_some() != self.share.is_some();
-        ensure!(one, "expected one of weight = ... and share = ...");
-        Ok(())
+    fn complete(&self) -> Result<(), Misfit> {
+        match self.weight.is_some() != self.share.is_some() {
+            true => Ok(()),
+            false => Err(KeyPath::default().told("expected one of weight = ... and share = ...")),
+        }
     }
 
     fn check(&self, may_be_maximised: bool) -> Result<()> {

@@ -4,9 +4,9 @@ use std::fmt::Debug;
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::Result;
 use program::schema::{Key, add_kind, key_names, keys_of};
-use program::{KeyPath, misfit};
+use program::{KeyPath, Misfit, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -69,7 +69,7 @@ pub struct Kind {
 #[derive(Debug)]
 pub(crate) struct Form {
     /// From a table of them, and the same with all defaults written.
-    read: fn(toml::Table) -> Result<Read>,
+    read: fn(&toml::Table) -> Result<Read, Misfit>,
     /// Names of the keys.
     names: fn() -> &'static [&'static str],
     /// What the keys mean.
@@ -139,14 +139,17 @@ impl Kind {
     ///
     /// # Errors
     /// When one is unknown, missing or of the wrong type.
-    pub fn read(&self, keys: toml::Table, common: &[&str]) -> Result<Read> {
-        let (kind, own) = (self.key, (self.form.names)());
-        if let Some(unknown) = keys.keys().find(|name| !own.contains(&name.as_str())) {
-            let known: Vec<String> = common.iter().chain(own).map(|k| format!("`{k}`")).collect();
-            let known = known.join(", ");
-            bail!("kind = \"{kind}\": unknown field `{unknown}`, expected one of {known}");
-        }
-        (self.form.read)(keys).with_context(|| format!("kind = \"{kind}\""))
+    pub fn read(&self, keys: &toml::Table, common: &[&str]) -> Result<Read, Misfit> {
+        let own = (self.form.names)();
+        let unknown = keys.keys().find(|name| !own.contains(&name.as_str()));
+        let found = match unknown {
+            Some(unknown) => {
+                let known: Vec<&str> = common.iter().chain(own).copied().collect();
+                Err(KeyPath::word(unknown).unknown("field", unknown, &known))
+            }
+            None => (self.form.read)(keys),
+        };
+        found.map_err(|what| what.titled(format!("kind = \"{}\"", self.key)))
     }
 
     /// The table of this kind, without the keys of the list.
@@ -161,14 +164,12 @@ impl Kind {
 }
 
 /// Reads the keys of a kind as `S`, and the same with all defaults written.
-fn read<S>(keys: toml::Table) -> Result<Read>
+fn read<S>(keys: &toml::Table) -> Result<Read, Misfit>
 where
     S: Specification + Serialize + DeserializeOwned + 'static,
 {
-    let found: S = keys
-        .try_into()
-        .map_err(|e: toml::de::Error| anyhow!("{}", e.to_string().trim_end().replace('\n', " ")))?;
-    let table = toml::Table::try_from(&found)?;
+    let found: S = read_table(keys)?;
+    let table = toml::Table::try_from(&found).map_err(|what| KeyPath::default().told(what))?;
     Ok((Arc::new(found), table))
 }
 

@@ -4,12 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::material::Specification;
 use mechanics::schedule::Field;
 use mesh::Vec3;
+use program::{KeyPath, misfit};
 
 use super::{Quantity, Targets};
 use crate::written::Names;
@@ -66,7 +67,7 @@ impl Site<'_> {
     /// # Errors
     /// When the list is empty, or there is no such tag or body.
     pub fn facets(&self, names: &Names) -> Result<Vec<[usize; 3]>> {
-        ensure!(!names.all().is_empty(), "on = []: name a tag or more");
+        ensure!(!names.all().is_empty(), misfit!(KeyPath::of("on"), " = []: name a tag or more"));
         let mut seen = BTreeSet::new();
         let mut facets = self.each(names)?.concat();
         facets.retain(|facet| seen.insert(*facet));
@@ -94,9 +95,12 @@ impl Site<'_> {
         let found: Vec<_> = wanted.map(|law| (law.material, law.elements.clone())).collect();
         ensure!(
             !found.is_empty(),
-            "on = \"{}\": no body or volume is called that; there are: {}",
-            name.unwrap_or_default(),
-            self.laws.iter().map(|law| law.name.clone()).collect::<Vec<_>>().join(", ")
+            misfit!(
+                KeyPath::of("on"),
+                " = \"{}\": no body or volume is called that; there are: {}",
+                name.unwrap_or_default(),
+                self.laws.iter().map(|law| law.name.clone()).collect::<Vec<_>>().join(", ")
+            )
         );
         Ok(found)
     }
@@ -110,7 +114,7 @@ impl Site<'_> {
             facets.as_flattened().iter().map(|&v| self.body.mesh.vertices[v]).collect();
         let mut all = wanted.0.iter();
         all.try_for_each(|schedule| schedule.check(&self.times, &positions))
-            .map_err(|what| anyhow!("{key}: {what}"))
+            .map_err(|what| misfit!(KeyPath::of(key), ": {what}").into())
     }
 
     fn boundary_or_tag(&self, name: &str) -> Result<Vec<[usize; 3]>> {

@@ -51,8 +51,8 @@ impl Expression {
     pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
         self.root.bind(parameters).map_err(|(name, at)| {
             let known = ["t", "x", "y", "z", "pi"].into_iter();
-            let known: Vec<&str> = known.chain(parameters.keys().map(String::as_str)).collect();
-            Malformed::unknown_name(&self.text, &name, at, &known.join(", "))
+            let known = known.chain(parameters.keys().map(String::as_str)).map(str::to_owned);
+            Malformed::unknown_name(&self.text, name, at, known.collect())
         })
     }
 

@@ -17,7 +17,7 @@ mod table;
 
 pub use expression::Expression;
 pub use jet::Jet;
-pub use parser::{FUNCTIONS, Malformed, is_free_name};
+pub use parser::{FUNCTIONS, Malformed, UnknownName, is_free_name};
 pub use table::Table;
 
 use std::collections::BTreeMap;

@@ -29,6 +29,16 @@ pub struct Malformed {
     what: String,
     /// From 1.
     position: usize,
+    unknown: Option<UnknownName>,
+}
+
+/// A name that an expression may not have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownName {
+    /// The name.
+    pub name: String,
+    /// Names that it may have.
+    pub known: Vec<String>,
 }
 
 fn shortened(text: &str) -> String {
@@ -92,9 +102,16 @@ struct Parser<'a> {
 
 impl Malformed {
     /// A name that nothing explains, at a character from 0.
-    pub(super) fn unknown_name(text: &str, name: &str, at: usize, known: &str) -> Self {
-        let what = format!("unknown name \"{name}\" (known: {known})");
-        Self { text: text.to_owned(), what, position: at + 1 }
+    pub(super) fn unknown_name(text: &str, name: String, at: usize, known: Vec<String>) -> Self {
+        let what = format!("unknown name \"{name}\" (known: {})", known.join(", "));
+        let unknown = Some(UnknownName { name, known });
+        Self { text: text.to_owned(), what, position: at + 1, unknown }
+    }
+
+    /// The name that nothing explains, if that is what is wrong.
+    #[must_use]
+    pub fn unknown(&self) -> Option<&UnknownName> {
+        self.unknown.as_ref()
     }
 }
 
@@ -122,7 +139,8 @@ pub fn is_free_name(name: &str) -> bool {
 
 impl Parser<'_> {
     fn malformed(&self, what: String) -> Malformed {
-        Malformed { text: self.text.to_owned(), what, position: self.next + 1 }
+        let (text, position) = (self.text.to_owned(), self.next + 1);
+        Malformed { text, what, position, unknown: None }
     }
 
     /// The next character that is not a blank.

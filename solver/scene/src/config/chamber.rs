@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use anyhow::{Result, ensure};
 use mechanics::energy::GasLaw;
 use program::schema::add_keys;
-use program::{KeyPath, misfit};
+use program::{KeyPath, Misfit, misfit, read_key};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
@@ -33,6 +33,16 @@ impl ChamberConfig {
     pub fn title(&self) -> KeyPath {
         title(&self.on)
     }
+
+    fn read(mut keys: toml::Table) -> Result<Self, Misfit> {
+        let on: String = read_key(&keys, "on")?.ok_or_else(|| Misfit::missing_field("on"))?;
+        let title = title(&on);
+        let plug =
+            read_key(&keys, "plug").map_err(|what| what.titled(title.clone().key("plug")))?;
+        keys.retain(|key, _| !["on", "plug"].contains(&key));
+        let gas = gas::read(&keys).map_err(|what| what.titled(title))?;
+        Ok(Self { on, plug: plug.unwrap_or(false), gas })
+    }
 }
 
 fn title(on: &str) -> KeyPath {
@@ -55,14 +65,7 @@ impl Serialize for ChamberConfig {
 
 impl<'de> Deserialize<'de> for ChamberConfig {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut keys = toml::Table::deserialize(deserializer)?;
-        let on = keys.remove("on").ok_or_else(|| D::Error::missing_field("on"))?;
-        let on: String = on.try_into().map_err(|e| D::Error::custom(format!("on: {e}")))?;
-        let plug = keys.remove("plug").map_or(Ok(false), toml::Value::try_into);
-        let plug = plug.map_err(|e| D::Error::custom(format!("{}: plug: {e}", title(&on))))?;
-        let gas =
-            gas::read(&keys).map_err(|what| D::Error::custom(format!("{}: {what}", title(&on))))?;
-        Ok(Self { on, plug, gas })
+        Self::read(toml::Table::deserialize(deserializer)?).map_err(Misfit::carried)
     }
 }
 

@@ -103,9 +103,12 @@ impl SimConfig {
         for (i, name) in names.iter().enumerate() {
             ensure!(
                 !name.is_empty() && !name.contains('.'),
-                "body or obstacle \"{name}\": a name has one letter or more, and no dot"
+                KeyPath::word(name).told(format!(
+                    "body or obstacle \"{name}\": a name has one letter or more, and no dot"
+                ))
             );
-            ensure!(!names[..i].contains(name), "two bodies or obstacles are called \"{name}\"");
+            let twice = format!("two bodies or obstacles are called \"{name}\"");
+            ensure!(!names[..i].contains(name), KeyPath::word(name).told(twice));
         }
         for body in &bodies {
             let title = KeyPath::list("body").named(&body.name);
@@ -181,8 +184,10 @@ impl SimConfig {
             probe.check()?;
             ensure!(
                 self.probe[..i].iter().all(|other| other.name() != probe.name()),
-                "two [[probe]] are called \"{}\": give each a name of its own",
-                probe.name()
+                probe.title().told(format!(
+                    "two [[probe]] are called \"{}\": give each a name of its own",
+                    probe.name()
+                ))
             );
             ensure!(
                 self.contact().is_some() || !probe.kind().needs_contact,
@@ -202,8 +207,10 @@ impl SimConfig {
             chamber.gas.check(&moments).with_context(|| chamber.title())?;
             ensure!(
                 self.chamber[..i].iter().all(|other| other.on != chamber.on),
-                "\"{}\" is the wall of two chambers: keep one [[chamber]] on it",
-                chamber.on
+                chamber.title().told(format!(
+                    "\"{}\" is the wall of two chambers: keep one [[chamber]] on it",
+                    chamber.on
+                ))
             );
         }
         Ok(())
@@ -325,32 +332,46 @@ impl SolverConfig {
 
     fn check(&self) -> Result<()> {
         let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
-        ensure!(largest > 0.0, "largest_load_step = {largest}: must be above 0");
+        let refused = |key: &str, what: String| {
+            KeyPath::table("solver").key(key).told(format!("{key} = {what}"))
+        };
+        let [smallest, relative] = [s.smallest_load_step, s.relative_tolerance];
+        ensure!(largest > 0.0, refused("largest_load_step", format!("{largest}: must be above 0")));
         ensure!(
             first > 0.0 && first <= 1.0,
-            "first_load_step = {first}: must be above 0 and at most 1"
+            refused("first_load_step", format!("{first}: must be above 0 and at most 1"))
         );
         ensure!(
-            s.smallest_load_step > 0.0 && s.smallest_load_step <= first,
-            "smallest_load_step = {}: must be above 0 and at most first_load_step = {first}",
-            s.smallest_load_step
+            smallest > 0.0 && smallest <= first,
+            refused(
+                "smallest_load_step",
+                format!("{smallest}: must be above 0 and at most first_load_step = {first}")
+            )
         );
         ensure!(
             largest >= first,
-            "largest_load_step = {largest}: must be at least first_load_step = {first}"
+            refused(
+                "largest_load_step",
+                format!("{largest}: must be at least first_load_step = {first}")
+            )
         );
         ensure!(
-            s.relative_tolerance > 0.0 && s.relative_tolerance < 1.0,
-            "relative_tolerance = {}: must be above 0 and below 1",
-            s.relative_tolerance
+            relative > 0.0 && relative < 1.0,
+            refused("relative_tolerance", format!("{relative}: must be above 0 and below 1"))
         );
         if let Some(absolute) = s.absolute_tolerance {
             ensure!(
                 absolute >= 0.0 && absolute.is_finite(),
-                "absolute_tolerance = {absolute} N: must be finite and not negative"
+                refused(
+                    "absolute_tolerance",
+                    format!("{absolute} N: must be finite and not negative")
+                )
             );
         }
-        ensure!(s.newton_iterations != Some(0), "newton_iterations = 0: must be positive");
+        ensure!(
+            s.newton_iterations != Some(0),
+            refused("newton_iterations", "0: must be positive".into())
+        );
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use mechanics::contact::density::Density;
 use mechanics::contact::potential::Partners;
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Contact and friction, or that there shall be none.
@@ -104,9 +104,7 @@ impl<'de> Deserialize<'de> for ContactChoice {
             fn visit_str<E: Error>(self, word: &str) -> Result<ContactChoice, E> {
                 match word {
                     "ignored" => Ok(ContactChoice::Ignored(Ignored::Ignored)),
-                    _ => Err(E::custom(format!(
-                        "contact = {word:?}: expected a table, or \"ignored\""
-                    ))),
+                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
                 }
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ContactChoice, A::Error> {

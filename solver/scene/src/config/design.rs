@@ -11,12 +11,15 @@ use program::{Change, KeyPath, Keys, Settings, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::meaning::meaning;
+
 use super::{
     ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig,
     refuse_outside_of_chambers, scenario,
 };
 
-const KEYS: Keys = Keys { paths: &["scene", "target", "config", "mesh"], named: &[] };
+const KEYS: Keys =
+    Keys { paths: &["scene", "target", "config", "mesh"], named: &[], meaning: Some(meaning) };
 
 /// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -329,26 +332,35 @@ impl DesignConfig {
         if let Some(reads) = self.objective.iter().find(|own| own.kind().reads_stress)
             && let Some(law) = self.parameter.iter().find(|own| own.name.starts_with("material."))
         {
-            bail!(
-                "objective \"{}\": it is made with the law, which [[parameter]] \"{}\" changes: expected another \
-                 objective, or another number",
-                reads.name(),
+            bail!(misfit!(
+                reads.title(),
+                ": it is made with the law, which [[parameter]] \"{}\" changes: expected another objective, or \
+                 another number",
                 law.name
-            );
+            ));
         }
         let leveled = !self.level.is_empty();
+        let iterations = KeyPath::table("optimizer").key("iterations");
         match (&self.shape, self.optimizer.iterations) {
             (None, _) if self.chamber.is_empty() && self.parameter.is_empty() => {
                 bail!("no [shape], [[chamber]] or [[parameter]]: expected one, to be changed")
             }
             (None, None) if !leveled => {
-                bail!("no iterations in [optimizer]: a design without [shape] needs their number")
+                bail!(KeyPath::table("optimizer").told(
+                    "no iterations in [optimizer]: a design without [shape] needs their number"
+                ))
             }
             (Some(_), Some(_)) => {
-                bail!("iterations in [optimizer] beside [shape]: write them in [[shape.level]]")
+                bail!(iterations.told(
+                    "iterations in [optimizer] beside [shape]: write them in [[shape.level]]"
+                ))
             }
             (None, Some(_)) if leveled => {
-                bail!("iterations in [optimizer] beside [[level]]: write them in [[level]]")
+                bail!(
+                    iterations.told(
+                        "iterations in [optimizer] beside [[level]]: write them in [[level]]"
+                    )
+                )
             }
             (Some(_), None) if leveled => {
                 bail!(misfit!(
@@ -390,13 +402,15 @@ impl DesignConfig {
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
         }
         self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;
+        self.optimizer.check(&KeyPath::table("optimizer"))?;
+        let levels = KeyPath::list(if leveled { "level" } else { "shape.level" });
         for level in self.levels() {
             ensure!(
                 level.time.is_none() || self.chamber.is_empty(),
                 "time of a level beside [[chamber]]: the slopes of a pressure belong to the \
                  time steps of the scene; design a [[parameter]] instead, or leave time out"
             );
-            self.optimizer_of(&level).check()?;
+            self.optimizer_of(&level).check(&levels)?;
         }
         self.chamber.iter().try_for_each(ChamberDesign::check)?;
         for parameter in &self.parameter {
@@ -423,7 +437,9 @@ impl DesignConfig {
 }
 
 impl OptimizerConfig {
-    fn check(&self) -> Result<()> {
+    /// Checks the numbers in a table, or in one of a list.
+    fn check(&self, title: &KeyPath) -> Result<()> {
+        let at = |key: &str| title.clone().key(key);
         for (key, value) in [
             ("first_step", self.first_step),
             ("stagnation", self.stagnation),
@@ -432,10 +448,12 @@ impl OptimizerConfig {
             ("time_limit", self.time_limit.unwrap_or(0.0)),
             ("state_memory", self.state_memory),
         ] {
-            ensure!(value.is_finite() && value >= 0.0, "{key} = {value} must not be negative");
+            let what = || at(key).told(format!("{key} = {value} must not be negative"));
+            ensure!(value.is_finite() && value >= 0.0, what());
         }
         let largest = self.largest_step;
-        ensure!(largest.is_finite() && largest > 0.0, "largest_step = {largest} must be positive");
+        let what = || at("largest_step").told(format!("largest_step = {largest} must be positive"));
+        ensure!(largest.is_finite() && largest > 0.0, what());
         Ok(())
     }
 }

@@ -2,12 +2,12 @@
 //!
 //! All of it follows from the rows of [`GAS_LAWS`].
 
-use anyhow::{Result, anyhow, bail, ensure};
 use measure::written::ScheduleSchema;
 use mechanics::energy::GasLaw;
 use mechanics::energy::gas_law::{GAS_LAWS, Key, Row};
 use mechanics::schedule::Schedule;
 use program::schema::one_of;
+use program::{KeyPath, Misfit, misfit, read_key};
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value as Json, json};
 use toml::{Table, Value};
@@ -18,28 +18,29 @@ use crate::law_table;
 ///
 /// # Errors
 /// When no key or several select a law, or a key is missing, unknown or of the wrong type.
-pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>> {
+pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>, Misfit> {
     let (law, selecting) = select(keys)?;
-    let value = |key: &Key| {
-        let value = keys.get(key.name);
-        value.ok_or_else(|| anyhow!("missing field `{}` [{}]", key.name, key.unit))
-    };
-    let schedule: Schedule = value(selecting)?
-        .clone()
-        .try_into()
-        .map_err(|e: toml::de::Error| wrong(selecting, &keys[selecting.name], e.message()))?;
+    let missing =
+        |key: &Key| KeyPath::default().told(format!("missing field `{}` [{}]", key.name, key.unit));
+    let schedule: Option<Schedule> = read_key(keys, selecting.name).map_err(|what| {
+        let value = keys.get(selecting.name).map_or_else(String::new, Value::to_string);
+        what.titled(format!("{} = {value}", selecting.name))
+    })?;
+    let schedule = schedule.ok_or_else(|| missing(selecting))?;
     let others = law.keys.iter().filter(|key| !key.selects);
-    let numbers = others.map(|key| number(key, value(key)?)).collect::<Result<Vec<_>>>()?;
+    let number =
+        |key: &Key| keys.get(key.name).map_or_else(|| Err(missing(key)), |v| number(key, v));
+    let numbers = others.map(number).collect::<Result<Vec<_>, _>>()?;
     Ok((law.build)(selecting.name, schedule, &numbers))
 }
 
 /// The row that keys select, with the key that selects it.
-fn select(keys: &Table) -> Result<(&'static Row, &'static Key)> {
+fn select(keys: &Table) -> Result<(&'static Row, &'static Key), Misfit> {
     let all = || GAS_LAWS.iter().flat_map(|row| row.keys.iter().map(move |key| (row, key)));
     let known = |name: &String| all().any(|(_, key)| key.name == *name);
     if let Some(unknown) = keys.keys().find(|name| !known(name)) {
-        let known: Vec<String> = all().map(|(_, key)| format!("`{}`", key.name)).collect();
-        bail!("unknown field `{unknown}`, expected one of `on`, {}", known.join(", "));
+        let known: Vec<&str> = ["on"].into_iter().chain(all().map(|(_, key)| key.name)).collect();
+        return Err(KeyPath::word(unknown).unknown("field", unknown, &known));
     }
     let selecting: Vec<_> = all().filter(|(_, key)| key.selects).collect();
     let found: Vec<_> =
@@ -47,33 +48,27 @@ fn select(keys: &Table) -> Result<(&'static Row, &'static Key)> {
     let [(law, one)] = found[..] else {
         let needed = selecting.iter().map(|(_, key)| format!("{} [{}]", key.name, key.unit));
         let found: Vec<&str> = found.iter().map(|(_, key)| key.name).collect();
-        bail!(
+        return Err(KeyPath::default().told(format!(
             "expected exactly one of {}; found {}",
             needed.collect::<Vec<_>>().join(", "),
             if found.is_empty() { "none".to_owned() } else { found.join(" and ") }
-        );
+        )));
     };
     let own = |name: &String| law.keys.iter().any(|key| key.name == *name);
-    let other = keys.keys().find(|name| !own(name));
+    let Some(other) = keys.keys().find(|name| !own(name)) else { return Ok((law, one)) };
     let names: Vec<&str> = law.keys.iter().map(|key| key.name).collect();
-    ensure!(
-        other.is_none(),
-        "{} cannot be combined with {}; the {} law has {}",
-        other.map_or("", String::as_str),
+    Err(misfit!(
+        KeyPath::of(other),
+        " cannot be combined with {}; the {} law has {}",
         one.name,
         law.name,
         names.join(", ")
-    );
-    Ok((law, one))
+    ))
 }
 
-fn number(key: &Key, value: &Value) -> Result<f64> {
-    law_table::number(value)
-        .ok_or_else(|| wrong(key, value, &format!("expected a number [{}]", key.unit)))
-}
-
-fn wrong(key: &Key, value: &Value, what: &str) -> anyhow::Error {
-    anyhow!("{} = {value}: {}", key.name, what.trim_end().replace('\n', " "))
+fn number(key: &Key, value: &Value) -> Result<f64, Misfit> {
+    let wrong = || misfit!(KeyPath::of(key.name), " = {value}: expected a number [{}]", key.unit);
+    law_table::number(value).ok_or_else(wrong)
 }
 
 /// The keys of a law, as [`read`] takes them.

@@ -76,7 +76,10 @@ pub struct LevelTime {
 
 /// `handles` of a level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a number of handles, a table with one for each tag, or one with first, factor and levels"
+)]
 pub enum HandlesConfig {
     /// As many on each tag that moves.
     Each(usize),
@@ -100,7 +103,7 @@ pub struct Growing {
 
 /// `vertices` of a level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected true, false, the name of a tag, or a list of names")]
 pub enum VerticesConfig {
     /// All or none.
     All(bool),
@@ -228,19 +231,20 @@ impl LevelConfig {
 
     fn check_problem(&self, objectives: &[&str]) -> Result<()> {
         if let (Some(body), None) = (&self.body, &self.mesh) {
-            bail!(
-                "body = \"{body}\" without mesh; expected mesh = \"FILE.msh\", another mesh of it"
-            );
+            bail!(misfit!(
+                KeyPath::of("body"),
+                " = \"{body}\" without mesh; expected mesh = \"FILE.msh\", another mesh of it"
+            ));
         }
+        let time = |key: &str| KeyPath::of("time").key(key);
         if let Some(LevelTime { steps, end }) = self.time {
             ensure!(
                 (1..=MOST_STEPS).contains(&steps),
-                "time: steps = {steps}: expected 1 to {MOST_STEPS}"
+                misfit!(time("steps"), " = {steps}: expected 1 to {MOST_STEPS}")
             );
             ensure!(
                 end.is_none_or(|end| end.is_finite() && end > 0.0),
-                "time: end = {} s: must be positive",
-                end.unwrap_or(f64::NAN)
+                misfit!(time("end"), " = {} s: must be positive", end.unwrap_or(f64::NAN))
             );
         }
         check_weights(&self.weights, objectives)
@@ -335,14 +339,17 @@ impl Growing {
 /// Checks factors on the weights of objectives with these names.
 pub(super) fn check_weights(weights: &BTreeMap<String, f64>, objectives: &[&str]) -> Result<()> {
     for (name, factor) in weights {
+        let at = KeyPath::of("weights").key(name);
         ensure!(
             objectives.contains(&name.as_str()),
-            "weights: there is no objective \"{name}\"; there are {}",
-            objectives.join(", ")
+            at.told(format!(
+                "weights: there is no objective \"{name}\"; there are {}",
+                objectives.join(", ")
+            ))
         );
         ensure!(
             factor.is_finite() && *factor >= 0.0,
-            "weights: {name} = {factor}: expected a factor of 0 or more"
+            misfit!(at, " = {factor}: expected a factor of 0 or more")
         );
     }
     Ok(())

@@ -54,7 +54,10 @@ impl VolumeMaterial {
                 Ok(MaterialConfig::Silicone(name.clone()))
             }
             Some(_) => {
-                bail!("silicone: expected the name of one of the library, without other keys")
+                bail!(misfit!(
+                    KeyPath::of("silicone"),
+                    ": expected the name of one of the library, without other keys"
+                ))
             }
         }
     }

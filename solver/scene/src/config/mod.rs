@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
-use program::{Change, Keys, Settings};
+use program::{Change, KeyPath, Keys, Settings, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -44,10 +44,13 @@ use mechanics::forward::Method;
 use mechanics::schedule::{Field, axes};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 
+use crate::meaning::meaning;
+
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
 
-const SCENE_KEYS: Keys = Keys { paths: &["mesh", "surface"], named: &["parameters", "numbers"] };
+const SCENE_KEYS: Keys =
+    Keys { paths: &["mesh", "surface"], named: &["parameters", "numbers"], meaning: Some(meaning) };
 
 /// A scene: a tagged body, its material, supports and loads.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -162,9 +165,16 @@ impl SimConfig {
             (None, None, true) => {
                 bail!("no body: expected mesh and material, or a table [[body]] for each")
             }
-            (_, None, true) => bail!("mesh without material: a body needs both"),
-            (None, _, true) => bail!("material without mesh: a body needs both"),
-            _ => bail!("[[body]] beside mesh or material: write the one body as a [[body]], too"),
+            (_, None, true) => {
+                bail!(misfit!(KeyPath::of("mesh"), " without material: a body needs both"))
+            }
+            (None, _, true) => {
+                bail!(misfit!(KeyPath::of("material"), " without mesh: a body needs both"))
+            }
+            _ => bail!(misfit!(
+                KeyPath::list("body"),
+                " beside mesh or material: write the one body as a [[body]], too"
+            )),
         }
     }
 
@@ -435,10 +445,11 @@ fn refuse_outside_of_chambers(settings: &Settings) -> Result<()> {
     let file: toml::Table = settings.parse()?;
     let found = ["pressure", "gas", "volume"].into_iter().find(|key| file.contains_key(*key));
     let Some(key) = found else { return Ok(()) };
-    bail!(
-        "{}: {key}: a pressure, gas or volume is that of a chamber: expected [[chamber]] with on = \"TAG\" and \
+    let what = misfit!(
+        KeyPath::of(key),
+        ": a pressure, gas or volume is that of a chamber: expected [[chamber]] with on = \"TAG\" and \
          pressure = …, or another key that `solver list --gas-laws` explains; from outside \
-         --set chamber.TAG.pressure=…",
-        settings.file().path.display()
-    )
+         --set chamber.TAG.pressure=…"
+    );
+    Err(settings.place(what.into()))
 }

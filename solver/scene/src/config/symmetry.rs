@@ -2,11 +2,12 @@
 
 use anyhow::{Result, ensure};
 use measure::written::Names;
-use mechanics::symmetry::title;
+use program::KeyPath;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
+use crate::meaning::cut;
 
 /// A plane of symmetry.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -27,20 +28,25 @@ impl SimConfig {
     pub(super) fn check_symmetry(&self) -> Result<()> {
         let cuts = self.cuts();
         for (i, tags) in cuts.iter().enumerate() {
-            ensure!(!tags.is_empty(), "[[symmetry]]: on = []: name the tags of the cut");
+            let title = KeyPath::list("symmetry");
+            let empty =
+                title.clone().number(i + 1).told("[[symmetry]]: on = []: name the tags of the cut");
+            ensure!(!tags.is_empty(), empty);
             for tag in tags {
                 ensure!(
                     cuts[..i].iter().all(|others| !others.contains(tag)),
-                    "two [[symmetry]] are on \"{tag}\": keep one"
+                    title
+                        .number(i + 1)
+                        .told(format!("two [[symmetry]] are on \"{tag}\": keep one"))
                 );
                 let chamber = self.chamber.iter().any(|c| c.on == *tag).then_some("[[chamber]]");
                 let traction = self.traction.iter().any(|t| t.on == *tag).then_some("[[traction]]");
                 if let Some(load) = chamber.or(traction) {
-                    anyhow::bail!(
+                    anyhow::bail!(cut(tags).told(format!(
                         "{}: {load} is on the same tag, but there is no surface where the whole body \
                          is cut; expected a tag of its own for each",
-                        title(tags)
-                    );
+                        mechanics::symmetry::title(tags)
+                    )));
                 }
             }
         }

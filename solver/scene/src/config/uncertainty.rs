@@ -39,7 +39,7 @@ pub struct UncertaintyConfig {
 
 /// How far stresses may be off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a part such as 0.12, or \"sources\"")]
 pub enum Modulus {
     /// As a part of them, to both sides.
     Part(f64),

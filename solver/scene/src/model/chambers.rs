@@ -45,11 +45,11 @@ impl Scene {
             }
             let volume = wall.volume(space, |n| nodes[n]);
             if config.gas.pressure().is_none() && volume <= 0.0 {
-                bail!(
+                bail!(config.title().told(format!(
                     "{}: \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
                      positive\n  the tag is not the wall of a chamber",
                     self.path.display()
-                );
+                )));
             }
             let wanted = |t: f64| config.gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
             for (t, wanted) in moments.iter().filter_map(|&t| wanted(t)) {

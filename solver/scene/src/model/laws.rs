@@ -7,7 +7,7 @@ use mechanics::body::Body;
 use mechanics::energy::{Branch, Elastic, Viscous};
 use mechanics::material::{LAWS, Law, Specification};
 use mesh::{Tags, TetMesh, Volumes};
-use program::{KeyPath, misfit};
+use program::{KeyPath, misfit, unknown};
 
 use super::Scene;
 use crate::config::{BodyConfig, Dilatation, MaterialConfig, RelaxationConfig};
@@ -182,9 +182,11 @@ pub(super) fn laws(
     let names = &tags.volumes.names;
     for (i, material) in materials.iter().enumerate() {
         let title = KeyPath::list("material").on(&material.on);
+        let has = format!("the mesh has: {}", names.join(", "));
+        let known = names.iter().map(String::as_str);
         ensure!(
             names.contains(&material.on),
-            misfit!(title, ": unknown volume; the mesh has: {}", names.join(", "))
+            misfit!(title, ": {}", unknown("unknown volume", &material.on, known, ';', &has))
         );
         ensure!(
             materials[..i].iter().all(|other| other.on != material.on),

@@ -11,6 +11,7 @@ use program::{KeyPath, misfit};
 
 use super::Scene;
 use crate::config::{Fixed, ObstacleConfig};
+use crate::meaning::cut;
 
 /// How far an obstacle may be off its mirror image, in its diagonals [1].
 const OFF_PLANE: f64 = 1e-6;
@@ -46,12 +47,14 @@ impl Scene {
                 let v = part.config.velocity[plane.axis];
                 ensure!(
                     !is_cut || v == 0.0,
-                    "{}: the velocity of \"{}\" is {v} m/s along {}, across the plane {}; its mirror \
-                     image would part from it: expected 0",
-                    plane.title(),
-                    part.config.name,
-                    AXES[plane.axis],
-                    plane.equation()
+                    cut(&plane.tags).told(format!(
+                        "{}: the velocity of \"{}\" is {v} m/s along {}, across the plane {}; its mirror \
+                         image would part from it: expected 0",
+                        plane.title(),
+                        part.config.name,
+                        AXES[plane.axis],
+                        plane.equation()
+                    ))
                 );
             }
         }
@@ -66,14 +69,16 @@ impl Scene {
                 let across = field.at(p, t)[plane.axis];
                 ensure!(
                     across == 0.0,
-                    "{}: {name} is {across:.3e} along {axis} at ({:.5}, {:.5}, {:.5}) m and t = {t}, \
-                     across the plane {}; expected 0 there, as its mirror image points the other way: \
-                     simulate the whole body (solver mirror), or turn the load",
-                    plane.title(),
-                    p.x,
-                    p.y,
-                    p.z,
-                    plane.equation()
+                    cut(&plane.tags).told(format!(
+                        "{}: {name} is {across:.3e} along {axis} at ({:.5}, {:.5}, {:.5}) m and t = {t}, \
+                         across the plane {}; expected 0 there, as its mirror image points the other way: \
+                         simulate the whole body (solver mirror), or turn the load",
+                        plane.title(),
+                        p.x,
+                        p.y,
+                        p.z,
+                        plane.equation()
+                    ))
                 );
             }
         }

@@ -15,7 +15,7 @@ use measure::probe::Probe;
 use mechanics::forward::TimeStepper;
 use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
-use program::{Change, Changes, KeyPath, Keys, Settings};
+use program::{Change, Changes, KeyPath, Keys, Settings, misfit};
 use scene::Scene;
 use scene::config::beside;
 use schemars::JsonSchema;
@@ -26,7 +26,7 @@ use crate::study::sensitivity::sensitivities;
 use crate::study::validation::table::{Table, unit};
 pub use sought::Sought;
 
-const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[] };
+const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: None };
 
 /// Memory for the states of a run; others lie on disk [B].
 const STATE_MEMORY: f64 = 4e9;
@@ -71,7 +71,7 @@ pub struct ExperimentConfig {
 
 /// At which t of the scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a time [s], or the title of a column")]
 pub enum Time {
     /// All lines [s].
     At(f64),
@@ -158,7 +158,10 @@ impl Calibration {
             }
             let title = KeyPath::list("experiment").named(&own.name);
             let twice = experiments.iter().any(|e: &Experiment| e.config.name == own.name);
-            ensure!(!twice, "{}: {title} is given twice; expected names that differ", context());
+            ensure!(
+                !twice,
+                misfit!(title, " is given twice; expected names that differ").titled(context())
+            );
             let experiment = Experiment::read(own, path, index, &scenes[index]);
             experiments.push(experiment.with_context(|| title).with_context(context)?);
         }
@@ -285,20 +288,25 @@ fn starts(
     let mut found = Vec::new();
     for (k, number) in numbers.iter().enumerate() {
         let title = number.title();
-        ensure!(numbers[..k].iter().all(|other| other.title() != title), "{title} is given twice");
+        let at = |what: String| KeyPath::list("number").number(k + 1).told(what);
+        ensure!(
+            numbers[..k].iter().all(|other| other.title() != title),
+            at(format!("{title} is given twice"))
+        );
         let of_scene = |(scene, groups): (&'_ Scene, &Vec<Option<Group>>)| {
             Some((groups[k].as_ref()?.start(scene)?, scene.path.display().to_string()))
         };
         let mut of_scenes = scenes.iter().zip(groups).filter_map(of_scene);
         let Some((start, first)) = of_scenes.next() else {
-            bail!("{title}: no scene has it; they have: {}", known(scenes));
+            bail!(at(format!("{title}: no scene has it; they have: {}", known(scenes))));
         };
         for (other, path) in of_scenes {
             ensure!(
                 other == start,
-                "{title} is {} in {first} and {} in {path}; expected one value to begin with",
-                start.1,
-                other.1
+                at(format!(
+                    "{title} is {} in {first} and {} in {path}; expected one value to begin with",
+                    start.1, other.1
+                ))
             );
         }
         found.push(start);
@@ -317,16 +325,20 @@ impl Experiment {
     fn read(own: ExperimentConfig, path: &Path, index: usize, scene: &Scene) -> Result<Self> {
         ensure!(
             own.uncertainty.is_finite() && own.uncertainty > 0.0,
-            "uncertainty = {}: expected a positive number",
-            own.uncertainty
+            misfit!(
+                KeyPath::of("uncertainty"),
+                " = {}: expected a positive number",
+                own.uncertainty
+            )
         );
         let names: Vec<&str> = scene.config.probe.iter().map(|probe| probe.name()).collect();
         let Some(probe) = names.iter().position(|name| *name == own.probe) else {
-            bail!(
-                "probe = \"{}\": the scene has no [[probe]] of this name; there are: {}",
+            bail!(misfit!(
+                KeyPath::of("probe"),
+                " = \"{}\": the scene has no [[probe]] of this name; there are: {}",
                 own.probe,
                 if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-            );
+            ));
         };
         let wanted = scene.config.probe[probe].kind().unit;
         let table = Table::read(&beside(path, &own.measured), &own.lines)?;
@@ -335,7 +347,11 @@ impl Experiment {
         for title in &own.columns {
             let own_unit = in_unit(title, wanted)?;
             let first = unit.get_or_insert_with(|| own_unit.clone());
-            ensure!(*first == own_unit, "columns = {:?}: expected one unit", own.columns);
+            let columns = KeyPath::of("columns");
+            ensure!(
+                *first == own_unit,
+                misfit!(columns, " = {:?}: expected one unit", own.columns)
+            );
             let measured = table.numbers(title)?;
             let at = match &own.time {
                 Some(Time::Column(title)) => table.numbers(title)?,
@@ -347,7 +363,8 @@ impl Experiment {
                 points.push(Point { step, t: times[step - 1], measured: measured * own_unit.1 });
             }
         }
-        let unit = unit.context("columns = []: name a column or more")?;
+        let unit =
+            unit.ok_or_else(|| misfit!(KeyPath::of("columns"), " = []: name a column or more"))?;
         Ok(Self { config: own, scene: index, probe, unit, points })
     }
 }

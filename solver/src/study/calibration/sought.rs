@@ -1,6 +1,7 @@
 //! Numbers of scenes that measurements may determine.
 
 use anyhow::{Context, Error, Result, bail, ensure};
+use program::KeyPath;
 use scene::Scene;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -171,13 +172,14 @@ impl Sought {
         let material = &scene.laws[law].material;
         let Some(parameter) = material.law.parameters.iter().find(|p| p.name == wanted) else {
             let known: Vec<&str> = material.law.parameters.iter().map(|p| p.name).collect();
-            bail!(
+            let what = format!(
                 "of = \"{wanted}\": expected modulus, density, membrane, pressure, wall, \
                  overstress, relaxation-time, a path of `solver list --numbers`, or a parameter \
                  of the law {}: {}",
                 material.law.key,
                 known.join(", ")
             );
+            bail!(KeyPath::list("number").with(KeyPath::word(wanted)).told(what));
         };
         let path = format!("material.{}.{wanted}", names[law]);
         ensure!(

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, anyhow, ensure};
+use anyhow::{Context as _, Result, ensure};
 use measure::quantity::{Quantity, Targets};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
+use program::misfit;
 
 use super::Scene;
 use crate::config::{Dilatation, ObjectiveConfig, Weight};
@@ -44,21 +45,25 @@ impl<'a> ObjectiveBuilder<'a> {
             factors(config, scene).with_context(context)?;
             ensure!(
                 scene.config.contact().is_some() || !config.kind().needs_contact,
-                "{}: objective \"{name}\": {}: there are no forces between surfaces without \
-                 [contact] in {}",
-                design.display(),
-                config.kind().key,
-                scene.path.display()
+                config.title().told(format!(
+                    "{}: objective \"{name}\": {}: there are no forces between surfaces without \
+                     [contact] in {}",
+                    design.display(),
+                    config.kind().key,
+                    scene.path.display()
+                ))
             );
             ensure!(
                 scene.config.solver.dilatation == Dilatation::Pointwise
                     || !config.kind().reads_stress,
-                "{}: objective \"{name}\": {}: it is made with the stress of the law at each point, which \
-                 elements with [solver] dilatation = \"mean\" do not have; expected \"pointwise\" in {}, or \
-                 another objective",
-                design.display(),
-                config.kind().key,
-                scene.path.display()
+                config.title().told(format!(
+                    "{}: objective \"{name}\": {}: it is made with the stress of the law at each point, which \
+                     elements with [solver] dilatation = \"mean\" do not have; expected \"pointwise\" in {}, or \
+                     another objective",
+                    design.display(),
+                    config.kind().key,
+                    scene.path.display()
+                ))
             );
         }
         let targets = Targets::new(design.parent().unwrap_or(Path::new("")));
@@ -104,7 +109,7 @@ impl<'a> ObjectiveBuilder<'a> {
 /// ω of each moment of a scene.
 fn factors(config: &ObjectiveConfig, scene: &Scene) -> Result<Vec<f64>> {
     let factors = config.over().factors(&scene.times());
-    factors.map_err(|what| anyhow!("objective \"{}\": over: {what}", config.name()))
+    factors.map_err(|what| misfit!(config.title().key("over"), ": {what}").into())
 }
 
 #[cfg(test)]

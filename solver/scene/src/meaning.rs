@@ -1,0 +1,62 @@
+//! What errors of the mechanics mean for settings: the keys where they are, and what may have been meant.
+
+use std::error::Error;
+
+use mechanics::body::{CutError, TagError};
+use mechanics::energy::gas_law::Refused;
+use mechanics::schedule::Malformed;
+use program::{KeyPath, Misfit, did_you_mean, unknown};
+
+/// What an error of the mechanics means, if it is one.
+#[must_use]
+pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
+    if let Some(error) = error.downcast_ref() {
+        return Some(of_tag(error));
+    }
+    if let Some(error @ Malformed { .. }) = error.downcast_ref() {
+        let near = error.unknown().map(|u| did_you_mean(&u.name, u.known.iter().map(|k| &k[..])));
+        return Some(KeyPath::default().told(format!("{error}{}", near.unwrap_or_default())));
+    }
+    if let Some(error) = error.downcast_ref::<CutError>() {
+        let path = match error {
+            // the error of the tag says where
+            CutError::Tag { .. } => KeyPath::list("symmetry"),
+            CutError::Plane { tags, .. } => cut(tags),
+            CutError::Parallel(parallel) => cut(&parallel.planes[1].tags),
+        };
+        return Some(path.told(error));
+    }
+    let key = match error.downcast_ref()? {
+        Refused::Gas { ambient, .. } if !(*ambient > 0.0 && ambient.is_finite()) => "ambient",
+        Refused::Gas { .. } => "exponent",
+        Refused::Compliance { .. } => "compliance",
+        Refused::Vacuum { .. } => "fill",
+    };
+    Some(KeyPath::of(key).told(error))
+}
+
+/// Where a plane of symmetry is written that some tags are cut by.
+#[must_use]
+pub fn cut(tags: &[String]) -> KeyPath {
+    let first = tags.first().map_or_else(KeyPath::default, |tag| KeyPath::word(tag));
+    KeyPath::list("symmetry").with(first)
+}
+
+fn of_tag(error: &TagError) -> Misfit {
+    match error {
+        TagError::Unknown { tag, known } => {
+            let (before, has) = (format!("unknown tag \"{tag}\""), known.join(", "));
+            let known = known.iter().map(|tag| &tag[..]);
+            KeyPath::word(tag).told(unknown(
+                &before,
+                tag,
+                known,
+                ';',
+                &format!("the mesh has: {has}"),
+            ))
+        }
+        TagError::Untagged { tag }
+        | TagError::NotOnBoundary { tag }
+        | TagError::Lost { tag, .. } => KeyPath::word(tag).told(error),
+    }
+}
