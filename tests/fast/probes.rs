@@ -131,7 +131,7 @@ fn wrong_probes_are_refused_before_anything_is_solved() {
         ("name = \"bend\"", "", &["[[probe]]", "missing field `name`"]),
         ("0.045, 0.02, 0.021", "0.02, 0.02, 0.02", &["\"inside\"", "lies in no element"]),
         ("axis = [1, 0, 0]", "axis = [0, 0, 0]", &["\"inside\"", "axis = [0.0, 0.0, 0.0]"]),
-        ("axis = [1, 0, 0]", "axis = \"x\"", &["\"inside\"", "in `axis`"]),
+        ("axis = [1, 0, 0]", "axis = \"x\"", &["\"inside\"", "axis = \"x\""]),
         ("kind = \"gap\"", "kind = \"gaps\"", &["\"wall\"", "`gaps`", "`gap`"]),
         ("on = \"seat\"\naxis", "on = \"skin\"\naxis", &["\"held\"", "fixed are: seat"]),
         ("kind = \"reaction\"", "kind = \"contact-force\"", &["\"held\"", "without [contact]"]),
