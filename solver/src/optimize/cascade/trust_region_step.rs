@@ -42,11 +42,11 @@ impl Cascade<'_> {
         let clock = Instant::now();
         let edge = level.map().mean_edge();
         let mut region = checkpoint.region.clone();
+        if region.is_empty() {
+            region.radius = region.radius.max(optimizer.first_step * edge);
+        }
         if let Err(Rejected(why)) = renew(&mut region, level, &theta, current) {
             return Ok(Err(End { reason: why, flat: false }));
-        }
-        if region.radius == 0.0 {
-            region.radius = optimizer.first_step * edge;
         }
         let mut forward_s = clock.elapsed().as_secs_f64();
         let (mut reason, mut flat) = (String::new(), 0);

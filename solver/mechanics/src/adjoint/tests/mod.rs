@@ -206,15 +206,6 @@ impl Case {
         (problem, workspace, rest)
     }
 
-    /// The derivative of the number of the chamber by the pressure that it stands for.
-    fn by_pressure(&self) -> f64 {
-        match self.inside {
-            Inside::Pressure | Inside::Gas => 1.0,
-            Inside::Volume => CHANGE,
-            Inside::Factor => FACTOR,
-        }
-    }
-
     fn hits(&self) -> bool {
         self.body == Shape::Blocks
     }
