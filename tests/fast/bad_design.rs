@@ -131,3 +131,15 @@ fn arguments_of_the_check() {
         run.assert_refused(2, &[option, value]);
     }
 }
+
+#[test]
+fn gauss_newton_is_refused_for_more_variables_than_it_takes() {
+    let dir = chamber::workdir();
+    let body = chamber::refined(2);
+    mesh::io::write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let free = dir.text("design.toml").replace("handles = 1\n", "vertices = true\n");
+    dir.write("design.toml", &free);
+    let run = dir.solver("optimize design.toml -o out --set optimizer.method=gauss-newton");
+    run.assert_refused(2, &["level 1: ", "variables, of which", "at most 400", "l-bfgs"]);
+    assert!(!dir.path("out/report.json").exists());
+}

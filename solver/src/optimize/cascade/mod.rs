@@ -152,6 +152,10 @@ impl Cascade<'_> {
         let optimizer = self.design.optimizer_of(settings);
         let scene = self.scene.with_fidelity(settings)?;
         let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
+        if optimizer.method == OptimizerMethod::GaussNewton {
+            trust_region_step::check_variables(&level)
+                .with_context(|| format!("level {}", checkpoint.level + 1))?;
+        }
         if !checkpoint.weights.is_empty() {
             level.set_weights(&checkpoint.weights);
         }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use mechanics::math::linear::norm;
 use scene::config::OptimizerConfig;
 
@@ -13,6 +13,8 @@ use crate::optimize::{Evaluation, Level, Rejected};
 
 /// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
 const VARIABLES_PER_STEP: usize = 16;
+/// Variables beyond which the first-order changes of all take too much time and memory.
+const MOST_VARIABLES: usize = 400;
 /// Radii that are tried until a rest shape is valid.
 const RADII: usize = 12;
 /// Radius after a rejected trial, over its motion.
@@ -95,6 +97,17 @@ impl Cascade<'_> {
             format!("no step was accepted in {HALVINGS} trials, the last because: {reason}");
         Ok(Err(End { reason, flat: flat >= FLAT_TRIALS }))
     }
+}
+
+/// Refuses a level of so many variables that their curvature is out of reach.
+pub(super) fn check_variables(level: &Level) -> Result<()> {
+    let variables = level.variables();
+    ensure!(
+        variables <= MOST_VARIABLES,
+        "{variables} variables, of which method = \"gauss-newton\" takes at most {MOST_VARIABLES}: expected fewer \
+         handles, or method = \"l-bfgs\" in [optimizer]"
+    );
+    Ok(())
 }
 
 /// Takes the curvature of the objective anew, where the model has none or has aged.
