@@ -435,7 +435,7 @@ fn watch(
         let &Event::Iterate { time, iteration, residual, wanted } = event else {
             return scene.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event));
         };
-        // a run that was sought next to another one begins anew from rest
+        // after a failure next to another run, a second search from rest would ignore the break
         if broken_off.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
             return ControlFlow::Break(());
         }

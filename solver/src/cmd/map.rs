@@ -118,7 +118,10 @@ fn begin(path: &Path, inputs: String, restart: bool) -> Result<Begun> {
             log::info!("continuing after row {}", begun.rows.len());
             return Ok(begun);
         }
-        log::warn!("{}: belongs to another table; beginning anew", path.display());
+        log::warn!(
+            "{}: it belongs to another table, so that all rows are computed again",
+            path.display()
+        );
     }
     Ok(Begun { inputs, ..Begun::default() })
 }

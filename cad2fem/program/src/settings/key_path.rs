@@ -174,13 +174,13 @@ pub struct Misfit {
 pub type Meaning = fn(&(dyn std::error::Error + 'static)) -> Option<Misfit>;
 
 impl Misfit {
-    /// The same with a title before its message.
+    /// Puts a title before the message.
     #[must_use]
     pub fn titled(self, title: impl Display) -> Self {
         Self { message: format!("{title}: {}", self.message), ..self }
     }
 
-    /// The same below a step.
+    /// Puts a step before the keys.
     pub(super) fn below(mut self, step: Step) -> Self {
         self.path.0.insert(0, step);
         self

@@ -110,7 +110,7 @@ pub(super) fn check_variables(level: &Level) -> Result<()> {
     Ok(())
 }
 
-/// Takes the curvature of the objective anew, where the model has none or has aged.
+/// Computes the curvature of the objective, where the model has none or an old one.
 fn renew(
     region: &mut TrustRegion,
     level: &mut Level,
