@@ -47,9 +47,13 @@ fn tests_volume(motion: &Motion) -> f64 {
 #[test]
 #[ignore = "seven seconds: runs in make test-all"]
 fn methods_have_their_order_in_the_length_of_the_step() {
-    for (method, order, first) in
-        [("implicit-euler", 1.0, 80), ("bdf2", 2.0, 80), ("bdf3", 3.0, 160), ("newmark", 2.0, 80)]
-    {
+    for (method, order, first) in [
+        ("implicit-euler", 1.0, 80),
+        ("bdf2", 2.0, 80),
+        ("bdf3", 3.0, 160),
+        ("newmark", 2.0, 80),
+        ("generalized-alpha", 2.0, 80),
+    ] {
         let height = |steps: usize| {
             // grows smoothly from nothing, so that the start is no kink
             let text = format!(

@@ -234,6 +234,9 @@ pub struct EnergyBalance {
     /// Kinetic energy, of a scene with inertia [J].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kinetic: Option<f64>,
+    /// Largest `energy_gain` of all steps, over the largest stored and kinetic energy; of a scene with inertia [1].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_gain: Option<f64>,
     /// Work without energy, over the energy; of a scene without inertia [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative_gap: Option<f64>,

@@ -45,6 +45,11 @@ pub struct Step {
     pub collisions: Option<Collisions>,
     /// Work of gas, dead loads and moving supports so far [J].
     pub work_of_loads: f64,
+    /// Energy that time integration has added so far, less what friction and damping have taken: the stored and
+    /// kinetic one less that at the start and the work of the loads; of a scene with inertia whose obstacles stand
+    /// still [J].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_gain: Option<f64>,
     /// Value of each probe, in its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<Numbers>,

@@ -77,10 +77,12 @@ pub enum MethodSchema {
     ImplicitEuler,
     /// Second order.
     Bdf2,
-    /// Third order.
+    /// Third order, for imported scenes: some oscillations grow, which is warned of.
     Bdf3,
     /// Implicit Newmark of average acceleration: second order, damps nothing.
     Newmark,
+    /// Generalized-α: second order, damps what the step does not resolve, and little else.
+    GeneralizedAlpha,
 }
 
 /// How pairs are weighted.

@@ -163,7 +163,7 @@ fn body(path: &Path) -> Result<Read> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
         return Ok(Read::Plane(planar::read(path)?));
     }
-    Ok(Read::Space(mesh::io::read_tets(path)?.mesh))
+    Ok(Read::Space(mesh::io::read_tets_of_any_unit(path)?.mesh))
 }
 
 /// x ↦ scale x + translation.
@@ -259,7 +259,7 @@ fn solid(key: &Key, name: String, read: Read, thickness: Option<f64>) -> Result<
 
 fn obstacle(key: &Key, file: &Key, path: &Path, name: String) -> Result<Obstacle> {
     let mut surface = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("msh")) {
-        let mesh = mesh::io::read_tets(path)?.mesh;
+        let mesh = mesh::io::read_tets_of_any_unit(path)?.mesh;
         mesh::topology::boundary(&mesh).surface(&mesh).0
     } else {
         mesh::io::read_surface(path).map_err(|e| file.wrong(&e.to_string()))?

@@ -99,6 +99,7 @@ impl Run {
         let (problem, mut workspace) = scene.problem(&scene.body)?;
         let probes = scene.probes(&scene.body, &problem.space)?;
         scene.check_loads()?;
+        scene.warn_of_growth();
         workspace.watch = Some(watch(workspace.watch.take()));
         let timed = scene.config.time.is_some();
         let predicted_s =

@@ -34,6 +34,9 @@ const LINEAR: f64 = 1e-4;
 /// Remainders above the noise that a slope needs.
 const POINTS: usize = 3;
 
+/// Slopes between remainders that are below the noise, of which [`POINTS`] in a row are enough.
+const EXACT: std::ops::RangeInclusive<f64> = 1.99..=2.01;
+
 /// Remainders in a row, each a quarter of the one before, that are no noise although they are
 /// below the usual one: a term of the rest shape alone has less.
 const QUADRATIC: usize = 5;
@@ -241,11 +244,14 @@ impl std::fmt::Display for Finding {
 }
 
 /// Number of first remainders of which each is a quarter of the one before, as noise never is
-/// several times in a row; none where they are fewer than [`QUADRATIC`].
+/// several times in a row: [`QUADRATIC`] about, or [`POINTS`] exactly; else none.
 fn quadratic(epsilon: &[f64], remainder: &[f64]) -> usize {
-    let pairs = epsilon.windows(2).zip(remainder.windows(2));
-    let fall = pairs.take_while(|(e, r)| ACCEPTED.contains(&log_slope(e, r))).count() + 1;
-    if fall >= QUADRATIC { fall } else { 0 }
+    let enough = |slopes: std::ops::RangeInclusive<f64>, least: usize| {
+        let pairs = epsilon.windows(2).zip(remainder.windows(2));
+        let fall = pairs.take_while(|(e, r)| slopes.contains(&log_slope(e, r))).count() + 1;
+        if fall >= least { fall } else { 0 }
+    };
+    enough(ACCEPTED, QUADRATIC).max(enough(EXACT, POINTS))
 }
 
 /// The test of one term along one direction.
@@ -437,6 +443,17 @@ mod tests {
         let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;
         assert!(found(j, 1e-3).passes() && matches!(found(j, 1e-3), Finding::Slope(_)));
         assert!(!found(j, 1.01e-3).passes());
+    }
+
+    /// Of four steps there are no five remainders.
+    #[test]
+    fn few_remainders_that_fall_exactly_by_four_have_a_slope() {
+        let epsilon = [1e-2, 5e-3, 2.5e-3, 1.25e-3];
+        let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;
+        let values = epsilon.map(j);
+        let finding = |slope: f64| Outcome::new("term", j(0.0), slope, &epsilon, &values).finding;
+        assert!(finding(1e-3).passes() && matches!(finding(1e-3), Finding::Slope(_)));
+        assert!(!finding(1.01e-3).passes());
     }
 
     #[test]

@@ -11,15 +11,15 @@ use scene::ObjectiveBuilder;
 use serde_json::json;
 
 use super::optimize::{Problem, read};
-use crate::optimize::{Level, Parameter, Start};
+use crate::optimize::{Derivative, Level, Start};
 use crate::report::results;
 
 /// Write the gradient of a design problem for ParaView
 ///
 /// Writes to the output folder: gradient.vtu, the body at rest with dJ/dX of each
 /// vertex [1/m of J] as it is and with the interior following the boundary, and
-/// gradient.json with the terms and dJ by loads, materials, friction and what else
-/// the runs depend on.
+/// gradient.json with the terms, dJ by the variables of the shape, and dJ by each number of the scene,
+/// such as a pressure, a modulus or the friction, with path and unit.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The design problem
@@ -64,18 +64,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     vtu::write_vtu(&folder.join("gradient.vtu"), &grid)?;
-    let by: serde_json::Map<String, serde_json::Value> = Parameter::of(&scene, &level, &design)
-        .iter()
-        .map(|p| (p.name(), json!(p.gradient(&scene, &level, &swept))))
-        .collect();
+    let by_shape = level.vjp(&theta, &swept)[..level.map().shape_variables()].to_vec();
     let report = json!({
         "program": scene::PROGRAM,
         "objective": at.objective,
         "terms": at.terms,
-        "by": by,
-        "units": "J per metre for shape and loads, per m/s for velocities, per part of the largest pressure for what is added \
-                  to a chamber, per part of the largest component of gravity for what is added to it, else per \
-                  relative change",
+        "shape": {"derivative": by_shape, "unit": "1/m"},
+        "numbers": Derivative::of(&scene, &level, &design, &swept),
     });
     program::write_json(&folder.join("gradient.json"), &report)
 }

@@ -134,6 +134,7 @@ pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Resu
     let file = DesignConfig::settings(path, &own)?;
     let design = DesignConfig::of(&file)?;
     let scene = number::read(&beside(path, &design.scene), others, &of_scene)?;
+    scene.warn_of_growth();
     Ok(Problem { file, design, scene })
 }
 

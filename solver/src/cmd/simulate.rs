@@ -78,6 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (problem, workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     scene.check_loads()?;
+    scene.warn_of_growth();
     uncertainty::check(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
@@ -345,6 +346,8 @@ impl<'a> Run<'a> {
         unreached: &Unreached,
     ) -> Result<anyhow::Error> {
         let (scene, folder) = (self.scene, &arguments.output);
+        let rest = &scene.body.mesh.vertices;
+        let unreached = &self.stepper.confirmed(self.problem, &mut self.workspace, rest, unreached);
         let solver = (self.problem, &mut self.workspace);
         let diagnosis = Diagnosis::new(scene, &scene.body, solver, unreached);
         diagnosis.write_state(folder)?;

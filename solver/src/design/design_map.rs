@@ -17,7 +17,7 @@ use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
 
 use super::Patch;
 use super::held::{Flat, Held};
-use super::load_map::LoadMap;
+use super::load_map::{LoadMap, LoadVariable};
 use crate::extension::Extension;
 
 /// The map of one level.
@@ -149,6 +149,12 @@ impl DesignMap {
     #[must_use]
     pub fn loads(&self, theta: &[f64]) -> Vec<f64> {
         self.load_variables(theta).iter().map(|own| own / self.mean_edge).collect()
+    }
+
+    /// Variables of the loads in the words of the scene, in the order of θ.
+    #[must_use]
+    pub fn named_load_variables(&self) -> Vec<LoadVariable> {
+        self.loads.named_variables()
     }
 
     /// Variables of the loads in θ [m].

@@ -51,6 +51,16 @@ struct Designed {
     change: f64,
 }
 
+/// A design variable of the loads in the words and the unit of the scene.
+pub struct LoadVariable {
+    /// Path of what it changes: a number, a name in `[parameters]`, or the slope of a pressure in a time step.
+    pub path: String,
+    /// SI unit; of names in `[parameters]`, which have none, `1`.
+    pub unit: &'static str,
+    /// Change of that by a metre of the variable.
+    pub per_metre: f64,
+}
+
 impl LoadMap {
     /// The map to the chambers of a scene, with a body whose moving surface has edges of about
     /// `edge` [m].
@@ -215,6 +225,23 @@ impl LoadMap {
     #[must_use]
     pub fn variables(&self) -> usize {
         self.curve_variables() + self.numbers.len()
+    }
+
+    /// Each design variable, in the order of θ.
+    #[must_use]
+    pub fn named_variables(&self) -> Vec<LoadVariable> {
+        let slopes = self.curves.iter().flat_map(|Curve { on, curve, .. }| {
+            (1..=curve.variables()).map(move |step| LoadVariable {
+                path: format!("chamber.{on}.pressure.slope.{step}"),
+                unit: "Pa/s",
+                per_metre: curve.slope_per_metre(),
+            })
+        });
+        let numbers = self.numbers.iter().map(|Designed { name, number, scalar, .. }| {
+            let unit = number.as_ref().map_or("1", |number| number.unit);
+            LoadVariable { path: name.clone(), unit, per_metre: scalar.per_metre() }
+        });
+        slopes.chain(numbers).collect()
     }
 
     fn curve_variables(&self) -> usize {

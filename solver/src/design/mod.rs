@@ -20,7 +20,7 @@ pub use design_map::DesignMap;
 pub use geodesic::Geodesics;
 pub use handles::{HandleError, Handles, sample_handles};
 pub use held::{Flat, Held};
-pub use load_map::LoadMap;
+pub use load_map::{LoadMap, LoadVariable};
 pub use patch::{FreeVertices, Patch};
 pub use pressure_curve::PressureCurve;
 pub use scalar::Scalar;

@@ -81,6 +81,12 @@ impl PressureCurve {
         self.slopes.iter().map(own).collect()
     }
 
+    /// Change of a slope by a metre of its variable, r [Pa/s/m].
+    #[must_use]
+    pub fn slope_per_metre(&self) -> f64 {
+        self.unit
+    }
+
     /// A change of slopes [Pa/s] in variables [m].
     #[must_use]
     pub fn variable_change(&self, slope: f64) -> f64 {

@@ -48,6 +48,12 @@ impl Scalar {
         self.bounds.map(|b| (b - self.start) / self.unit)
     }
 
+    /// Change of p by a metre of its variable, r.
+    #[must_use]
+    pub fn per_metre(&self) -> f64 {
+        self.unit
+    }
+
     /// A change of p as one of y [m].
     #[must_use]
     pub fn variable_change(&self, by: f64) -> f64 {

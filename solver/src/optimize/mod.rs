@@ -30,6 +30,6 @@ pub use lbfgsb::projected_gradient_norm;
 pub use level::{Evaluation, Level, Start};
 pub use meshes::Meshes;
 pub use molding::Molding;
-pub use parameter::{Parameter, Perturbed};
+pub use parameter::{Derivative, Parameter, Perturbed};
 pub use remesh::{mesh_file, write_bodies};
 pub use scenario::{Rejected, Run, Scenario, scene_of};

@@ -6,6 +6,7 @@ use mechanics::adjoint::Gradient;
 use mechanics::math::linear::sum;
 use scene::config::{DesignConfig, LevelConfig, VerticesConfig};
 use scene::{ObjectiveBuilder, Scene};
+use serde::Serialize;
 
 use super::{Evaluation, Level, Rejected, Scenario};
 use crate::number::{KINDS, Number, Swept};
@@ -96,13 +97,75 @@ impl Parameter {
     }
 }
 
+/// The derivative of an objective by a number.
+#[derive(Clone, Debug, Serialize)]
+pub struct Derivative {
+    /// The number's path.
+    pub path: String,
+    /// dJ by the number.
+    pub derivative: f64,
+    /// Unit of that.
+    pub unit: String,
+}
+
+impl Derivative {
+    /// All of them, from the sweeps of all scenarios at θ = 0: the loads that are designed, then the
+    /// numbers of the scene. A number counts in the scenarios that give it no value of their own.
+    #[must_use]
+    pub fn of(
+        scene: &Scene,
+        level: &Level,
+        design: &DesignConfig,
+        swept: &[Gradient],
+    ) -> Vec<Self> {
+        let one = |path: String, derivative: f64, unit: &str| {
+            let unit = if unit == "1" { unit.to_owned() } else { format!("1/({unit})") };
+            Self { path, derivative, unit }
+        };
+        let mut all = Vec::new();
+        for parameter in Parameter::of(scene, level, design) {
+            match &parameter {
+                Parameter::Shape => {}
+                Parameter::Loads => {
+                    let by = parameter.gradient(scene, level, swept);
+                    let named = level.map().named_load_variables().into_iter().zip(by);
+                    all.extend(named.map(|(own, by)| one(own.path, by / own.per_metre, own.unit)));
+                }
+                Parameter::Numbers(numbers) => all.extend(numbers.iter().map(|number| {
+                    let by = sum_over_scenarios(level, swept, |scenario, swept| {
+                        by_number(number, scenario, swept)
+                    });
+                    one(number.path.clone(), by, number.unit)
+                })),
+            }
+        }
+        all
+    }
+}
+
+/// Sum of derivatives of all scenarios.
+fn sum_over_scenarios(
+    level: &Level,
+    swept: &[Gradient],
+    by: impl Fn(&Scenario, &Swept) -> f64,
+) -> f64 {
+    level
+        .scenarios()
+        .iter()
+        .zip(swept)
+        .map(|(scenario, own)| by(scenario, &scenario.swept(own)))
+        .sum()
+}
+
+/// dJ of a scenario by a number; zero where it has a value of its own there.
+fn by_number(number: &Number, scenario: &Scenario, swept: &Swept) -> f64 {
+    if scenario.config.numbers.contains_key(&number.path) { 0.0 } else { number.derivative(swept) }
+}
+
 /// dJ of a scenario by the part of a number that it is changed by in the scene of the design.
 fn by_part(number: &Number, scene: &Scene, scenario: &Scenario, swept: &Swept) -> f64 {
-    if scenario.config.numbers.contains_key(&number.path) {
-        return 0.0; // it has a value of its own there
-    }
     let part = number.scale(scene).unwrap_or_else(|| number.value(&scenario.scene));
-    part * number.derivative(swept)
+    part * by_number(number, scenario, swept)
 }
 
 /// Evaluates a design problem with changed parameters.

@@ -9,6 +9,7 @@ use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
 use mechanics::energy::{Iterate, Multiplier};
 use mechanics::forward::{LoadStep, Problem, Progress, Timings};
+use mechanics::schedule::{Field, Schedule};
 use mesh::Vec3;
 use mesh::io::vtu;
 use reports::Step;
@@ -110,6 +111,8 @@ pub struct Recorder<'a> {
     /// What was reported of each step.
     pub lines: Vec<Step>,
     work: Work,
+    /// Kinetic energy at the start, where the energy is balanced.
+    kinetic_at_start: Option<f64>,
 }
 
 impl<'a> Recorder<'a> {
@@ -148,7 +151,18 @@ impl<'a> Recorder<'a> {
             );
         }
         let folder = folder.to_path_buf();
-        Ok(Self { scene, problem, probes, folder, pictures, written, lines, work })
+        let kinetic_at_start = kinetic_at_start(scene, problem);
+        Ok(Self {
+            scene,
+            problem,
+            probes,
+            folder,
+            pictures,
+            written,
+            lines,
+            work,
+            kinetic_at_start,
+        })
     }
 
     /// Follows the work of the loads through all load steps, writes those that are reported,
@@ -176,12 +190,28 @@ impl<'a> Recorder<'a> {
         &self.work
     }
 
+    /// Largest energy gain of all steps over the largest stored and kinetic energy of a step [1].
+    #[must_use]
+    pub fn largest_gain(&self) -> Option<f64> {
+        let start = self.kinetic_at_start?;
+        let gains =
+            || self.lines.iter().filter_map(|line| Some((line.energy_gain?, line.work_of_loads)));
+        let energy = gains().map(|(gain, work)| gain + work + start).fold(start, f64::max);
+        let gain = gains().map(|(gain, _)| gain).fold(0.0, f64::max);
+        (energy > 0.0).then_some(gain / energy)
+    }
+
     /// Writes what is known of a step, which has the velocity `v` [m/s].
     fn record(&mut self, step: &LoadStep, v: Option<&[f64]>) -> Result<()> {
         let body = &self.scene.body;
         let measured = (self.probes, self.work.total);
-        let line = results::step(self.scene, body, self.problem, step, v, measured)?;
+        let mut line = results::step(self.scene, body, self.problem, step, v, measured)?;
         let at = step.iterate(self.problem, &body.mesh.vertices);
+        if let Some(start) = self.kinetic_at_start {
+            let internal = results::internal_energy(&self.problem.energies, &at);
+            let energy = internal + line.energies["kinetic"];
+            line.energy_gain = Some(energy - start - self.work.total);
+        }
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
@@ -198,6 +228,17 @@ impl<'a> Recorder<'a> {
         })?;
         curve::write(&self.folder, &self.lines, self.probes)
     }
+}
+
+/// Kinetic energy at t = 0, of a scene with inertia whose obstacles stand still: the work of those that
+/// move is not followed [J].
+fn kinetic_at_start(scene: &Scene, problem: &Problem) -> Option<f64> {
+    let stands = |field: &Field| field.0.iter().all(Schedule::is_zero);
+    let balanced = scene.config.method().has_inertia()
+        && scene.config.obstacle.iter().all(|obstacle| stands(&obstacle.displacement));
+    let start = || scene.integrator(&scene.body, problem).last().v.clone();
+    let rest = &scene.body.mesh.vertices;
+    balanced.then(|| results::kinetic_energy(&problem.energies, &problem.space, rest, &start()))
 }
 
 /// SHA-256 of lines as they are written.

@@ -8,7 +8,7 @@ use measure::probe::{Probe, measure};
 use mechanics::body::Body;
 use mechanics::contact::surface::BodyForce;
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{self, Energies, Iterate, MembraneSummary, Term};
+use mechanics::energy::{self, Energies, Iterate, Kind, MembraneSummary, Term};
 use mechanics::forward::{LoadStep, Problem};
 use mechanics::material::Kinematics;
 use mechanics::symmetry::{AXES, Plane};
@@ -171,6 +171,7 @@ pub fn step(
         momentum: v.map(|v| momentum(energies, at.space, at.rest, v).into()),
         collisions: collisions(scene, energies, &at),
         work_of_loads: work,
+        energy_gain: None,
         probes: (!probes.is_empty()).then(|| numbers(&measure(probes, problem, &at))),
     })
 }
@@ -250,6 +251,14 @@ pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f6
         *stored.entry("total").or_insert(0.0) += value;
     }
     stored.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// Energy of a state that is stored in bodies, sheets and contacts, not in loads [J].
+#[must_use]
+pub fn internal_energy(energies: &Energies, at: &Iterate) -> f64 {
+    let internal =
+        |kind: Kind| kind.is_stored() && !kind.is_dead_load() && !matches!(kind, Kind::Chamber(_));
+    energies.terms().filter(|term| internal(term.kind)).map(|term| term.energy.value(at)).sum()
 }
 
 /// Resultants of the loads by kind and of the reactions [N]; the norm of their

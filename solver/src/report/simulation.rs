@@ -65,6 +65,10 @@ fn materials(scene: &Scene) -> Result<Vec<Material>> {
     scene.laws.iter().map(one).collect()
 }
 
+/// Energy that time integration may add, over the largest stored and kinetic one: the work of loads is summed by
+/// the trapezoidal rule, of second order in the step.
+const NOTABLE_GAIN: f64 = 0.1;
+
 /// What a run took.
 pub struct Spent<'a> {
     /// Iterations of Newton's method.
@@ -100,7 +104,7 @@ pub fn end(
     let mut found = End {
         tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
         newton_iterations: spent.newton_iterations,
-        energy_balance: balance(recorder.work().total, &energies, kinetic),
+        energy_balance: balance(recorder, &energies, kinetic),
         energies,
         force_balance: results::balance(problem, end),
         tags: results::tags(scene, &scene.body, problem, end)?,
@@ -122,16 +126,26 @@ pub fn end(
     Ok((found, crossing))
 }
 
-/// Work of the loads beside stored and kinetic energy [J].
+/// Work of the loads beside stored and kinetic energy [J], with a warning where time integration adds energy.
 fn balance(
-    work_of_loads: f64,
+    recorder: &Recorder,
     energies: &BTreeMap<String, f64>,
     kinetic: Option<f64>,
 ) -> EnergyBalance {
+    let work_of_loads = recorder.work().total;
     let elastic = energies["elastic"] + energies.get("membrane").unwrap_or(&0.0);
     let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
     let relative_gap = kinetic.is_none().then_some(gap);
-    EnergyBalance { work_of_loads, elastic, kinetic, relative_gap }
+    let largest_gain = recorder.largest_gain();
+    if let Some(gain) = largest_gain.filter(|gain| *gain > NOTABLE_GAIN) {
+        log::warn!(
+            "the steps in time add energy: {:.0} % of the largest that there is, at most {:.0} % expected\n  \
+             take shorter steps, or method = \"generalized-alpha\" in [time]",
+            100.0 * gain,
+            100.0 * NOTABLE_GAIN
+        );
+    }
+    EnergyBalance { work_of_loads, elastic, kinetic, largest_gain, relative_gap }
 }
 
 /// Principal stretches of the state, with warnings where the material was not tested or tears.

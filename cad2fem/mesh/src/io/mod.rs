@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 pub use atomic::write_atomic;
 pub use inputs::{remove_output, remove_output_folder};
-pub use msh::{MshFile, read_tets, tagged_mesh, write_tets};
+pub use msh::{MshFile, read_tets, read_tets_of_any_unit, tagged_mesh, write_tets};
 pub use open::{create_new, make_results, note_results, open_input, open_own, open_to_append};
 pub use standard::{extension, is_standard, read_standard};
 pub use tags::{read_tags, write_tags};

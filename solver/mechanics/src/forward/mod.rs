@@ -32,7 +32,7 @@ mod workspace;
 pub use certificate::{Uncertified, certificate};
 pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
-pub use integrator::{Formula, Integrator, Method, State, Weights};
+pub use integrator::{Formula, Growth, Integrator, Method, State, Weights};
 pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Failure, Newton};
 pub use problem::{Configuration, Problem};

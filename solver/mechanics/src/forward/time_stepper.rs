@@ -260,6 +260,35 @@ impl TimeStepper {
         Err(Unreached { time: at.time, failure, attempt: Box::new(attempt) })
     }
 
+    /// The latest state before a failure that is in balance to the tolerance of the ends of time steps, which
+    /// intermediate load steps need not meet; the start of the time step if there is none.
+    #[must_use]
+    pub fn confirmed(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        unreached: &Unreached,
+    ) -> Unreached {
+        let Unreached { failure, attempt: failed, .. } = unreached;
+        let step = &failed.step;
+        let balanced = self.progress.last.iter().rev().filter(|at| at.time > self.progress.time);
+        let found = balanced.into_iter().find_map(|at| {
+            let (u, multipliers) = (at.u.clone(), at.multipliers.clone());
+            let start = Configuration { rest, time: at.time, step: Some(step), u, multipliers };
+            attempt(problem, workspace, &start, at.time, &self.stepping.newton).ok()
+        });
+        let ended = self.progress.last.iter().rev().find(|at| at.time <= self.progress.time);
+        let start = || {
+            let multipliers = ended.map_or(&problem.multipliers, |at| &at.multipliers);
+            (self.progress.time, self.progress.integrator.last().u.clone(), multipliers.clone())
+        };
+        let (time, reached, multipliers) =
+            found.map_or_else(start, |step| (step.time, step.u, step.multipliers));
+        let attempt = Box::new(Attempt { reached, multipliers, ..Attempt::clone(failed) });
+        Unreached { time, failure: failure.clone(), attempt }
+    }
+
     /// The time step that follows, or that was interrupted.
     fn begin(
         &mut self,

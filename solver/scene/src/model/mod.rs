@@ -25,7 +25,9 @@ use mechanics::element::FunctionSpace;
 use mechanics::energy::{
     BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
 };
-use mechanics::forward::{Event, Integrator, Newton, Problem, State, Stepping, Watch, Workspace};
+use mechanics::forward::{
+    Event, Growth, Integrator, Newton, Problem, State, Stepping, Watch, Workspace,
+};
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
 use mesh::Vec3;
@@ -174,6 +176,19 @@ impl Scene {
         );
         log::warn!("{path}: nothing moves the body: all its loads are zero");
         Ok(())
+    }
+
+    /// Warns of a time integration by which oscillations grow that nothing drives.
+    pub fn warn_of_growth(&self) {
+        if let Some(Growth { factor, phase, largest_phase }) = self.config.method().growth() {
+            log::warn!(
+                "{}: oscillations of frequency ω grow where ω Δt < {largest_phase:.2}, by {:.1} % in each step \
+                 at ω Δt = {phase:.2}\n  \
+                 in place of bdf3 take method = \"generalized-alpha\" in [time], by which none grow",
+                self.path.display(),
+                100.0 * (factor - 1.0)
+            );
+        }
     }
 
     /// Ends of the time steps [s]; of a static scene the full load, 1.

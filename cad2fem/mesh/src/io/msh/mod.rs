@@ -37,6 +37,19 @@ pub struct MshFile {
     pub tags: Tags,
 }
 
+/// Reads a tetrahedral mesh whose lengths are metres from a Gmsh file, and warns where its size hints at
+/// another unit.
+///
+/// # Errors
+/// As [`read_tets_of_any_unit`].
+pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
+    let file = read_tets_of_any_unit(path)?;
+    if let Some(remark) = unlikely_size(&file.mesh.vertices) {
+        log::warn!("{}: {remark}", path.display());
+    }
+    Ok(file)
+}
+
 /// Reads a tetrahedral mesh from a Gmsh file.
 ///
 /// Vertices keep the order of the file; those that no tetrahedron uses are left
@@ -50,15 +63,12 @@ pub struct MshFile {
 /// are not finite, elements that are neither points, lines, triangles nor
 /// tetrahedra, no tetrahedra, or tagged triangles that belong to no tetrahedron
 /// or to two groups.
-pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
+pub fn read_tets_of_any_unit(path: &Path) -> Result<MshFile, IoError> {
     let fail = |message| IoError::content(path, message);
     let bytes = unzipped(read_bytes(path)?).map_err(fail)?;
     let (file, notes) = parse(&bytes).and_then(assemble::assemble).map_err(fail)?;
     for note in notes {
         log::warn!("{}: {note}", path.display());
-    }
-    if let Some(remark) = unlikely_size(&file.mesh.vertices) {
-        log::warn!("{}: {remark}", path.display());
     }
     Ok(file)
 }

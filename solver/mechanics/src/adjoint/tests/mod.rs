@@ -217,8 +217,8 @@ impl Case {
         let surface = Surface::new(space, on, Vec::new(), self.degree, fixed);
         let (form, thickness) = (Form::Convergent, 0.0);
         // both barriers are tried
-        let newmark = self.method == Method::Newmark;
-        let density = if newmark { Density::LogSquared } else { Density::Log };
+        let smooth = matches!(self.method, Method::Newmark | Method::GeneralizedAlpha);
+        let density = if smooth { Density::LogSquared } else { Density::Log };
         let barrier = Barrier { form, density, activation: 1.2e-3, stiffness: 1e5, thickness };
         Contact::new(Arc::new(surface), Partners::ThroughAir, barrier)
     }
@@ -427,6 +427,8 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
     case(Method::Bdf2, 4, Shape::Tet, Inside::Gas);
     case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
     case(Method::Newmark, 4, Shape::Tet, Inside::Pressure);
+    case(Method::GeneralizedAlpha, 4, Shape::Tet, Inside::Pressure);
+    case(Method::GeneralizedAlpha, 3, Shape::Hollow, Inside::Gas);
     case(Method::Newmark, 3, Shape::Hollow, Inside::Factor);
     case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
     case(Method::ImplicitEuler, 2, Shape::Hollow, Inside::Factor);
@@ -435,8 +437,9 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    use Method::{ImplicitEuler as Euler, Newmark};
-    for (method, steps) in [(Euler, 1), (Euler, 2), (Euler, 5), (Newmark, 4)] {
+    use Method::{GeneralizedAlpha, ImplicitEuler as Euler, Newmark};
+    for (method, steps) in [(Euler, 1), (Euler, 2), (Euler, 5), (Newmark, 4), (GeneralizedAlpha, 3)]
+    {
         let (degree, dt) = (1, 2e-3);
         check(
             &Case { method, degree, steps, dt, body: Shape::Blocks, inside: Inside::Pressure },

@@ -62,6 +62,7 @@ fn neighbours_of_a_run_are_those_that_the_adjoint_sees_to_first_order() {
         (Method::Quasistatic, 1, 2, Shape::Hollow, Inside::Volume),
         (Method::Bdf3, 1, 5, Shape::Hollow, Inside::Gas),
         (Method::Newmark, 1, 4, Shape::Blocks, Inside::Pressure),
+        (Method::GeneralizedAlpha, 1, 4, Shape::Blocks, Inside::Pressure),
     ] {
         let case = Case { method, degree, steps, dt, body, inside };
         let off = |size: f64| {

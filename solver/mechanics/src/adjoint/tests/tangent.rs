@@ -104,6 +104,7 @@ fn the_adjoint_is_the_tangent_the_other_way_round() {
         (Method::ImplicitEuler, 2, 2, Shape::Tet, Inside::Pressure),
         (Method::Bdf3, 1, 5, Shape::Hollow, Inside::Gas),
         (Method::Newmark, 1, 4, Shape::Blocks, Inside::Pressure),
+        (Method::GeneralizedAlpha, 1, 4, Shape::Blocks, Inside::Pressure),
     ] {
         let case = Case { method, degree, steps, dt, body, inside };
         let [adjoint, tangent] = both_ways(&case, case.hits());

@@ -64,6 +64,7 @@ fn viscous_runs_have_their_gradients_with_any_formula() {
         (Method::Bdf2, 1, 4, Shape::Tet, Inside::Pressure),
         (Method::Bdf3, 1, 5, Shape::Tet, Inside::Pressure),
         (Method::Newmark, 1, 4, Shape::Tet, Inside::Pressure),
+        (Method::GeneralizedAlpha, 1, 4, Shape::Tet, Inside::Pressure),
         (Method::Quasistatic, 2, 2, Shape::Hollow, Inside::Pressure),
     ] {
         check_viscous(&Case { method, degree, steps, dt: 0.02, body, inside });

@@ -8,6 +8,7 @@
 //! [`Formula`]. A method is a file beside this one with its formula, a [`Method`], and its name in scenes.
 
 mod bdf;
+mod generalized_alpha;
 mod newmark;
 
 use serde::{Deserialize, Serialize};
@@ -25,10 +26,12 @@ pub enum Method {
     ImplicitEuler,
     /// Second order.
     Bdf2,
-    /// Third order.
+    /// Third order; some oscillations grow, see [`Method::growth`].
     Bdf3,
     /// Implicit Newmark of average acceleration: second order, damps nothing.
     Newmark,
+    /// Generalized-α: second order, damps what the step does not resolve, and little else.
+    GeneralizedAlpha,
 }
 
 impl Method {
@@ -37,7 +40,7 @@ impl Method {
     pub fn states(self) -> usize {
         match self {
             Self::Quasistatic | Self::ImplicitEuler => 1,
-            Self::Bdf2 | Self::Newmark => 2,
+            Self::Bdf2 | Self::Newmark | Self::GeneralizedAlpha => 2,
             Self::Bdf3 => 3,
         }
     }
@@ -50,8 +53,26 @@ impl Method {
 
     /// Whether states have their accelerations, as the formula needs them.
     fn keeps_acceleration(self) -> bool {
-        self == Self::Newmark
+        matches!(self, Self::Newmark | Self::GeneralizedAlpha)
     }
+
+    /// Growth of the oscillations that nothing drives and that grow all the same; none where none
+    /// grows, whatever the length of the step.
+    #[must_use]
+    pub fn growth(self) -> Option<Growth> {
+        (self == Self::Bdf3).then_some(bdf::GROWTH_OF_THREE_STATES)
+    }
+}
+
+/// Growth of an oscillation by a formula that is not stable for every step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    /// Its amplitude after a step over that before, at the worst [1].
+    pub factor: f64,
+    /// There the frequency times the length of a step, ω Δt [1].
+    pub phase: f64,
+    /// Oscillations with a smaller ω Δt than this grow, larger ones do not [1].
+    pub largest_phase: f64,
 }
 
 /// The linear formula of a step.
@@ -128,8 +149,11 @@ impl Integrator {
     pub fn formula(&self, dt: f64) -> Formula {
         match self.method {
             Method::Newmark if !self.last().a.is_empty() => newmark::formula(dt),
+            Method::GeneralizedAlpha if self.states.len() > 1 && !self.last().a.is_empty() => {
+                generalized_alpha::formula(dt)
+            }
             // the acceleration at the start is not known
-            Method::Newmark => bdf::formula(1, dt),
+            Method::Newmark | Method::GeneralizedAlpha => bdf::formula(1, dt),
             method => bdf::formula(self.states.len().min(method.states()), dt),
         }
     }
@@ -180,6 +204,7 @@ mod tests {
             (Method::Bdf2, 2.0),
             (Method::Bdf3, 3.0),
             (Method::Newmark, 2.0),
+            (Method::GeneralizedAlpha, 2.0),
         ] {
             let error = |steps: usize| {
                 let dt = 1.0 / steps as f64;
@@ -231,5 +256,47 @@ mod tests {
         // the first step is one of implicit Euler
         assert!(energies[0] < 0.5);
         assert!(energies.iter().all(|e| (e / energies[0] - 1.0).abs() < 1e-11));
+    }
+
+    /// The amplitude of u'' = −u after steps of a length, over that before the last of them.
+    fn growth(method: Method, dt: f64) -> f64 {
+        let mut integrator = Integrator::new(method, State::new(vec![1.0], vec![0.0]));
+        let amplitude = |s: &State| s.u[0].hypot(s.v[0]);
+        let mut logs = Vec::new();
+        for _ in 0..1000 {
+            let step = integrator.step(dt);
+            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
+            integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
+            logs.push(amplitude(integrator.last()).ln());
+        }
+        ((logs[999] - logs[499]) / 500.0).exp()
+    }
+
+    #[test]
+    fn only_the_formula_that_says_so_lets_oscillations_grow() {
+        let Growth { factor, phase, largest_phase } = Method::Bdf3.growth().expect("it grows");
+        assert!((growth(Method::Bdf3, phase) - factor).abs() < 1e-4);
+        assert!(
+            growth(Method::Bdf3, 0.9 * phase) < factor
+                && growth(Method::Bdf3, 1.1 * phase) < factor
+        );
+        assert!((growth(Method::Bdf3, largest_phase) - 1.0).abs() < 1e-4);
+        for method in [Method::ImplicitEuler, Method::Bdf2, Method::GeneralizedAlpha] {
+            assert!(method.growth().is_none());
+            // an amplitude below what a number holds has no logarithm, and does not grow
+            for phase in [0.01, 0.1, 0.6, 1.2, 3.0, 30.0] {
+                let factor = growth(method, phase);
+                assert!(factor.is_nan() || factor < 1.0 + 1e-7, "{method:?} {phase}: {factor}");
+            }
+        }
+    }
+
+    /// What the step does not resolve falls by the spectral radius, what it resolves stays.
+    #[test]
+    fn generalized_alpha_damps_what_the_step_does_not_resolve() {
+        let fast = growth(Method::GeneralizedAlpha, 3e3);
+        assert!((fast - generalized_alpha::SPECTRAL_RADIUS).abs() < 0.01, "{fast}");
+        let (slow, backward) = (growth(Method::GeneralizedAlpha, 0.2), growth(Method::Bdf2, 0.2));
+        assert!(1.0 - slow < 0.1 * (1.0 - backward), "{slow}, {backward}");
     }
 }
