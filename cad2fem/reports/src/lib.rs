@@ -24,4 +24,4 @@ pub use simulation::{
     CutPlane, End, EnergyBalance, Inputs, Material, Moduli, OneOrList, Silicone, Simulation,
     Status, Task, Timings,
 };
-pub use step::{Collisions, ForceBalance, PairForce, Step};
+pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};

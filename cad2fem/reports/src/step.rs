@@ -33,6 +33,9 @@ pub struct Step {
     pub mean_displacement: BTreeMap<String, [f64; 3]>,
     /// Force of each support on the body [N].
     pub reactions: BTreeMap<String, [f64; 3]>,
+    /// Motion of each rigid part, by its tag or body.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rigid: BTreeMap<String, RigidPart>,
     /// Resultants of the loads and reactions.
     pub force_balance: ForceBalance,
     /// Stored energy of each term, and their sum `total`; with inertia `kinetic` [J].
@@ -53,6 +56,16 @@ pub struct Step {
     /// Value of each probe, in its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<Numbers>,
+}
+
+/// Motion of a rigid part.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct RigidPart {
+    /// Displacement of its middle [m].
+    pub displacement: [f64; 3],
+    /// Rotation vector: the axis it has turned about times the angle [rad].
+    pub rotation: [f64; 3],
 }
 
 /// Resultants of the loads by kind, and of the reactions.

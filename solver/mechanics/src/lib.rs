@@ -15,6 +15,7 @@ pub mod body; // a tagged mesh
 pub mod element; // discretisation
 pub mod material; // constitutive (hyperelastic) laws ψ(F)
 pub mod stretch; // how far a state strains its material
+pub mod rigid; // nodes that move together
 pub mod contact; // contact potentials and collision detection
 pub mod schedule; // values over time, as people write them
 pub mod energy; // terms of the potential energy: elasticity, loads, contact

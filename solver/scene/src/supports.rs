@@ -136,6 +136,12 @@ impl Supports {
         self.owner[3 * node + axis].is_some_and(|i| self.motions[i].0[axis].is_zero())
     }
 
+    /// Whether a component of a node is fixed.
+    #[must_use]
+    pub fn holds(&self, node: usize, axis: usize) -> bool {
+        self.owner[3 * node + axis].is_some()
+    }
+
     /// Whether all components of a node are fixed.
     #[must_use]
     pub fn clamps(&self, node: usize) -> bool {

@@ -11,7 +11,7 @@ use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::at;
 use mesh::Vec3;
-use program::KeyPath;
+use program::{KeyPath, misfit};
 use scene::Scene;
 use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
 
@@ -41,6 +41,21 @@ fn flats(shape: &ShapeConfig, body: &Body) -> Result<Vec<Flat>> {
     shape.keep.iter().map(|keep| Flat::find(keep, body, &moving)).collect()
 }
 
+/// Rigid parts have the shape of the scene: what they are made of does not move with a design.
+fn check_not_rigid(patches: &[Patch], rigid: &BTreeMap<usize, String>) -> Result<()> {
+    let moved = patches.iter().flat_map(Patch::vertices).find_map(|v| rigid.get(v));
+    ensure!(
+        moved.is_none(),
+        misfit!(
+            KeyPath::table("shape"),
+            ": moves vertices of the [[rigid]] part on \"{}\", which keeps its shape; take the tag out of \
+             one of them",
+            moved.map_or("", String::as_str)
+        )
+    );
+    Ok(())
+}
+
 impl DesignMap {
     /// The map of one level on a body.
     ///
@@ -65,6 +80,7 @@ impl DesignMap {
             }
         }
         check_apart(&patches)?;
+        check_not_rigid(&patches, &scene.rigid_vertices(body)?)?;
         let edges = if moving.is_empty() { body.boundary() } else { &moving };
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
         let extension = if moving.is_empty() { None } else { Some(Extension::new(body)?) };

@@ -37,6 +37,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         (config.contact().is_some(), KeyPath::table("contact")),
         (!config.obstacle.is_empty(), KeyPath::list("obstacle")),
         (!config.membrane.is_empty(), KeyPath::list("membrane")),
+        (!config.rigid.is_empty(), KeyPath::list("rigid")),
         (!config.relaxation.is_empty(), KeyPath::list("relaxation")),
     ];
     if let Some((_, path)) = lists.into_iter().find(|(has, _)| *has) {

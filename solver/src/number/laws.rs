@@ -131,7 +131,7 @@ fn parameters<M: ?Sized + 'static>(law: &Law<M>, values: &[f64]) -> Vec<(String,
     names
 }
 
-fn positive(what: &str, value: f64) -> Result<()> {
+pub(super) fn positive(what: &str, value: f64) -> Result<()> {
     ensure!(value > 0.0 && value.is_finite(), "{what} must be positive, not {value}");
     Ok(())
 }

@@ -6,10 +6,10 @@ use mechanics::energy::ParameterId;
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
-use scene::config::{ChamberConfig, TractionConfig};
+use scene::config::{ChamberConfig, RigidConfig, TractionConfig};
 use scene::{Scene, nodes_of};
 
-use super::laws::total;
+use super::laws::{positive, total};
 use super::{Kind, Place, Setting, any, nothing_added};
 
 const AXES: [&str; 3] = mechanics::symmetry::AXES;
@@ -64,7 +64,8 @@ pub(super) const GRAVITY: Kind = Kind {
     path: "gravity.x, .y or .z",
     meaning: "what is added to a component of gravity",
     list: |scene| {
-        let falls = (0..scene.laws.len()).any(|law| scene.weighs(law))
+        let heavy = scene.config.rigid.iter().any(|part| part.mass > 0.0);
+        let falls = (heavy || (0..scene.laws.len()).any(|law| scene.weighs(law)))
             && scene.config.gravity.0.iter().any(|g| !g.is_zero());
         let axes = AXES.iter().enumerate().filter(|_| falls);
         axes.map(|(k, axis)| ((*axis).to_owned(), "m/s²", [0, k])).collect()
@@ -74,7 +75,10 @@ pub(super) const GRAVITY: Kind = Kind {
     check: any,
     derivative: |swept, [_, axis]| {
         let laws = 0..swept.scene.laws.len();
-        laws.map(|law| total(swept, ParameterId::Weight(law), 1 + axis)).sum()
+        let parts = 0..swept.scene.config.rigid.len();
+        let of_laws = laws.map(|law| total(swept, ParameterId::Weight(law), 1 + axis));
+        let of_parts = parts.map(|part| total(swept, ParameterId::RigidLoad(part), 4 + axis));
+        of_laws.chain(of_parts).sum()
     },
     scale: Some(|scene, _| {
         scene.config.gravity.0.iter().map(|g| largest(scene, g)).fold(0.0, f64::max)
@@ -102,6 +106,49 @@ pub(super) const TRACTION: Kind = Kind {
     scale: Some(|scene, [load, _]| {
         let components = &scene.config.traction[load].traction.0;
         components.iter().map(|t| largest(scene, t)).fold(0.0, f64::max)
+    }),
+};
+
+pub(super) const RIGID_MASS: Kind = Kind {
+    path: "rigid.PART.mass",
+    meaning: "the mass of a rigid part, where it has one",
+    list: |scene| {
+        let heavy = scene.config.rigid.iter().enumerate().filter(|(_, part)| part.mass > 0.0);
+        heavy.map(|(i, part)| (format!("{}.mass", part.on), "kg", [i, 0])).collect()
+    },
+    value: |scene, [part, _]| scene.config.rigid[part].mass,
+    set: Setting::By(|scene, _, [part, _], value| {
+        scene.config.rigid[part].mass = value;
+        Ok(())
+    }),
+    check: |scene, place| positive("a mass", (RIGID_MASS.value)(scene, place)),
+    derivative: |swept, [part, _]| {
+        let of = |id| total(swept, id, 0);
+        of(ParameterId::RigidLoad(part)) + of(ParameterId::RigidMass(part))
+    },
+    scale: None,
+};
+
+pub(super) const RIGID_FORCE: Kind = Kind {
+    path: "rigid.PART.force.x, .y or .z",
+    meaning: "what is added to a component of the force on a rigid part that has one",
+    list: |scene| {
+        let pushed = |part: &RigidConfig| part.force.0.iter().any(|force| !force.is_zero());
+        let parts = scene.config.rigid.iter().enumerate().filter(|(_, part)| pushed(part));
+        let one = |(i, part): (usize, &RigidConfig)| {
+            let (on, axes) = (part.on.clone(), part.axes());
+            let axes = AXES.iter().enumerate().filter(move |(k, _)| axes[*k]);
+            axes.map(move |(k, axis)| (format!("{on}.force.{axis}"), "N", [i, k]))
+        };
+        parts.flat_map(one).collect()
+    },
+    value: nothing_added,
+    set: Setting::AddedTo(rigid_force),
+    check: any,
+    derivative: |swept, [part, axis]| total(swept, ParameterId::RigidLoad(part), 1 + axis),
+    scale: Some(|scene, [part, _]| {
+        let components = &scene.config.rigid[part].force.0;
+        components.iter().map(|force| largest(scene, force)).fold(0.0, f64::max)
     }),
 };
 
@@ -142,6 +189,10 @@ fn gravity(scene: &mut Scene, [_, axis]: Place) -> &mut Schedule {
 
 fn traction(scene: &mut Scene, [load, axis]: Place) -> &mut Schedule {
     &mut scene.config.traction[load].traction.0[axis]
+}
+
+fn rigid_force(scene: &mut Scene, [part, axis]: Place) -> &mut Schedule {
+    &mut scene.config.rigid[part].force.0[axis]
 }
 
 /// The largest of a number over time, without sign, at the ends of time steps.

@@ -36,6 +36,8 @@ pub const KINDS: &[Kind] = &[
     loads::FRICTION,
     loads::GRAVITY,
     loads::TRACTION,
+    loads::RIGID_MASS,
+    loads::RIGID_FORCE,
     loads::VELOCITY,
     walls::WALL,
 ];

@@ -16,8 +16,8 @@ use mesh::Vec3;
 use mesh::io::{npy, vtu};
 use program::{InputFile, Settings};
 use reports::{
-    Chamber, Collisions, CutPlane, ForceBalance, Inputs, Membrane, OneOrList, PairForce, Step, Tag,
-    numbers,
+    Chamber, Collisions, CutPlane, ForceBalance, Inputs, Membrane, OneOrList, PairForce, RigidPart,
+    Step, Tag, numbers,
 };
 use scene::{Scene, SceneMembrane};
 use serde::Serialize;
@@ -166,6 +166,7 @@ pub fn step(
         chambers: chambers(energies, &at),
         mean_displacement,
         reactions: reactions(scene, body, problem, &at)?,
+        rigid: rigid_parts(energies, at.u),
         force_balance: balance(problem, &at),
         energies: stored,
         momentum: v.map(|v| momentum(energies, at.space, at.rest, v).into()),
@@ -179,13 +180,29 @@ pub fn step(
 /// ½ vᵀ M v of all bodies with inertia [J].
 #[must_use]
 pub fn kinetic_energy(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> f64 {
-    energies.inertia().map(|i| i.kinetic_energy(space, rest, v)).sum()
+    let rigid = energies.rigid.iter().filter_map(|part| part.mass.as_ref());
+    let of_bodies: f64 = energies.inertia().map(|i| i.kinetic_energy(space, rest, v)).sum();
+    of_bodies + rigid.map(|mass| mass.kinetic_energy(v)).sum::<f64>()
 }
 
 /// ∫ ρ v dX of all bodies with inertia [kg m/s].
 #[must_use]
 pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> Vec3 {
-    energies.inertia().map(|i| i.momentum(space, rest, v)).sum()
+    let rigid = energies.rigid.iter().filter_map(|part| part.mass.as_ref());
+    let of_bodies: Vec3 = energies.inertia().map(|i| i.momentum(space, rest, v)).sum();
+    of_bodies + rigid.map(|mass| mass.momentum(v)).sum::<Vec3>()
+}
+
+/// How far each rigid part has moved and turned.
+#[must_use]
+pub fn rigid_parts(energies: &Energies, u: &[f64]) -> BTreeMap<String, RigidPart> {
+    let one = |part: &energy::RigidEnergies| {
+        let turned = part.stiffness.as_ref().map(|own| own.rotation(u));
+        let rotation = turned.unwrap_or_default().into();
+        let displacement = part.load.of_point(u).into();
+        (part.name.clone(), RigidPart { displacement, rotation })
+    };
+    energies.rigid.iter().map(one).collect()
 }
 
 /// Measures every chamber.

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Membrane};
-use super::{Iterate, Springs, Traction, Viscous};
+use super::{Iterate, Rigid, RigidLoad, RigidMass, Springs, Traction, Viscous};
 use crate::element::FunctionSpace;
 use crate::material::Material;
 
@@ -28,6 +28,8 @@ pub struct Energies {
     pub body_forces: Vec<BodyForce>,
     /// Forces per area.
     pub tractions: Vec<Traction>,
+    /// Terms of each rigid part.
+    pub rigid: Vec<RigidEnergies>,
     /// What pulls supports while they are released.
     pub springs: Option<Springs>,
     /// Terms that no scene has, such as manufactured forces.
@@ -45,6 +47,19 @@ pub struct BodyEnergies {
     pub weight: Option<BodyForce>,
     /// Inertia, or the tiny mass of a body that is loose.
     pub inertia: Option<Inertia>,
+}
+
+/// The terms of one rigid part.
+#[derive(Clone)]
+pub struct RigidEnergies {
+    /// What the user calls it.
+    pub name: String,
+    /// What keeps it rigid; none where it cannot turn.
+    pub stiffness: Option<Rigid>,
+    /// Its mass, where there is inertia.
+    pub mass: Option<RigidMass>,
+    /// Force on it, with its weight.
+    pub load: RigidLoad,
 }
 
 /// A chamber by its name.
@@ -93,6 +108,12 @@ pub enum Kind {
     BodyForce,
     /// Force per area, by its index.
     Traction(usize),
+    /// What keeps a part rigid, by its index.
+    Rigid(usize),
+    /// Inertia of a rigid part.
+    RigidMass(usize),
+    /// Force on a rigid part, with its weight.
+    RigidLoad(usize),
     /// Springs of released supports.
     Springs,
     /// None of these.
@@ -115,6 +136,11 @@ pub enum ParameterId {
     Density(usize),
     /// The three components of what is added to a traction.
     Traction(usize),
+    /// Mass of a rigid part in its inertia.
+    RigidMass(usize),
+    /// Mass of a rigid part in its weight, then the three components of what is added to the force on it, and to
+    /// gravity.
+    RigidLoad(usize),
     /// Coefficient of friction.
     Friction,
     /// What a chamber is prescribed by: pressure, fill, change or factor of the volume.
@@ -141,20 +167,27 @@ impl Kind {
     /// and have no resultant.
     #[must_use]
     pub fn is_elastic(self) -> bool {
-        matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Membrane(_))
+        matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Membrane(_) | Self::Rigid(_))
     }
 
     /// Whether its forces are given and do not depend on the displacement.
     #[must_use]
     pub fn is_dead_load(self) -> bool {
-        matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction(_))
+        matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction(_) | Self::RigidLoad(_))
     }
 
     /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
     /// a time step is not.
     #[must_use]
     pub fn is_stored(self) -> bool {
-        !matches!(self, Self::Viscous(_) | Self::Inertia(_) | Self::TinyMass(_) | Self::Friction)
+        !matches!(
+            self,
+            Self::Viscous(_)
+                | Self::Inertia(_)
+                | Self::TinyMass(_)
+                | Self::RigidMass(_)
+                | Self::Friction
+        )
     }
 
     /// The numbers that it is made with. Of a tiny mass the density does not count.
@@ -167,6 +200,8 @@ impl Kind {
             Self::Inertia(body) => Some(ParameterId::Density(body)),
             Self::Traction(load) => Some(ParameterId::Traction(load)),
             Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
+            Self::RigidMass(part) => Some(ParameterId::RigidMass(part)),
+            Self::RigidLoad(part) => Some(ParameterId::RigidLoad(part)),
             Self::Friction => Some(ParameterId::Friction),
             _ => None,
         }
@@ -209,7 +244,7 @@ impl Energies {
     }
 
     /// All terms: elastic energy, overstress and weight of each body, sheets, inertia of each, chambers,
-    /// contact, friction, body forces, tractions, springs, others.
+    /// contact, friction, body forces, tractions, rigid parts, springs, others.
     pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
         fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
             Term { kind, energy }
@@ -232,9 +267,14 @@ impl Energies {
         let forces = self.body_forces.iter().map(|force| term(Kind::BodyForce, force));
         let tractions = self.tractions.iter().enumerate();
         let tractions = tractions.map(|(i, traction)| term(Kind::Traction(i), traction));
+        let rigid = self.rigid.iter().enumerate().flat_map(|(i, part)| {
+            let stiffness = part.stiffness.as_ref().map(|own| term(Kind::Rigid(i), own));
+            let mass = part.mass.as_ref().map(|own| term(Kind::RigidMass(i), own));
+            stiffness.into_iter().chain(mass).chain([term(Kind::RigidLoad(i), &part.load)])
+        });
         let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
         let others = self.others.iter().map(|other| term(Kind::Other, &**other));
-        let loads = forces.chain(tractions).chain(springs).chain(others);
+        let loads = forces.chain(tractions).chain(rigid).chain(springs).chain(others);
         let statics = statics.chain(sheets);
         statics.chain(inertia).chain(chambers).chain(contact).chain(friction).chain(loads)
     }

@@ -11,8 +11,9 @@ mod friction;
 pub mod gas_law;
 mod inertia;
 mod membrane;
-mod springs;
+mod rigid;
 mod rim;
+mod springs;
 mod traction;
 mod viscous;
 mod wall;
@@ -22,12 +23,14 @@ pub use chamber::Chamber;
 pub use contact::{Contact, GapSummary};
 pub use elastic::{Elastic, ElementLaw};
 pub use energies::{
-    BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId, Term,
+    BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId,
+    RigidEnergies, Term,
 };
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
+pub use rigid::{Rigid, RigidLoad, RigidMass};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;

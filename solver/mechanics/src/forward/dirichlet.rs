@@ -1,8 +1,13 @@
 //! Dirichlet conditions (essential boundary conditions): degrees of freedom that are
-//! fixed, at zero or at a displacement that follows the load. They are eliminated: only
-//! the other degrees of freedom are unknowns.
+//! fixed, at zero or at a displacement that follows the load. They are eliminated, and so
+//! are those of nodes that follow others ([`RigidSet`]): only the rest are unknowns.
+//!
+//! u = T q + what is prescribed      restrict: Tᵀ of forces, prolong: T of unknowns
 
 use std::sync::Arc;
+
+use crate::math::sparse::Followers;
+use crate::rigid::RigidSet;
 
 /// Displacement [m] of all degrees of freedom at a time; only those of the fixed
 /// ones are used.
@@ -15,8 +20,10 @@ pub struct Dirichlet {
     fixed: Vec<bool>,
     /// Fixed degrees of freedom.
     supports: Vec<usize>,
-    /// The others: the unknowns.
+    /// The others, but for those that follow: the unknowns.
     free: Vec<usize>,
+    /// Nodes that follow others.
+    followers: Arc<Followers>,
     /// How the fixed ones move, if they do.
     motion: Option<Motion>,
 }
@@ -26,7 +33,24 @@ impl Dirichlet {
     #[must_use]
     pub fn new(fixed: &[bool]) -> Self {
         let (supports, free) = (0..fixed.len()).partition(|&dof| fixed[dof]);
-        Self { fixed: fixed.to_vec(), supports, free, motion: None }
+        Self { fixed: fixed.to_vec(), supports, free, followers: Arc::default(), motion: None }
+    }
+
+    /// These conditions with parts that are rigid, which have no node in common.
+    #[must_use]
+    pub fn with_rigid(self, parts: &[RigidSet]) -> Self {
+        let followers = parts.iter().flat_map(|part| {
+            part.followers().iter().map(|(node, weights)| {
+                (*node, part.masters().iter().copied().zip(weights.iter().copied()).collect())
+            })
+        });
+        let followers = Followers::new(self.fixed.len() / 3, followers.collect());
+        self.following(Arc::new(followers))
+    }
+
+    fn following(self, followers: Arc<Followers>) -> Self {
+        let free = self.free.into_iter().filter(|dof| !followers.has(dof / 3)).collect();
+        Self { free, followers, ..self }
     }
 
     /// These conditions with supports that move.
@@ -38,7 +62,22 @@ impl Dirichlet {
     /// These conditions with other degrees of freedom fixed.
     #[must_use]
     pub fn with_fixed(&self, fixed: &[bool]) -> Self {
-        Self { motion: self.motion.clone(), ..Self::new(fixed) }
+        let conditions = Self::new(fixed).following(Arc::clone(&self.followers));
+        Self { motion: self.motion.clone(), ..conditions }
+    }
+
+    /// Nodes that follow others.
+    #[must_use]
+    pub fn followers(&self) -> &Followers {
+        &self.followers
+    }
+
+    /// Whether each degree of freedom is none of the unknowns.
+    #[must_use]
+    pub fn eliminated(&self) -> Vec<bool> {
+        let mut eliminated = vec![true; self.fixed.len()];
+        self.free.iter().for_each(|&dof| eliminated[dof] = false);
+        eliminated
     }
 
     /// Whether each degree of freedom is fixed.
@@ -72,17 +111,24 @@ impl Dirichlet {
         self.motion.as_ref().map_or_else(|| vec![0.0; self.fixed.len()], |motion| motion(time))
     }
 
-    /// The free part of a vector over all degrees of freedom.
+    /// Forces on the unknowns from those on all degrees of freedom.
     #[must_use]
     pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
-        self.free.iter().map(|&dof| full[dof]).collect()
+        let gather = |full: &[f64]| self.free.iter().map(|&dof| full[dof]).collect();
+        if self.followers.is_empty() {
+            return gather(full);
+        }
+        let mut onto_masters = full.to_vec();
+        self.followers.add_to_masters(&mut onto_masters);
+        gather(&onto_masters)
     }
 
-    /// A vector over all degrees of freedom from its free part, zero where fixed.
+    /// Motion of all degrees of freedom from that of the unknowns, zero where fixed.
     #[must_use]
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         let mut full = vec![0.0; self.fixed.len()];
         self.free.iter().zip(free).for_each(|(&dof, &value)| full[dof] = value);
+        self.followers.follow(&mut full);
         full
     }
 }

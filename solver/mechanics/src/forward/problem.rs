@@ -15,6 +15,7 @@ use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
 use crate::energy::{Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep};
 use crate::math::linear::norm;
+use crate::rigid::RigidSet;
 
 /// Energies on a function space with Dirichlet conditions. A copy shares what is
 /// large.
@@ -68,6 +69,14 @@ impl Problem {
     #[must_use]
     pub fn with_fixed(&self, fixed: &[bool]) -> Self {
         Self { dirichlet: Arc::new(self.dirichlet.with_fixed(fixed)), ..self.clone() }
+    }
+
+    /// This problem with parts that are rigid, which have no node in common and none that is fixed along an
+    /// axis along which the part moves. What keeps their masters rigid is an energy.
+    #[must_use]
+    pub fn with_rigid(mut self, parts: &[RigidSet]) -> Self {
+        self.dirichlet = Arc::new(Dirichlet::clone(&self.dirichlet).with_rigid(parts));
+        self
     }
 
     /// This problem with springs that pull released supports.
@@ -160,13 +169,13 @@ impl Problem {
         self.energies.contact.as_ref()?.objection(at)
     }
 
-    /// The free part of a vector.
+    /// Forces on the unknowns from those on all degrees of freedom.
     #[must_use]
     pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
         self.dirichlet.restrict(full)
     }
 
-    /// A full vector from its free part.
+    /// Motion of all degrees of freedom from that of the unknowns.
     #[must_use]
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         self.dirichlet.prolong(free)

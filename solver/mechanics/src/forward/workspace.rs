@@ -89,9 +89,8 @@ impl Workspace {
     #[must_use]
     pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
-        let fixed = problem.dirichlet.fixed();
         let (pattern, free, linear) =
-            symbolic(&problem.space, fixed, &[], (make, Memory::default()));
+            symbolic(&problem.space, &problem.dirichlet, &[], (make, Memory::default()));
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
@@ -152,9 +151,8 @@ impl Workspace {
         let clock = Clock::start();
         self.linear_mut().forget();
         let memory = (self.make, self.linear.memory());
-        let fixed = self.dirichlet.fixed();
         (self.pattern, self.free, self.linear) =
-            symbolic(&problem.space, fixed, &self.couplings, memory);
+            symbolic(&problem.space, &self.dirichlet, &self.couplings, memory);
         self.timings.ordering += clock.elapsed();
     }
 
@@ -237,6 +235,7 @@ impl Workspace {
         let product = vector.map(|vector| times(&matrix, &dense, vector));
         let restricted = |d: RankOne| (d.scale, self.dirichlet.restrict(&d.vector));
         let updates = dense.into_iter().map(restricted).collect();
+        matrix.fold(self.dirichlet.followers());
         let mut lower = std::mem::take(&mut self.spare);
         self.free.gather(&matrix, &mut lower);
         self.blocks = matrix.into_memory();

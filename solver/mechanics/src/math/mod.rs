@@ -1,5 +1,6 @@
 //! Small dense and sparse algebra.
 
+mod followers;
 pub mod lanes;
 pub mod least_squares;
 pub mod linear;

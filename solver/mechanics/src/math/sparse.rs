@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+pub use super::followers::Followers;
+use super::followers::Masters;
+
 /// The blocks (row ≥ column) that elements couple, and where each element's
 /// blocks are among them.
 pub struct Pattern {
@@ -155,6 +158,35 @@ impl Pattern {
         self.find(a.max(b), a.min(b)).is_some()
     }
 
+    /// Pairs of nodes (row > column) that blocks of followers couple, once these are their masters.
+    #[must_use]
+    pub fn images(&self, followers: &Followers) -> Vec<[usize; 2]> {
+        let mut images = Vec::new();
+        for (_, row, column) in self.blocks_of(followers) {
+            let [rows, columns] = [row, column].map(|node| followers.masters(node));
+            for (j, _) in rows.each() {
+                images.extend(columns.each().map(|(k, _)| [j.max(k), j.min(k)]));
+            }
+        }
+        images.retain(|[a, b]| a != b);
+        images.sort_unstable();
+        images.dedup();
+        images
+    }
+
+    /// Index, row and column of the blocks that a follower has a part in.
+    fn blocks_of<'a>(
+        &'a self,
+        followers: &'a Followers,
+    ) -> impl Iterator<Item = (usize, usize, usize)> + 'a {
+        let columns = 0..if followers.is_empty() { 0 } else { self.node_count };
+        columns.flat_map(move |column| {
+            let own = self.column_start[column]..self.column_start[column + 1];
+            let blocks = own.map(move |block| (block, self.rows[block], column));
+            blocks.filter(move |(_, row, _)| followers.has(*row) || followers.has(column))
+        })
+    }
+
     /// Number of blocks.
     #[must_use]
     pub fn block_count(&self) -> usize {
@@ -262,6 +294,29 @@ impl<'a> BlockMatrix<'a> {
         }
     }
 
+    /// Tᵀ A T on the nodes that follow none: the blocks of followers are added to those of their masters,
+    /// which the pattern must have, and are not used any more.
+    pub fn fold(&mut self, followers: &Followers) {
+        for (block, row, column) in self.pattern.blocks_of(followers) {
+            let values = self.blocks[block];
+            let [rows, columns] = [row, column].map(|node| followers.masters(node));
+            self.add_images(&values, &rows, &columns);
+            if row != column {
+                self.add_images(&transposed(&values), &columns, &rows);
+            }
+        }
+    }
+
+    /// Adds a block times the weights of its masters where that lies in the lower triangle.
+    fn add_images(&mut self, values: &[f64; 9], rows: &Masters, columns: &Masters) {
+        for (j, b_j) in rows.each() {
+            for (k, b_k) in columns.each().filter(|(k, _)| *k <= j) {
+                let target = &mut self.blocks[self.pattern.block(j, k)];
+                target.iter_mut().zip(values).for_each(|(t, v)| *t += b_j * b_k * v);
+            }
+        }
+    }
+
     /// y_i = Σ_j |A_ij| |x_j| over all nodes.
     #[must_use]
     pub fn multiply_magnitudes(&self, x: &[f64]) -> Vec<f64> {
@@ -289,6 +344,10 @@ impl<'a> BlockMatrix<'a> {
         }
         y
     }
+}
+
+fn transposed(block: &[f64; 9]) -> [f64; 9] {
+    std::array::from_fn(|i| block[3 * (i % 3) + i / 3])
 }
 
 /// Where the values of the lower triangle of the free degrees of freedom come from.

@@ -83,6 +83,7 @@ impl SimConfig {
         self.check_symmetry()?;
         self.check_membranes()?;
         self.check_relaxation()?;
+        self.check_rigid()?;
         self.check_probes()?;
         if let Some(uncertainty) = &self.uncertainty {
             uncertainty.check(self).context(KeyPath::table("uncertainty"))?;
@@ -175,6 +176,10 @@ impl SimConfig {
         for c in &mut self.traction {
             let name = KeyPath::list("traction").on(&c.on).key("traction");
             all.extend(along(name, true, &mut c.traction));
+        }
+        for part in &mut self.rigid {
+            let name = part.title().key("force");
+            all.extend(along(name, false, &mut part.force));
         }
         all
     }

@@ -11,6 +11,7 @@ mod level;
 mod material;
 mod membrane;
 mod relaxation;
+mod rigid;
 mod scenario;
 mod symmetry;
 mod uncertainty;
@@ -31,6 +32,7 @@ pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
 pub use membrane::MembraneConfig;
 pub use relaxation::RelaxationConfig;
+pub use rigid::RigidConfig;
 pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
 pub use symmetry::SymmetryConfig;
 
@@ -93,6 +95,9 @@ pub struct SimConfig {
     /// Thin sheets bonded to tags.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub membrane: Vec<MembraneConfig>,
+    /// Parts that keep their shape: fittings, glued discs, bodies that are lifted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rigid: Vec<RigidConfig>,
     /// Overstress of viscoelastic bodies; several tables make a Prony series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub relaxation: Vec<RelaxationConfig>,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::body::Body;
 use mechanics::energy::{Branch, Elastic, Viscous};
-use mechanics::material::{LAWS, Law, Specification};
+use mechanics::material::{LAWS, Lame, Law, NeoHookean, Specification};
 use mesh::{Tags, TetMesh, Volumes};
 use program::{KeyPath, misfit, unknown};
 
@@ -101,6 +101,11 @@ impl Scene {
     /// # Errors
     /// When the law cannot have the dilatation of the scene.
     pub(super) fn elastic(&self, law: &SceneLaw, elements: Range<usize>) -> Result<Elastic> {
+        if self.is_rigid(&self.parts[law.part].config.name) {
+            // it has no strain to speak of: a law that is no stiffer than those around it does as well
+            let young = 3.0 * self.rigid_shear_modulus();
+            return Ok(Elastic::part(Box::new(NeoHookean(Lame::new(young, 0.4))), elements));
+        }
         let elastic = Elastic::part(law.material.build(), elements);
         if self.config.solver.dilatation == Dilatation::Pointwise {
             return Ok(elastic);

@@ -9,6 +9,7 @@ mod membranes;
 mod objectives;
 mod probes;
 mod read;
+mod rigid;
 mod symmetry;
 
 pub use laws::SceneLaw;
@@ -141,10 +142,15 @@ impl Scene {
         let vertices = body.mesh.vertices.len();
         let space = FunctionSpace::with_quadrature(degree, exact, vertices, body.mesh.tets.clone());
         let supports = self.supports(body, &space)?;
-        let energies = self.energies(body, &space, &supports).with_context(context)?;
+        let rigid = self.rigid_sets(body, &space, &supports).with_context(context)?;
+        let mut energies = self.energies(body, &space, &supports).with_context(context)?;
+        energies.rigid = self.rigid_energies(&rigid, body, &space).with_context(context)?;
         let multipliers = self.multipliers(body, &space, &energies);
         let mut problem =
             Problem::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
+        if !rigid.is_empty() {
+            problem = problem.with_rigid(&rigid);
+        }
         problem.tolerates_inversion = self.config.solver.inside_out == InsideOut::Tolerated;
         if supports.move_at_all() {
             problem = problem.with_motion(move |load| supports.displacement(load));
@@ -298,6 +304,7 @@ impl Scene {
         }
         let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
         energies.friction = energies.friction.map(|own| own.with_coefficient(coefficient));
+        self.set_rigid_numbers(&mut energies.rigid);
         Ok(energies)
     }
 

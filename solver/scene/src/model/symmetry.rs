@@ -17,7 +17,7 @@ use crate::meaning::cut;
 const OFF_PLANE: f64 = 1e-6;
 
 impl Scene {
-    /// All supports of a body: those of the scene, then those in planes of symmetry.
+    /// All supports of a body: those of the scene, then those in planes of symmetry, then what guides rigid parts.
     #[must_use]
     pub(super) fn fixed(&self, body: &Body) -> Vec<Fixed> {
         let held = |plane: &Plane| {
@@ -29,7 +29,8 @@ impl Scene {
             };
             plane.tags.iter().map(one).collect::<Vec<_>>()
         };
-        self.config.fixed.iter().cloned().chain(body.planes.iter().flat_map(held)).collect()
+        let own = self.config.fixed.iter().cloned();
+        own.chain(body.planes.iter().flat_map(held)).chain(self.guides(body)).collect()
     }
 
     /// Forces per volume and velocities must not point across a plane of symmetry there.

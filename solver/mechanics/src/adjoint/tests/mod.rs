@@ -26,6 +26,7 @@ mod dilatation;
 mod internal;
 mod membrane;
 mod neighbours;
+mod rigid;
 mod tangent;
 mod viscous;
 

@@ -1,0 +1,190 @@
+//! Blocks with a rigid top: what it bears, how it swings, and gradients of its runs.
+
+use super::*;
+use crate::energy::{Rigid, RigidEnergies, RigidLoad, RigidMass};
+use crate::material::{Lame, NeoHookean};
+use crate::rigid::{Moves, RigidSet};
+
+/// Edge of the block [m].
+const EDGE: f64 = 0.02;
+/// Shear modulus [Pa].
+const SHEAR: f64 = 5e4;
+/// Young's modulus [Pa].
+const YOUNG: f64 = 1.5e5;
+
+/// A block on a fixed bottom, of which the top is rigid.
+struct Topped {
+    degree: usize,
+    method: Method,
+    steps: usize,
+    moves: Moves,
+}
+
+impl Topped {
+    fn mesh() -> TetMesh {
+        let mut mesh = cube(2, 0.2);
+        mesh.vertices.iter_mut().for_each(|v| *v *= EDGE);
+        mesh
+    }
+
+    /// With a mass [kg] and a force [N] on the top, and a factor on the modulus.
+    fn problem(&self, mass: f64, force: [f64; 3], factor: f64) -> (Problem, Workspace) {
+        let TetMesh { vertices, tets } = Self::mesh();
+        let space = FunctionSpace::new(self.degree, vertices.len(), tets);
+        let nodes = space.node_positions(&vertices);
+        let guided = |x: &Vec3| self.moves == Moves::InPlane(0) && (x.z - EDGE).abs() < 1e-9;
+        let held = |x: &Vec3| [x.z == 0.0 || guided(x), x.z == 0.0, x.z == 0.0];
+        let fixed: Vec<bool> = nodes.iter().flat_map(held).collect();
+        let top: Vec<usize> =
+            (0..nodes.len()).filter(|&n| (nodes[n].z - EDGE).abs() < 1e-9).collect();
+        let part = RigidSet::new(&top, &nodes, self.moves).expect("nodes");
+        let center = Vec3::new(0.5 * EDGE, 0.4 * EDGE, EDGE);
+        let weights = part.weights_at(center).expect("on the top");
+        let gravity = Field(["0", "0", "-9.8"].map(|g| g.parse::<Schedule>().expect("a number")));
+        let force = Field(force.map(Schedule::from));
+        let corners = [[0.0, 0.0], [EDGE, 0.0], [0.0, EDGE], [EDGE, EDGE]];
+        let corner =
+            |[x, y]: [f64; 2]| (0.25, part.weights_at(Vec3::new(x, y, EDGE)).expect("on the top"));
+        let points: Vec<_> = corners.into_iter().map(corner).collect();
+        let law = NeoHookean(Lame::new(YOUNG * factor, 0.45));
+        let mut energies = Energies::elastic(Box::new(law));
+        if self.method.has_inertia() {
+            energies.bodies[0].inertia = Some(Inertia::new(&space, 1000.0, 0..space.tets().len()));
+        }
+        let inertia = self.method.has_inertia();
+        energies.rigid.push(RigidEnergies {
+            name: "top".to_owned(),
+            stiffness: (part.masters().len() > 1).then(|| Rigid::new(&part, &nodes, SHEAR)),
+            mass: inertia.then(|| RigidMass::new(&part, mass, &points)),
+            load: RigidLoad::new(&part, weights, force, (gravity, mass)),
+        });
+        let problem = Problem::new(space, energies, &fixed).with_rigid(&[part]);
+        let workspace = Workspace::new(&problem);
+        (problem, workspace)
+    }
+
+    fn run(&self, (problem, workspace): (&Problem, &mut Workspace), rest: &[Vec3]) -> Trajectory {
+        let zero = vec![0.0; problem.dofs()];
+        let integrator = Integrator::new(self.method, State::new(zero.clone(), zero));
+        let dt = if self.method.has_inertia() { 2e-3 } else { 1.0 };
+        let times: Vec<f64> = (1..=self.steps).map(|n| dt * n as f64).collect();
+        let mut stepper = TimeStepper::new(TIGHT, integrator);
+        stepper.run(problem, workspace, rest, &times, ON_DISK, |_| ()).expect("a run")
+    }
+
+    /// Positions of the nodes of the top at rest and in the last state [m].
+    fn top(&self, problem: &Problem, rest: &[Vec3], run: &Trajectory) -> Vec<[Vec3; 2]> {
+        let nodes = problem.space.node_positions(rest);
+        let top = nodes.iter().enumerate().filter(|(_, x)| (x.z - EDGE).abs() < 1e-9);
+        top.map(|(n, x)| [*x, x + crate::element::at(&run.last(), n)]).collect()
+    }
+}
+
+/// Under a force beside its middle the top turns without strain, and the support bears all of it.
+#[test]
+fn a_rigid_top_stays_as_it_is_and_hands_its_load_on() {
+    for degree in [1, 2] {
+        let case = Topped { degree, method: Method::Quasistatic, steps: 1, moves: Moves::Freely };
+        let rest = Topped::mesh().vertices;
+        let (problem, mut workspace) = case.problem(0.2, [3.0, 1.0, -2.0], 1.0);
+        let run = case.run((&problem, &mut workspace), &rest);
+        let top = case.top(&problem, &rest, &run);
+        let (mut moved, mut strain) = (0.0_f64, 0.0_f64);
+        for [x, now_x] in &top {
+            moved = moved.max((now_x - x).norm());
+            for [y, now_y] in &top {
+                let length = (x - y).norm();
+                if length > 0.0 {
+                    strain = strain.max(((now_x - now_y).norm() / length - 1.0).abs());
+                }
+            }
+        }
+        assert!(moved > 0.1 * EDGE, "{moved}");
+        assert!(strain < 1e-4, "{strain}");
+        let last = run.last();
+        let at = problem.iterate(&rest, &last, 1.0);
+        let (gradient, _) = problem.gradient(&at);
+        let fixed = problem.dirichlet.supports().iter();
+        let reaction = fixed.fold(Vec3::zeros(), |mut sum, &dof| {
+            sum[dof % 3] += gradient[dof];
+            sum
+        });
+        let load = Vec3::new(3.0, 1.0, -2.0 - 0.2 * 9.8);
+        assert!((reaction + load).norm() < 1e-8, "{reaction}");
+    }
+}
+
+/// A top that cannot turn under a force has the state of one that is moved as far.
+#[test]
+fn a_top_that_cannot_turn_is_that_of_a_moved_support() {
+    let case = Topped { degree: 2, method: Method::Quasistatic, steps: 1, moves: Moves::Straight };
+    let rest = Topped::mesh().vertices;
+    let (problem, mut workspace) = case.problem(0.0, [1.0, 0.5, 2.0], 1.0);
+    let run = case.run((&problem, &mut workspace), &rest);
+    let [x, now] = case.top(&problem, &rest, &run)[0];
+    let motion = now - x;
+    let nodes = problem.space.node_positions(&rest);
+    let held = |x: &Vec3| x.z == 0.0 || (x.z - EDGE).abs() < 1e-9;
+    let fixed: Vec<bool> = nodes.iter().flat_map(|x| [held(x); 3]).collect();
+    let moved: Vec<f64> =
+        nodes.iter().flat_map(|x| if x.z > 0.0 { motion.into() } else { [0.0; 3] }).collect();
+    let space = FunctionSpace::new(2, rest.len(), Topped::mesh().tets);
+    let mut elastic = problem.energies.clone();
+    elastic.rigid.clear();
+    let held = Problem::new(space, elastic, &fixed).with_displacement(&moved);
+    let other = case.run((&held, &mut Workspace::new(&held)), &rest);
+    let (run, other) = (run.last(), other.last());
+    let off = run.iter().zip(other.iter()).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-9 * motion.norm());
+}
+
+/// By the material, the mass and the force, and by the rest shape of what is not rigid.
+#[test]
+fn runs_with_a_rigid_top_have_their_gradients() {
+    for (degree, method, steps, moves) in [
+        (1, Method::Quasistatic, 1, Moves::Freely),
+        (2, Method::Quasistatic, 2, Moves::Freely),
+        (1, Method::GeneralizedAlpha, 4, Moves::Freely),
+        (1, Method::ImplicitEuler, 3, Moves::InPlane(0)),
+        (1, Method::Newmark, 3, Moves::Straight),
+    ] {
+        let case = Topped { degree, method, steps, moves };
+        let rest = Topped::mesh().vertices;
+        let numbers = [0.2, 3.0, 1.0, -2.0];
+        let run = |factors: &[f64], rest: &[Vec3]| {
+            let [mass, x, y, z] = std::array::from_fn(|i| numbers[i] * factors[i]);
+            let (problem, mut workspace) = case.problem(mass, [x, y, z], factors[4]);
+            let run = case.run((&problem, &mut workspace), rest);
+            (problem, workspace, run)
+        };
+        let same = [1.0; 5];
+        let (problem, mut workspace, at) = run(&same, &rest);
+        let probe = Probe::new(problem.dofs(), false);
+        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
+        let load = gradient.parameters.total(ParameterId::RigidLoad(0));
+        let inertia = gradient.parameters.total(ParameterId::RigidMass(0));
+        let law = gradient.parameters.total(ParameterId::Material(0));
+        let by_mass = load[0] + inertia.first().copied().unwrap_or(0.0);
+        let by = [
+            by_mass * numbers[0],
+            load[1] * numbers[1],
+            load[2] * numbers[2],
+            load[3] * numbers[3],
+            law[0] * YOUNG,
+        ];
+        check_gradient(&same, &by, 1e-3, |factors| {
+            let (problem, _, run) = run(factors, &rest);
+            probe.value(&problem, &rest, &run)
+        });
+        let loose: Vec<usize> =
+            (0..rest.len()).filter(|&v| (rest[v].z - EDGE).abs() > 1e-9).collect();
+        let of_loose = |x: &[Vec3]| loose.iter().map(|&v| x[v]).collect::<Vec<_>>();
+        let (x, by) = (flat(&of_loose(&rest)), flat(&of_loose(&points(&gradient.rest))));
+        check_gradient(&x, &by, 2e-6, |x| {
+            let mut moved = rest.clone();
+            loose.iter().zip(points(x)).for_each(|(&v, x)| moved[v] = x);
+            let (problem, _, run) = run(&same, &moved);
+            probe.value(&problem, &moved, &run)
+        });
+    }
+}

@@ -1,0 +1,112 @@
+//! `[[rigid]]`: a part that keeps its shape.
+
+use anyhow::{Result, ensure};
+use measure::written::FieldSchema;
+use mechanics::schedule::{Field, axes};
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SimConfig;
+
+/// A part that moves without changing its shape: what a tag is glued to, such as a fitting or a disc, or a whole
+/// body.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigidConfig {
+    /// Tag that is glued to it, or a body of which all is rigid.
+    pub on: String,
+    /// The axes along which it may move, such as "xyz" or "z"; where these are not all, it cannot turn.
+    #[serde(default = "all_axes")]
+    pub along: String,
+    /// Whether it may turn.
+    #[serde(default = "yes")]
+    pub turns: bool,
+    /// Mass, spread evenly over the tag; a body has that of its density [kg].
+    #[serde(default)]
+    pub mass: f64,
+    /// Force on the middle of the tag, or of the body's surface [N].
+    #[serde(default)]
+    #[schemars(with = "FieldSchema")]
+    pub force: Field,
+}
+
+fn all_axes() -> String {
+    "xyz".to_owned()
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl RigidConfig {
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("rigid").on(&self.on)
+    }
+
+    /// Along which of x, y, z it may move.
+    #[must_use]
+    pub fn axes(&self) -> [bool; 3] {
+        axes(&self.along)
+    }
+
+    fn check(&self) -> Result<()> {
+        let Self { along, turns, mass, .. } = self;
+        let count = self.axes().iter().filter(|axis| **axis).count();
+        ensure!(
+            along.len() == count && count > 0,
+            misfit!(
+                self.title().key("along"),
+                " = \"{along}\": must be some of x, y, z, each once; a part that does not move at all is [[fixed]]"
+            )
+        );
+        ensure!(
+            count == 3 || !turns,
+            misfit!(
+                self.title().key("along"),
+                " = \"{along}\" beside turns = true: a part that is guided along axes cannot turn; write \
+                 turns = false, too"
+            )
+        );
+        ensure!(
+            mass.is_finite() && *mass >= 0.0,
+            misfit!(self.title().key("mass"), " = {mass} kg: must be 0 or more")
+        );
+        let axes = ["x", "y", "z"].into_iter().zip(self.axes()).zip(&self.force.0);
+        for ((axis, may_move), force) in axes {
+            ensure!(
+                may_move || force.is_zero(),
+                misfit!(
+                    self.title().key("force"),
+                    ": {force} along {axis}, along which it cannot move: expected 0"
+                )
+            );
+        }
+        Ok(())
+    }
+}
+
+impl SimConfig {
+    /// Checks what can be checked of rigid parts without a body.
+    pub(super) fn check_rigid(&self) -> Result<()> {
+        for (i, part) in self.rigid.iter().enumerate() {
+            part.check()?;
+            ensure!(
+                self.rigid[..i].iter().all(|other| other.on != part.on),
+                misfit!(part.title(), " is given twice")
+            );
+            let is_body = self.body.iter().any(|body| body.name == part.on);
+            ensure!(
+                !is_body || part.mass == 0.0,
+                misfit!(
+                    part.title().key("mass"),
+                    " = {} kg: a body has the mass of its material's density; expected none",
+                    part.mass
+                )
+            );
+        }
+        Ok(())
+    }
+}

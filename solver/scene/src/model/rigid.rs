@@ -1,0 +1,229 @@
+//! The rigid parts of a scene: their nodes, how they may move, and the terms of their energy.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result, ensure};
+use mechanics::body::Body;
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{Rigid, RigidEnergies, RigidLoad, RigidMass};
+use mechanics::rigid::{Moves, RigidSet};
+use mechanics::symmetry::AXES;
+use mesh::Vec3;
+use program::misfit;
+
+use super::{Scene, nodes_of};
+use crate::config::{Fixed, RigidConfig};
+use crate::supports::Supports;
+
+impl Scene {
+    /// Supports that guide rigid parts: axes along which they do not move, and those across planes of symmetry
+    /// that cut them.
+    pub(super) fn guides(&self, body: &Body) -> Vec<Fixed> {
+        let guide = |part: &RigidConfig| {
+            let cut = self.planes_through(part, body);
+            let held = |axis: &usize| !part.axes()[*axis] || cut.contains(axis);
+            let components: String = (0..3).filter(held).map(|axis| AXES[axis]).collect();
+            let on = part.on.clone();
+            (!components.is_empty()).then(|| Fixed {
+                on,
+                components,
+                displacement: Default::default(),
+            })
+        };
+        self.config.rigid.iter().filter_map(guide).collect()
+    }
+
+    /// Axes normal to the planes of symmetry that cut a part.
+    fn planes_through(&self, part: &RigidConfig, body: &Body) -> Vec<usize> {
+        let facets = body.facets(&part.on).unwrap_or_default();
+        let is_cut = |plane: &&mechanics::symmetry::Plane| {
+            facets.iter().flatten().any(|v| plane.vertices().contains(v))
+        };
+        body.planes.iter().filter(is_cut).map(|plane| plane.axis).collect()
+    }
+
+    fn moves(&self, part: &RigidConfig, body: &Body) -> Moves {
+        match self.planes_through(part, body)[..] {
+            [] if part.turns => Moves::Freely,
+            [axis] if part.turns => Moves::InPlane(axis),
+            _ => Moves::Straight,
+        }
+    }
+
+    /// Nodes of a part, ascending.
+    fn nodes_of_rigid(
+        &self,
+        part: &RigidConfig,
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Vec<usize>> {
+        if let Some(own) = self.parts.iter().position(|own| self.is_body(part, &own.config.name)) {
+            return Ok(nodes_of(body, own, space));
+        }
+        let facets = body.tagged(&part.on).with_context(|| part.title())?;
+        let mut nodes: Vec<usize> = facets.iter().flat_map(|&f| space.facet_nodes(f)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(nodes)
+    }
+
+    /// Vertices of rigid parts, each with the tag or body.
+    ///
+    /// # Errors
+    /// When a tag is missing.
+    pub fn rigid_vertices(&self, body: &Body) -> Result<BTreeMap<usize, String>> {
+        let mut all = BTreeMap::new();
+        for part in &self.config.rigid {
+            let facets = body.tagged(&part.on).with_context(|| part.title())?;
+            all.extend(facets.into_iter().flatten().map(|v| (v, part.on.clone())));
+        }
+        Ok(all)
+    }
+
+    fn is_body(&self, part: &RigidConfig, name: &str) -> bool {
+        !self.config.body.is_empty() && part.on == name
+    }
+
+    /// Whether all of a body is rigid.
+    #[must_use]
+    pub fn is_rigid(&self, body: &str) -> bool {
+        self.config.rigid.iter().any(|part| self.is_body(part, body))
+    }
+
+    /// Gives the terms of rigid parts the masses, forces and gravity of this scene.
+    pub(super) fn set_rigid_numbers(&self, energies: &mut [RigidEnergies]) {
+        for (part, own) in self.config.rigid.iter().zip(energies) {
+            own.load.force.clone_from(&part.force);
+            own.load.gravity.clone_from(&self.config.gravity);
+            own.load.mass = part.mass;
+            own.mass.iter_mut().for_each(|mass| mass.mass = part.mass);
+        }
+    }
+
+    /// The rigid parts, in the order of the scene.
+    ///
+    /// # Errors
+    /// When a tag is missing, parts have nodes in common, or supports hold them.
+    pub(super) fn rigid_sets(
+        &self,
+        body: &Body,
+        space: &FunctionSpace,
+        supports: &Supports,
+    ) -> Result<Vec<RigidSet>> {
+        let positions = space.node_positions(&body.mesh.vertices);
+        let mut owner: Vec<Option<&str>> = vec![None; space.node_count()];
+        let mut sets = Vec::new();
+        for part in &self.config.rigid {
+            let nodes = self.nodes_of_rigid(part, body, space)?;
+            let cut = self.planes_through(part, body);
+            let held = |axis: usize| !part.axes()[axis] || cut.contains(&axis);
+            if let Some(&axis) = cut.iter().find(|axis| !part.force.0[**axis].is_zero()) {
+                return Err(misfit!(
+                    part.title().key("force"),
+                    ": {} along {}, across a plane of symmetry that cuts the part; expected 0, as the mirror image \
+                     of the force points the other way",
+                    part.force.0[axis],
+                    AXES[axis]
+                )
+                .into());
+            }
+            for &node in &nodes {
+                let place = positions[node];
+                if let Some(other) = owner[node].replace(&part.on) {
+                    return Err(misfit!(
+                        part.title(),
+                        " and \"{other}\" are rigid and meet at {}: they would be one part; tag them as one",
+                        point(place)
+                    )
+                    .into());
+                }
+                for axis in 0..3 {
+                    ensure!(
+                        supports.holds(node, axis) == held(axis),
+                        misfit!(
+                            part.title(),
+                            ": a [[fixed]] tag holds its point {} along {}; a rigid part is held as a whole: by \
+                             along and turns, or as [[fixed]] in place of [[rigid]]",
+                            point(place),
+                            AXES[axis]
+                        )
+                    );
+                }
+            }
+            let set = RigidSet::new(&nodes, &positions, self.moves(part, body));
+            sets.push(set.with_context(|| part.title().told("has no facets".to_owned()))?);
+        }
+        Ok(sets)
+    }
+
+    /// The terms of the rigid parts.
+    ///
+    /// # Errors
+    /// When a tag is missing.
+    pub(super) fn rigid_energies(
+        &self,
+        sets: &[RigidSet],
+        body: &Body,
+        space: &FunctionSpace,
+    ) -> Result<Vec<RigidEnergies>> {
+        let positions = space.node_positions(&body.mesh.vertices);
+        let shear = self.rigid_shear_modulus();
+        let one = |(part, set): (&RigidConfig, &RigidSet)| {
+            let (middle, points) = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
+                .with_context(|| part.title())?;
+            let gravity = (self.config.gravity.clone(), part.mass);
+            let has_mass = part.mass > 0.0 && self.config.method().has_inertia();
+            Ok(RigidEnergies {
+                name: part.on.clone(),
+                stiffness: (set.masters().len() > 1).then(|| Rigid::new(set, &positions, shear)),
+                mass: has_mass.then(|| RigidMass::new(set, part.mass, &points)),
+                load: RigidLoad::new(set, middle, part.force.clone(), gravity),
+            })
+        };
+        self.config.rigid.iter().zip(sets).map(one).collect()
+    }
+
+    /// Largest shear modulus of what is not rigid, else of all [Pa].
+    fn largest_soft_shear_modulus(&self) -> f64 {
+        let soft = |part: usize| !self.is_rigid(&self.parts[part].config.name);
+        let moduli = self.laws.iter().filter(|law| soft(law.part));
+        let largest = moduli.map(|law| law.material.moduli().shear).fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { self.largest_shear_modulus() }
+    }
+
+    /// Shear modulus that stands for that of a rigid part: a power of ten, so that it does not change with the
+    /// numbers of the scene, by which there are derivatives [Pa].
+    pub(super) fn rigid_shear_modulus(&self) -> f64 {
+        10.0_f64.powf(self.largest_soft_shear_modulus().log10().round())
+    }
+}
+
+/// Weights of the masters in the middle of some facets, and at points of them with their shares of the area: the
+/// middles of edges, which integrate second moments exactly.
+fn spread(
+    set: &RigidSet,
+    facets: &[[usize; 3]],
+    vertices: &[Vec3],
+) -> Result<(Vec<f64>, Vec<(f64, Vec<f64>)>)> {
+    let area = |f: &[usize; 3]| {
+        let [a, b, c] = f.map(|v| vertices[v]);
+        mesh::measure::triangle_area(a, b, c)
+    };
+    let total: f64 = facets.iter().map(area).sum();
+    let mut points = Vec::new();
+    for facet in facets {
+        for k in 0..3 {
+            let middle = 0.5 * (vertices[facet[k]] + vertices[facet[(k + 1) % 3]]);
+            points.push((area(facet) / (3.0 * total), set.weights_at(middle)?));
+        }
+    }
+    let mut middle = vec![0.0; set.masters().len()];
+    for (share, weights) in &points {
+        middle.iter_mut().zip(weights).for_each(|(m, w)| *m += share * w);
+    }
+    Ok((middle, points))
+}
+
+fn point(x: Vec3) -> String {
+    format!("({:.5}, {:.5}, {:.5}) m", x.x, x.y, x.z)
+}
