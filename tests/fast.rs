@@ -86,6 +86,8 @@ mod reference;
 mod relaxation;
 #[path = "fast/resume.rs"]
 mod resume;
+#[path = "fast/rigid.rs"]
+mod rigid;
 #[path = "fast/resume_in_time.rs"]
 mod resume_in_time;
 #[path = "fast/resume_static.rs"]

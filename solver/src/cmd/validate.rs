@@ -55,12 +55,16 @@ fn table(found: &[Comparison]) -> Result<String> {
         };
         writeln!(
             text,
-            "| {} | {} | {reached} of {} | {} | {:.1} % | {} | {} to {} | {verdict} |",
+            "| {} | {} | {reached} of {} | {}, {:+.3} {} | {:.1} %, {:.3} {} | {} | {} to {} | {verdict} |",
             one.row,
             one.run,
             one.measured.len(),
             percent(one.mean),
+            one.mean_difference,
+            one.unit,
             100.0 * one.rms,
+            one.rms_difference,
+            one.unit,
             percent(one.largest),
             percent(one.tolerance[0]),
             percent(one.tolerance[1]),

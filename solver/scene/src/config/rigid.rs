@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use measure::written::FieldSchema;
-use mechanics::schedule::{Field, axes};
+use mechanics::schedule::{Field, Schedule, axes};
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -96,6 +96,17 @@ impl SimConfig {
             ensure!(
                 self.rigid[..i].iter().all(|other| other.on != part.on),
                 misfit!(part.title(), " is given twice")
+            );
+            let counts =
+                self.method().has_inertia() || !self.gravity.0.iter().all(Schedule::is_zero);
+            ensure!(
+                part.mass == 0.0 || counts,
+                misfit!(
+                    part.title().key("mass"),
+                    " = {} kg means nothing without gravity and inertia; expected gravity, or [time] with a method \
+                     other than \"quasistatic\"",
+                    part.mass
+                )
             );
             let is_body = self.body.iter().any(|body| body.name == part.on);
             ensure!(

@@ -9,6 +9,8 @@ use program::{KeyPath, misfit};
 use super::Scene;
 use crate::supports::Supports;
 
+/// Volume behind a wall at rest, over the largest that is prescribed, below which there is none.
+const FLAT: f64 = 1e-3;
 /// Penalty of a prescribed volume in shear moduli per rest volume.
 const PENALTY: f64 = 10.0;
 /// Height of a rim over its extent up to which it lies in a plane.
@@ -44,7 +46,7 @@ impl Scene {
                 wall = wall.plugged();
             }
             let volume = wall.volume(space, |n| nodes[n]);
-            if config.gas.pressure().is_none() && volume <= 0.0 {
+            if config.gas.needs_space() && volume <= 0.0 {
                 bail!(config.title().told(format!(
                     "{}: \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
                      positive\n  the tag is not the wall of a chamber",
@@ -53,13 +55,16 @@ impl Scene {
             }
             let wanted = |t: f64| config.gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
             for (t, wanted) in moments.iter().filter_map(|&t| wanted(t)) {
+                // at the start nothing is measured against it
+                let sound = if config.gas.needs_space() { wanted > 0.0 } else { wanted != 0.0 };
                 ensure!(
-                    wanted > 0.0,
+                    sound || (volume == 0.0 && t == 0.0),
                     config.title().told(format!(
                         "{}: {}: the chamber of {volume:.3e} m³ would have {wanted:.3e} m³ at t = {t}; \
-                         must be positive",
+                         must be {}",
                         self.path.display(),
-                        config.title()
+                        config.title(),
+                        if config.gas.needs_space() { "positive" } else { "another than 0" }
                     ))
                 );
             }
@@ -81,9 +86,13 @@ impl Scene {
     ) -> Vec<Multiplier> {
         let nodes = space.node_positions(&body.mesh.vertices);
         let shear = self.largest_shear_modulus();
-        let one = |chamber: &Chamber| Multiplier {
-            pressure: 0.0,
-            penalty: PENALTY * shear / chamber.wall.volume(space, |n| nodes[n]),
+        let one = |chamber: &Chamber| {
+            let rest = chamber.wall.volume(space, |n| nodes[n]);
+            let wanted = |t: &f64| chamber.gas.wanted(rest, *t).map_or(0.0, |w| w.volume.abs());
+            // below a flat membrane there is none at rest
+            let largest = self.config.moments().iter().map(wanted).fold(0.0, f64::max);
+            let size = if rest.abs() > FLAT * largest { rest.abs() } else { largest };
+            Multiplier { pressure: 0.0, penalty: PENALTY * shear / size }
         };
         let chambers = energies.chambers().map(|(_, named)| &named.chamber);
         chambers.filter(|c| c.multiplier.is_some()).map(one).collect()

@@ -139,7 +139,7 @@ impl Scene {
                 }
                 for axis in 0..3 {
                     ensure!(
-                        supports.holds(node, axis) == held(axis),
+                        !supports.holds(node, axis) || held(axis),
                         misfit!(
                             part.title(),
                             ": a [[fixed]] tag holds its point {} along {}; a rigid part is held as a whole: by \

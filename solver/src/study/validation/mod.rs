@@ -48,6 +48,9 @@ pub struct Row {
     pub spread: Option<String>,
     /// What a simulated state must have in common with a measured line.
     pub condition: Vec<Condition>,
+    /// Which of several states that meet the one condition counts, where the run goes back and forth; without it
+    /// there may be no more than one.
+    pub passage: Option<Passage>,
     /// Column of the simulated ordinate, in the unit of the measured one.
     pub simulated: String,
     /// Whether the simulated ordinate counts from its value after the first step.
@@ -72,6 +75,16 @@ pub struct Condition {
     /// Whether the simulated quantity counts from its value after the first step.
     #[serde(default)]
     pub from_first_step: bool,
+}
+
+/// One of several states that meet a condition, in the order of the run.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Passage {
+    /// The first.
+    First,
+    /// The last.
+    Last,
 }
 
 /// A simulation of a row.
@@ -118,6 +131,12 @@ pub struct Comparison {
     pub mean: f64,
     /// Root of the mean square.
     pub rms: f64,
+    /// Unit of the ordinate, as its title has it in brackets.
+    pub unit: String,
+    /// Simulated less measured ordinate, in that unit: the mean.
+    pub mean_difference: f64,
+    /// Root of the mean square of that.
+    pub rms_difference: f64,
     /// The one of the largest magnitude.
     pub largest: f64,
     /// Smallest and largest that are tolerated.
@@ -203,10 +222,12 @@ impl Row {
     fn compare(&self, run: &Run, measured: &[Point], folder: &Path) -> Result<Comparison> {
         let path = folder.join(&run.steps);
         let states = self.states(&path).with_context(|| path.display().to_string())?;
-        let simulated: Vec<_> =
-            measured.iter().map(|p| interpolate(&states, &p.conditions)).collect();
-        let both = measured.iter().zip(&simulated);
-        let errors: Vec<f64> = both.filter_map(|(p, s)| s.map(|s| s / p.y - 1.0)).collect();
+        let find = |p: &Point| self.simulated_at(&states, &p.conditions);
+        let simulated = measured.iter().map(find).collect::<Result<Vec<_>>>();
+        let simulated = simulated.with_context(|| path.display().to_string())?;
+        let both = || measured.iter().zip(&simulated).filter_map(|(p, s)| Some((p.y, (*s)?)));
+        let errors: Vec<f64> = both().map(|(y, s)| s / y - 1.0).collect();
+        let differences: Vec<f64> = both().map(|(y, s)| s - y).collect();
         ensure!(
             !errors.is_empty(),
             "{}: no measured point lies between its {} states; conditions: {}",
@@ -214,7 +235,8 @@ impl Row {
             states.len(),
             self.condition.iter().map(|c| c.simulated.as_str()).collect::<Vec<_>>().join(", ")
         );
-        let count = errors.len() as f64;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let rms = |values: &[f64]| mean(&values.iter().map(|v| v * v).collect::<Vec<_>>()).sqrt();
         let largest =
             errors.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         let [low, high] = self.tolerance;
@@ -223,14 +245,35 @@ impl Row {
             run: run.name.clone(),
             fitted: run.fitted,
             measured: measured.to_vec(),
-            mean: errors.iter().sum::<f64>() / count,
-            rms: (errors.iter().map(|e| e * e).sum::<f64>() / count).sqrt(),
+            mean: mean(&errors),
+            rms: rms(&errors),
+            unit: unit_of(&self.y[0]),
+            mean_difference: mean(&differences),
+            rms_difference: rms(&differences),
             largest,
             tolerance: self.tolerance,
             within: errors.len() == measured.len()
                 && errors.iter().all(|e| (low..=high).contains(e)),
             simulated,
         })
+    }
+
+    /// The ordinate in the state that meets the conditions; none where no state does.
+    fn simulated_at(&self, states: &[(Vec<f64>, f64)], wanted: &[f64]) -> Result<Option<f64>> {
+        let [wanted] = wanted else { return Ok(interpolate(states, wanted)) };
+        let path: Vec<(f64, f64)> = states.iter().map(|(c, value)| (c[0], *value)).collect();
+        let found = passages(&path, *wanted);
+        match (&found[..], self.passage) {
+            ([], _) => Ok(None),
+            ([one], _) | ([one, ..], Some(Passage::First)) => Ok(Some(*one)),
+            ([.., one], Some(Passage::Last)) => Ok(Some(*one)),
+            (several, None) => anyhow::bail!(
+                "{} states have {} = {wanted}, as the run goes back and forth; there the ordinate is {several:?}\n  \
+                 add passage = \"first\" or \"last\" to the row",
+                several.len(),
+                self.condition[0].simulated
+            ),
+        }
     }
 
     /// Values of the conditions and of the ordinate in every state of a run.
@@ -248,6 +291,37 @@ impl Row {
         let at = |i: usize| conditions.iter().map(|c| c[i]).collect();
         Ok(values.into_iter().enumerate().map(|(i, value)| (at(i), value)).collect())
     }
+}
+
+/// What a title has in brackets at its end: `[Pa]` of `pressure [Pa]`; else nothing.
+fn unit_of(title: &str) -> String {
+    let unit = title.strip_suffix(']').and_then(|title| title.rsplit_once('['));
+    unit.map_or_else(String::new, |(_, unit)| unit.to_owned())
+}
+
+/// The values at `wanted` along a path of states (condition, value), one for each stretch on which the condition
+/// grows or falls and passes it.
+fn passages(path: &[(f64, f64)], wanted: f64) -> Vec<f64> {
+    let mut path = path.to_vec();
+    path.dedup_by(|a, b| same(a.0, b.0));
+    if let [one] = path[..] {
+        return if same(one.0, wanted) { vec![one.1] } else { Vec::new() };
+    }
+    let mut found: Vec<f64> = Vec::new();
+    let mut start = 0;
+    for end in 1..path.len() {
+        let turns = |i: usize| (path[i].0 - path[i - 1].0) * (path[i + 1].0 - path[i].0) < 0.0;
+        if end + 1 < path.len() && !turns(end) {
+            continue;
+        }
+        let mut stretch = path[start..=end].to_vec();
+        stretch.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // the state at which two stretches meet is one
+        let value = polynomial(&stretch, wanted).filter(|value| found.last() != Some(value));
+        found.extend(value);
+        start = end;
+    }
+    found
 }
 
 /// The value at `wanted` between states, given by their conditions and values. States with the
@@ -304,6 +378,20 @@ mod tests {
             let found = interpolate(&cubic(), &[x, y]).expect("inside");
             assert!((found - (x * x * x + x * y * y)).abs() < 1e-12, "{found}");
         }
+    }
+
+    /// Up to 3, back to 1, and up again to 4.
+    #[test]
+    fn a_path_that_turns_passes_a_value_several_times() {
+        let path = [(0.0, 0.0), (2.0, 1.0), (3.0, 2.0), (1.0, 3.0), (4.0, 4.0)];
+        assert_eq!(passages(&path[..3], 2.0), [1.0]);
+        assert_eq!(passages(&path, 3.5).len(), 1);
+        let twice = passages(&path, 2.0);
+        assert_eq!((twice.len(), twice[0], twice[1]), (3, 1.0, 2.5));
+        // where it turns, one state is met once
+        assert_eq!(passages(&path[..4], 3.0), [2.0]);
+        assert!(passages(&path, 5.0).is_empty());
+        assert_eq!(passages(&[(1.0, 7.0)], 1.0), [7.0]);
     }
 
     #[test]

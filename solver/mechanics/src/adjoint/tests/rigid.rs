@@ -188,3 +188,52 @@ fn runs_with_a_rigid_top_have_their_gradients() {
         });
     }
 }
+
+/// A free block that spins about its axis for 1000 steps keeps its momentum, energy and speed, and flies on.
+#[test]
+fn a_spinning_rigid_block_keeps_its_momentum_and_energy() {
+    let (turns_per_second, dt, steps) = (2.0, 1e-3, 1000);
+    let spin = Vec3::new(0.0, 0.0, std::f64::consts::TAU * turns_per_second);
+    let flight = Vec3::new(0.03, -0.01, 0.02);
+    let TetMesh { vertices, tets } = cube(2, 0.0);
+    let rest: Vec<Vec3> = vertices.iter().map(|v| EDGE * (v - Vec3::repeat(0.5))).collect();
+    let space = FunctionSpace::new(1, rest.len(), tets);
+    let all: Vec<usize> = (0..rest.len()).collect();
+    let part = RigidSet::new(&all, &rest, Moves::Freely).expect("nodes");
+    let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(YOUNG, 0.4))));
+    let inertia = Inertia::new(&space, 1000.0, 0..space.tets().len());
+    energies.bodies[0].inertia = Some(inertia.clone());
+    let none = Field([0.0, 0.0, 0.0].map(Schedule::from));
+    energies.rigid.push(RigidEnergies {
+        name: "block".to_owned(),
+        stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
+        mass: None,
+        load: RigidLoad::new(&part, vec![0.25; 4], none.clone(), (none, 0.0)),
+    });
+    let problem = Problem::new(space, energies, &vec![false; 3 * rest.len()]).with_rigid(&[part]);
+    let mut workspace = Workspace::new(&problem);
+    let velocity: Vec<f64> =
+        rest.iter().flat_map(|x| <[f64; 3]>::from(spin.cross(x) + flight)).collect();
+    let kinetic = |v: &[f64]| inertia.kinetic_energy(&problem.space, &rest, v);
+    let momentum = |v: &[f64]| inertia.momentum(&problem.space, &rest, v);
+    let start = State::new(vec![0.0; problem.dofs()], velocity.clone());
+    let mut stepper = TimeStepper::new(TIGHT, Integrator::new(Method::GeneralizedAlpha, start));
+    for n in 1..=steps {
+        let end = dt * f64::from(n);
+        stepper.advance(&problem, &mut workspace, &rest, end, |_| ()).expect("a step");
+    }
+    let state = stepper.progress.integrator.last();
+    let off = (momentum(&state.v) - momentum(&velocity)).norm();
+    assert!(off < 1e-8 * momentum(&velocity).norm(), "{off}");
+    // the first step is one of implicit Euler, which takes a part ω²Δt² of the energy
+    let first = (spin.norm() * dt).powi(2);
+    let lost = 1.0 - kinetic(&state.v) / kinetic(&velocity);
+    assert!((0.0..2.0 * first).contains(&lost), "{lost} {first}");
+    let time = dt * f64::from(steps);
+    let turn = nalgebra::Rotation3::new(time * spin);
+    for (n, x) in rest.iter().enumerate() {
+        let expected = turn * x + time * flight;
+        let found = x + crate::element::at(&state.u, n);
+        assert!((found - expected).norm() < 0.02 * EDGE, "{found} {expected}");
+    }
+}

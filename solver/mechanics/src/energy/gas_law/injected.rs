@@ -73,6 +73,10 @@ impl GasLaw for InjectedLiquid {
         if good { Ok(()) } else { Err(Refused::Compliance { compliance }) }
     }
 
+    fn needs_space(&self) -> bool {
+        false
+    }
+
     fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
         Some(1.0 / self.compliance)
     }

@@ -47,6 +47,10 @@ impl GasLaw for Isobaric {
         Some(&self.pressure)
     }
 
+    fn needs_space(&self) -> bool {
+        false
+    }
+
     fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
         Some(1.0)
     }

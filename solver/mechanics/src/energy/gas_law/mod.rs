@@ -107,6 +107,11 @@ pub trait GasLaw: Debug + Send + Sync {
     fn pressure(&self) -> Option<&Schedule> {
         None
     }
+    /// Whether it holds only where a chamber has some volume at rest. Where not, its wall may be flat, or the
+    /// outside of a body in a liquid, behind which there is a negative one.
+    fn needs_space(&self) -> bool {
+        true
+    }
     /// ∂P/∂p at a volume, where the law does not prescribe the volume.
     fn pressure_by_parameter(&self, v: f64, rest: f64) -> Option<f64>;
     /// V*, where the law prescribes it.

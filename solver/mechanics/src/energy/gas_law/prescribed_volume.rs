@@ -90,6 +90,10 @@ impl GasLaw for PrescribedVolume {
         }
     }
 
+    fn needs_space(&self) -> bool {
+        matches!(self, Self::Factor(_))
+    }
+
     fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
         None
     }
