@@ -24,4 +24,6 @@ pub use simulation::{
     CutPlane, End, EnergyBalance, Inputs, Material, Moduli, OneOrList, Silicone, Simulation,
     Status, Task, Timings,
 };
-pub use step::{Collisions, ForceBalance, PairForce, Step};
+pub use step::{
+    Collisions, ForceBalance, PairForce, PassedPoint, PathState, PointKind, Stability, Step,
+};

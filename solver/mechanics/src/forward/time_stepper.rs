@@ -177,10 +177,7 @@ impl TimeStepper {
         rest: &[Vec3],
         end: f64,
     ) -> Result<LoadStep, Unreached> {
-        let step = match &self.step {
-            Some(step) if self.progress.done > 0.0 => Arc::clone(step),
-            _ => self.begin(problem, workspace, rest, end),
-        };
+        let step = self.begun(problem, workspace, rest, end);
         loop {
             let done = self.progress.done;
             let next = match done + self.progress.increment {
@@ -202,8 +199,22 @@ impl TimeStepper {
         }
     }
 
+    /// The time step to `end` that is being made, begun if it is not.
+    pub(super) fn begun(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+    ) -> Arc<TimeStep> {
+        match &self.step {
+            Some(step) if self.progress.done > 0.0 => Arc::clone(step),
+            _ => self.begin(problem, workspace, rest, end),
+        }
+    }
+
     /// Takes in a load step, which ends at a fraction of its time step.
-    fn accept(
+    pub(super) fn accept(
         &mut self,
         step: LoadStep,
         fraction: f64,

@@ -10,6 +10,9 @@ use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
 /// Most time steps of a scene or a level.
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
+/// First increment of the load of a path that is followed by its arc length.
+const FIRST_OF_PATH: f64 = 0.05;
+
 /// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
 const MOMENTS: usize = 8;
@@ -43,6 +46,7 @@ impl SimConfig {
         );
         self.check_bodies()?;
         self.solver.check()?;
+        self.check_path()?;
         if let Some(time) = &self.time {
             time.check()?;
         }
@@ -61,6 +65,49 @@ impl SimConfig {
             ensure!(value.is_finite(), misfit!(key, " = {value} must be finite"));
         }
         Ok(())
+    }
+
+    /// Checks what a path that is followed by its arc length cannot have.
+    fn check_path(&self) -> Result<()> {
+        let s = &self.solver;
+        let refused = |key: &str, what: &str| {
+            KeyPath::table("solver").key(key).told(format!("{key} {what}"))
+        };
+        if s.follow.is_load() {
+            let alone = "is for follow = \"arc-length\": set that, or leave it away";
+            ensure!(s.path_states.is_none(), refused("path_states", alone));
+            ensure!(s.path_volume_factor.is_none(), refused("path_volume_factor", alone));
+            return Ok(());
+        }
+        let history = [
+            (self.time.is_some(), "[time]: states of a path have no order in time"),
+            (!self.relaxation.is_empty(), "[[relaxation]]: a path has no rates"),
+            (self.has_friction(), "friction: it depends on the way, not on the load alone"),
+        ];
+        if let Some((_, why)) = history.iter().find(|(found, _)| *found) {
+            let what = format!("= \"arc-length\" does not go with {why}; leave one of both away");
+            return Err(refused("follow", &what).into());
+        }
+        ensure!(
+            s.path_states != Some(0),
+            refused("path_states", "= 0: a path has one state or more")
+        );
+        if let Some(factor) = s.path_volume_factor {
+            ensure!(
+                factor.is_finite() && factor > 1.0,
+                refused("path_volume_factor", &format!("= {factor}: must be above 1"))
+            );
+            ensure!(
+                !self.chamber.is_empty(),
+                refused("path_volume_factor", "needs a [[chamber]], of which there is none")
+            );
+        }
+        Ok(())
+    }
+
+    /// Whether surfaces rub against each other.
+    fn has_friction(&self) -> bool {
+        self.contact().is_some_and(|contact| contact.friction > 0.0)
     }
 
     fn bind(&mut self) -> Result<()> {
@@ -313,10 +360,11 @@ impl ContactConfig {
 }
 
 impl SolverConfig {
-    /// First load increment: as large as it may be, if none is given.
+    /// First load increment: as large as it may be, if none is given; of a path [`FIRST_OF_PATH`].
     #[must_use]
     pub fn first_load_step(&self) -> f64 {
-        self.first_load_step.unwrap_or(self.largest_load_step().min(1.0))
+        let first = if self.follow.is_load() { 1.0 } else { FIRST_OF_PATH };
+        self.first_load_step.unwrap_or(self.largest_load_step().min(first))
     }
 
     /// Largest load increment: all of it, if none is given.

@@ -373,6 +373,42 @@ pub struct SolverConfig {
     /// When `solver simulate` estimates by how much the state at the end would change with elements of
     /// the next degree. That costs an assembly and a factorisation with that degree.
     pub locking: Locking,
+    /// What leads from one state of a static scene to the next.
+    #[serde(skip_serializing_if = "Follow::is_load")]
+    pub follow: Follow,
+    /// Number of states at which a path that is followed by its arc length ends, if it has not come to the
+    /// full load: 200 if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_states: Option<usize>,
+    /// Volume of a chamber over that at rest, beyond which such a path ends [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_volume_factor: Option<f64>,
+    /// Whether `solver simulate` reports the stability of the state at the end. That costs a factorisation
+    /// in double precision; of states that are followed by their arc length it is always reported.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stability: bool,
+}
+
+/// What leads from one state of a static scene to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Follow {
+    /// The load, which grows from 0 to 1. Where it has a maximum, as the pressure of a balloon has, there is no
+    /// equilibrium beyond.
+    #[default]
+    Load,
+    /// The arc length of the path of equilibria: the load may fall and rise again, below 0, too. The path ends
+    /// where it comes to the full load from below. Loads given as numbers or in proportion to t have a meaning
+    /// below t = 0. Not with [time], friction or [[relaxation]].
+    ArcLength,
+}
+
+impl Follow {
+    /// Whether it is the load.
+    #[must_use]
+    pub fn is_load(&self) -> bool {
+        *self == Self::Load
+    }
 }
 
 /// Where the change of volume of an element counts.
@@ -428,6 +464,10 @@ impl Default for SolverConfig {
             dilatation: Dilatation::Pointwise,
             inside_out: InsideOut::Refused,
             locking: Locking::Likely,
+            follow: Follow::Load,
+            path_states: None,
+            path_volume_factor: None,
+            stability: false,
         }
     }
 }
