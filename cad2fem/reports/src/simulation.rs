@@ -9,7 +9,8 @@ use serde_json::{Map, Value};
 
 use crate::failed::{Crossing, Failed};
 use crate::measured::{AsCast, Chamber, ErrorBars, Locking, Membrane, Probe, StretchRange, Tag};
-use crate::step::{ForceBalance, Stability, Step};
+use crate::stability::{Limit, Stability};
+use crate::step::{ForceBalance, Step};
 
 /// What `solver simulate` found, and what it was found from.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -87,6 +88,9 @@ pub struct End {
     /// `follow = "arc-length"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stability: Option<Stability>,
+    /// How much more pressure it bears, of a scene with `[limit]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Limit>,
     /// Error bars of each probe, of a scene with `[uncertainty]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_bars: Option<BTreeMap<String, ErrorBars>>,

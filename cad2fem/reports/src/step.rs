@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measured::Chamber;
 use crate::numbers::Numbers;
+use crate::stability::PathState;
 
 /// One state of a run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -51,56 +52,6 @@ pub struct Step {
     /// Value of each probe, in its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<Numbers>,
-}
-
-/// A state on a path that is followed by its arc length.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct PathState {
-    /// Arc length from rest [1].
-    pub arc_length: f64,
-    /// Change of the load with the arc length, negative where the load falls [1].
-    pub load_rate: f64,
-    /// How far the state is from losing its stability at this load.
-    pub stability: Stability,
-    /// What lies between the state before and this one.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub passed: Vec<PassedPoint>,
-}
-
-/// A point of a path at which the tangent stiffness is singular.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct PassedPoint {
-    /// What becomes of the path there.
-    pub kind: PointKind,
-    /// Loads of the states before and after it [1].
-    pub loads: [f64; 2],
-}
-
-/// What becomes of a path where its tangent stiffness is singular.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum PointKind {
-    /// The load turns: it is the largest or smallest that the body bears there.
-    LimitPoint,
-    /// Another branch leaves.
-    Bifurcation,
-}
-
-/// How far an equilibrium is from losing its stability at a held load.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct Stability {
-    /// Number of negative eigenvalues of the exact tangent stiffness; none of a stable state.
-    pub negative_eigenvalues: usize,
-    /// The eigenvalue nearest to zero over that at rest [1].
-    pub stiffness_over_rest: f64,
-    /// Share of its mode in the direction in which the state goes on with the load, |φ · du/dt| / |du/dt|:
-    /// 1 at a limit point, 0 at the bifurcation of a symmetric body [1].
-    pub mode_along_path: f64,
-    /// What will be lost where that eigenvalue vanishes.
-    pub kind: PointKind,
 }
 
 /// Resultants of the loads by kind, and of the reactions.

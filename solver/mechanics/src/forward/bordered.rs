@@ -40,7 +40,8 @@ impl Bordered {
             factor.solve(z);
         }
         let count = rows.len();
-        let schur = DMatrix::from_fn(count, count, |i, j| corner[(i, j)] - dot(&rows[i], &solved[j]));
+        let schur =
+            DMatrix::from_fn(count, count, |i, j| corner[(i, j)] - dot(&rows[i], &solved[j]));
         let factored = schur.clone().lu();
         Self { columns, rows, corner, solved, schur, factored }
     }

@@ -4,6 +4,7 @@
 //! - [`Newton`]: Newton's method with Hessian modification and a line search;
 //! - [`Stepping`]: incremental loading, in load steps of adaptive size;
 //! - [`PathFollower`]: paths of equilibria through limit points, by their arc length;
+//! - [`Limit`]: loads at which an equilibrium loses its stability, by a direct method;
 //! - [`Stability`]: how far an equilibrium is from losing it;
 //! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
 //!   [`Integrator`], or quasistatic;
@@ -16,6 +17,7 @@ mod cost;
 mod dirichlet;
 mod hessian_modification;
 mod integrator;
+mod limit;
 mod line_search;
 mod neighbours;
 mod newton;
@@ -39,6 +41,7 @@ pub use certificate::{Uncertified, certificate};
 pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
 pub use integrator::{Formula, Integrator, Method, State, Weights};
+pub use limit::{Left, Limit};
 pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Failure, Newton};
 pub use path::{Path, PathFollower, PathProgress};
@@ -46,7 +49,8 @@ pub use problem::{Configuration, Problem};
 pub use softest_mode::SoftestMode;
 pub use stability::{Kind, Stability};
 pub use stepping::{
-    Attempt, LoadStep, Passed, PathPoint, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
+    Attempt, LoadStep, Passed, PathPoint, Solution, Stepping, Unreached, solve, solve_from,
+    solve_in_time,
 };
 pub use tangent::follow;
 pub use time_stepper::{Progress, Reached, TimeStepper};

@@ -11,6 +11,7 @@ use mesh::Vec3;
 use serde::Serialize;
 
 use super::augmented::pull_supports;
+use super::stability::Stability;
 use super::volumes::balance;
 use super::watch::Event;
 use super::{
@@ -79,14 +80,10 @@ pub struct PathPoint {
     pub arc: f64,
     /// Change of the load with the arc length [1]; negative where the load falls.
     pub load_rate: f64,
-    /// Number of negative eigenvalues of the tangent at a held load.
-    pub negative: usize,
-    /// The eigenvalue nearest to zero over that at rest [1].
-    pub stiffness: f64,
-    /// |φ · du/ds| / |du/ds| of its mode φ: 1 at a limit point, 0 at a bifurcation of a symmetric body.
-    pub along_path: f64,
-    /// φ over all degrees of freedom, of length 1.
-    pub mode: Vec<f64>,
+    /// How far it is from losing its stability at this load.
+    pub stability: Stability,
+    /// The softest stiffness at rest [N/m].
+    pub rest_stiffness: f64,
     /// What lies between the state before and this one.
     pub passed: Vec<Passed>,
 }

@@ -14,7 +14,7 @@ use crate::math::linear::{Factorization, Precision, norm};
 
 /// Half of the difference of loads that gives derivatives by the load. Most loads are linear in t: what counts is
 /// rounding.
-const DIFFERENCE: f64 = 1e-4;
+pub const DIFFERENCE: f64 = 1e-4;
 
 /// The equations at an iterate.
 pub struct Residual {
@@ -151,7 +151,7 @@ pub fn with_load(
 }
 
 /// −∂V/∂u of each prescribed volume on the free degrees of freedom [m²]: ∂R/∂P̂.
-fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
+pub fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
     let negative = |c: &Constraint| problem.restrict(&c.gradient).iter().map(|g| -g).collect();
     constraints.iter().map(negative).collect()
 }

@@ -101,6 +101,14 @@ impl TimeStepper {
         Self { stepping, progress, guide: None, step: None }
     }
 
+    /// Begins at a state of a time step that is being made.
+    #[must_use]
+    pub fn within(stepping: Stepping, integrator: Integrator, reached: Reached) -> Self {
+        let mut stepper = Self::new(stepping, integrator);
+        (stepper.progress.last, stepper.progress.done) = (vec![reached], 0.5);
+        stepper
+    }
+
     /// This stepper, next to a run through the same time steps.
     #[must_use]
     pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {

@@ -5,13 +5,10 @@ use mechanics::element::HIGHEST_DEGREE;
 use mechanics::schedule::{Field, Schedule, is_free_name};
 use program::{KeyPath, misfit};
 
-use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
+use super::{ContactConfig, SimConfig, TimeConfig};
 
 /// Most time steps of a scene or a level.
 pub(super) const MOST_STEPS: usize = 1_000_000;
-
-/// First increment of the load of a path that is followed by its arc length.
-const FIRST_OF_PATH: f64 = 0.05;
 
 /// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
@@ -67,49 +64,6 @@ impl SimConfig {
         Ok(())
     }
 
-    /// Checks what a path that is followed by its arc length cannot have.
-    fn check_path(&self) -> Result<()> {
-        let s = &self.solver;
-        let refused = |key: &str, what: &str| {
-            KeyPath::table("solver").key(key).told(format!("{key} {what}"))
-        };
-        if s.follow.is_load() {
-            let alone = "is for follow = \"arc-length\": set that, or leave it away";
-            ensure!(s.path_states.is_none(), refused("path_states", alone));
-            ensure!(s.path_volume_factor.is_none(), refused("path_volume_factor", alone));
-            return Ok(());
-        }
-        let history = [
-            (self.time.is_some(), "[time]: states of a path have no order in time"),
-            (!self.relaxation.is_empty(), "[[relaxation]]: a path has no rates"),
-            (self.has_friction(), "friction: it depends on the way, not on the load alone"),
-        ];
-        if let Some((_, why)) = history.iter().find(|(found, _)| *found) {
-            let what = format!("= \"arc-length\" does not go with {why}; leave one of both away");
-            return Err(refused("follow", &what).into());
-        }
-        ensure!(
-            s.path_states != Some(0),
-            refused("path_states", "= 0: a path has one state or more")
-        );
-        if let Some(factor) = s.path_volume_factor {
-            ensure!(
-                factor.is_finite() && factor > 1.0,
-                refused("path_volume_factor", &format!("= {factor}: must be above 1"))
-            );
-            ensure!(
-                !self.chamber.is_empty(),
-                refused("path_volume_factor", "needs a [[chamber]], of which there is none")
-            );
-        }
-        Ok(())
-    }
-
-    /// Whether surfaces rub against each other.
-    fn has_friction(&self) -> bool {
-        self.contact().is_some_and(|contact| contact.friction > 0.0)
-    }
-
     fn bind(&mut self) -> Result<()> {
         let (first, moments) = (self.times()[0], self.moments());
         let parameters = self.parameters.clone();
@@ -134,6 +88,7 @@ impl SimConfig {
         if let Some(uncertainty) = &self.uncertainty {
             uncertainty.check(self).context(KeyPath::table("uncertainty"))?;
         }
+        self.check_limit()?;
         self.check_chambers()
     }
 
@@ -355,71 +310,6 @@ impl ContactConfig {
         );
         let split = c.split.is_none_or(|s| (1..=8).contains(&s));
         ensure!(split, misfit!(at("split"), " must be 1 to 8"));
-        Ok(())
-    }
-}
-
-impl SolverConfig {
-    /// First load increment: as large as it may be, if none is given; of a path [`FIRST_OF_PATH`].
-    #[must_use]
-    pub fn first_load_step(&self) -> f64 {
-        let first = if self.follow.is_load() { 1.0 } else { FIRST_OF_PATH };
-        self.first_load_step.unwrap_or(self.largest_load_step().min(first))
-    }
-
-    /// Largest load increment: all of it, if none is given.
-    #[must_use]
-    pub fn largest_load_step(&self) -> f64 {
-        self.largest_load_step.unwrap_or(1.0)
-    }
-
-    /// Takes the load in ten steps where no largest one is given.
-    pub fn step_for_curves(&mut self) {
-        self.largest_load_step.get_or_insert(self.first_load_step.unwrap_or(0.0).max(0.1));
-    }
-
-    fn check(&self) -> Result<()> {
-        let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
-        let refused = |key: &str, what: String| {
-            KeyPath::table("solver").key(key).told(format!("{key} = {what}"))
-        };
-        let [smallest, relative] = [s.smallest_load_step, s.relative_tolerance];
-        ensure!(largest > 0.0, refused("largest_load_step", format!("{largest}: must be above 0")));
-        ensure!(
-            first > 0.0 && first <= 1.0,
-            refused("first_load_step", format!("{first}: must be above 0 and at most 1"))
-        );
-        ensure!(
-            smallest > 0.0 && smallest <= first,
-            refused(
-                "smallest_load_step",
-                format!("{smallest}: must be above 0 and at most first_load_step = {first}")
-            )
-        );
-        ensure!(
-            largest >= first,
-            refused(
-                "largest_load_step",
-                format!("{largest}: must be at least first_load_step = {first}")
-            )
-        );
-        ensure!(
-            relative > 0.0 && relative < 1.0,
-            refused("relative_tolerance", format!("{relative}: must be above 0 and below 1"))
-        );
-        if let Some(absolute) = s.absolute_tolerance {
-            ensure!(
-                absolute >= 0.0 && absolute.is_finite(),
-                refused(
-                    "absolute_tolerance",
-                    format!("{absolute} N: must be finite and not negative")
-                )
-            );
-        }
-        ensure!(
-            s.newton_iterations != Some(0),
-            refused("newton_iterations", "0: must be positive".into())
-        );
         Ok(())
     }
 }

@@ -388,6 +388,7 @@ impl Scene {
             first: solver.first_load_step(),
             largest: solver.largest_load_step.unwrap_or(f64::INFINITY),
             smallest: solver.smallest_load_step,
+            end: 1.0,
         })
     }
 

@@ -1,11 +1,11 @@
 //! Newton's method from a predicted state to the path.
 
 use super::From;
+use crate::energy::Iterate;
 use crate::forward::newton::Newton;
 use crate::forward::tangent_system::{LoadRate, Residual, Row, factor, with_load, with_supports};
 use crate::forward::watch::Event;
 use crate::forward::{Configuration, Failure, Workspace};
-use crate::energy::Iterate;
 
 /// Newton iterations of a corrector, at most: a shorter arc is better than more of them.
 const ITERATIONS: usize = 12;
@@ -23,7 +23,7 @@ const HALVINGS: usize = 12;
 pub enum Ends {
     /// At this arc length from the last one.
     OnSphere(f64),
-    /// At t = 1.
+    /// At the full load.
     AtFullLoad,
 }
 
@@ -135,7 +135,7 @@ impl Corrector<'_> {
             }
             Ends::AtFullLoad => {
                 let u = vec![0.0; change.u.len()];
-                (at.time - 1.0, Row { u, load: 1.0 })
+                (at.time - self.from.end, Row { u, load: 1.0 })
             }
         }
     }
@@ -178,7 +178,7 @@ impl Corrector<'_> {
         };
         let mut fraction = 1.0;
         let mut trial = moved(fraction);
-        if trial.time > 1.0 && matches!(self.ends, Ends::OnSphere(_)) {
+        if trial.time > self.from.end && matches!(self.ends, Ends::OnSphere(_)) {
             return Err(Missed::Beyond);
         }
         let free = workspace.max_step(problem, &at, &trial.iterate(problem));

@@ -32,9 +32,9 @@ use serde::{Deserialize, Serialize};
 use self::corrector::{Balanced, Corrector, Ends, Missed};
 use self::direction::Direction;
 use super::stability::{Stability, negative_eigenvalues, softest};
-use super::stepping::{Attempt, Failed, LoadStep, PathPoint, Passed, Unreached, certify};
-use super::tangent_system::{LoadRate, Residual, Row, at_held_load, factor, with_load};
+use super::stepping::{Attempt, Failed, LoadStep, Passed, PathPoint, Unreached, certify};
 use super::tangent_system::with_supports;
+use super::tangent_system::{LoadRate, Residual, Row, at_held_load, factor, with_load};
 use super::{Configuration, Failure, Problem, TimeStepper, Workspace};
 use crate::energy::{Iterate, TimeStep};
 use crate::math::linear::norm;
@@ -63,6 +63,8 @@ pub struct Path {
     pub largest: f64,
     /// Smallest arc length before giving up, as a fraction of the first.
     pub smallest: f64,
+    /// The load at which it ends: 1, beyond which the loads of a scene are not defined, or more where they are.
+    pub end: f64,
 }
 
 /// All that determines the next state of a path, beside the last one.
@@ -107,7 +109,7 @@ impl PathFollower {
         Self { path, progress: None }
     }
 
-    /// The next state. It ends the time step where the load reaches 1 from below.
+    /// The next state. It ends the time step where the load reaches its end from below.
     ///
     /// # Errors
     /// [`Unreached`] with the last state.
@@ -125,7 +127,8 @@ impl PathFollower {
         };
         loop {
             let last = Iterate { step: Some(&step), ..stepper.iterate(problem, rest) };
-            let from = From { problem, last, step: &step, progress: &progress };
+            let end = self.path.end;
+            let from = From { problem, last, step: &step, progress: &progress, end };
             let failed = match self.attempt(&from, stepper, workspace) {
                 Ok(Found { step, progress }) => {
                     self.progress = Some(progress);
@@ -144,7 +147,7 @@ impl PathFollower {
         }
     }
 
-    /// The direction of the path at rest, towards more load.
+    /// The direction of the path at the first state, towards more load.
     fn begin(
         &self,
         stepper: &TimeStepper,
@@ -202,6 +205,8 @@ struct From<'a> {
     last: Iterate<'a>,
     step: &'a Arc<TimeStep>,
     progress: &'a PathProgress,
+    /// The full load.
+    end: f64,
 }
 
 /// Where a corrector begins.
@@ -216,7 +221,7 @@ impl<'a> From<'a> {
     /// A state along the direction of the path, as far as surfaces are free.
     fn predict(&self, workspace: &mut Workspace) -> Result<Predicted<'a>, Failure> {
         let PathProgress { direction, length, .. } = self.progress;
-        let to_full_load = (1.0 - self.last.time) / direction.load;
+        let to_full_load = (self.end - self.last.time) / direction.load;
         let reaches = direction.load > 0.0 && to_full_load <= *length;
         let length = if reaches { to_full_load } else { *length };
         let state = self.moved(length);
@@ -226,7 +231,11 @@ impl<'a> From<'a> {
             if length <= 0.0 {
                 return Err(Failure::Blocked { free });
             }
-            return Ok(Predicted { state: self.moved(length), length, ends: Ends::OnSphere(length) });
+            return Ok(Predicted {
+                state: self.moved(length),
+                length,
+                ends: Ends::OnSphere(length),
+            });
         }
         if reaches {
             let state = self.at_full_load(state);
@@ -254,8 +263,8 @@ impl<'a> From<'a> {
 
     /// A state with the full load on it.
     fn at_full_load(&self, state: Configuration<'a>) -> Configuration<'a> {
-        let u = with_supports(self.problem, &state.u, 1.0);
-        Configuration { time: 1.0, u, ..state }
+        let u = with_supports(self.problem, &state.u, self.end);
+        Configuration { time: self.end, u, ..state }
     }
 
     /// What a state is away from the last one.
@@ -293,13 +302,14 @@ impl<'a> From<'a> {
             let degrees = cosine.clamp(-1.0, 1.0).acos().to_degrees();
             return Err((Failure::Strayed { degrees }, state.u));
         }
-        let point = self.point(&stability, &direction, (moved, state.time));
+        let negative = stability.negative;
+        let point = self.point(stability, &direction, (moved, state.time));
         let eased = (AIM / balanced.iterations.max(1) as f64).sqrt().clamp(0.5, GROWTH);
         let grown = if cosine < NEARLY_STRAIGHT { eased.min(1.0) } else { eased };
         let turning = direction.plus(&self.progress.direction.scaled(-1.0)).scaled(1.0 / moved);
         let progress = PathProgress {
             turning: Some(turning),
-            negative: stability.negative,
+            negative,
             arc: point.arc,
             length: (grown * length.max(self.shortest(moved))).min(longest),
             direction,
@@ -316,7 +326,7 @@ impl<'a> From<'a> {
             u: state.u,
             multipliers: state.multipliers,
             step: state.step.cloned(),
-            ends_time_step: state.time >= 1.0,
+            ends_time_step: state.time >= self.end,
             path: Some(Box::new(point)),
         };
         Ok(Found { step, progress })
@@ -333,8 +343,7 @@ impl<'a> From<'a> {
         let constraints = self.problem.constraints(at);
         let rate = LoadRate::of(self.problem, workspace, at);
         let factor = factor(self.problem, workspace, at)?;
-        let tangent =
-            with_load(self.problem, factor, &constraints, &rate, last.row(*scale));
+        let tangent = with_load(self.problem, factor, &constraints, &rate, last.row(*scale));
         let mut one = vec![0.0; constraints.len() + 1];
         one[constraints.len()] = 1.0;
         let (u, mut rest) = tangent.solve(factor, &vec![0.0; rate.force.len()], &one)?;
@@ -348,7 +357,7 @@ impl<'a> From<'a> {
     /// What is known of a state on the path.
     fn point(
         &self,
-        stability: &Stability,
+        stability: Stability,
         direction: &Direction,
         (moved, load): (f64, f64),
     ) -> PathPoint {
@@ -359,10 +368,8 @@ impl<'a> From<'a> {
         PathPoint {
             arc: arc + moved,
             load_rate: direction.load,
-            negative: stability.negative,
-            stiffness: stability.stiffness / rest_stiffness,
-            along_path: stability.along_path,
-            mode: stability.mode.clone(),
+            stability,
+            rest_stiffness: *rest_stiffness,
             passed: Passed::between([self.last.time, load], turned, changed),
         }
     }
@@ -415,9 +422,8 @@ fn is_loaded(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> bool
 
 /// A displacement of all nodes by a tenth of the body [m], in the norm of the unknowns.
 fn size(problem: &Problem, at: &Iterate) -> f64 {
-    let bounds = |pick: fn(f64, f64) -> f64| {
-        at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick))
-    };
+    let bounds =
+        |pick: fn(f64, f64) -> f64| at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick));
     let diagonal = (bounds(f64::max) - bounds(f64::min)).norm();
     0.1 * diagonal * (problem.dirichlet.free().len() as f64).sqrt()
 }

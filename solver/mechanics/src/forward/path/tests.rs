@@ -1,17 +1,20 @@
-//! Paths beside closed forms.
+//! Paths, and the limits on them, beside closed forms.
 
 use std::f64::consts::PI;
 
 use super::*;
+use crate::adjoint::along;
 use crate::element::FunctionSpace;
+use crate::energy::ParameterId;
 use crate::energy::{BodyForce, Chamber, Energies, Isobaric, Wall};
-use crate::forward::{Integrator, Method, Newton, State, Stepping};
+use crate::forward::{Integrator, Kind, Limit, Method, Newton, State, Stepping};
 use crate::material::{Lame, NeoHookean};
+use crate::math::linear::dot;
+use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
 use crate::testing;
 
-const NEWTON: Newton =
-    Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0 };
+const NEWTON: Newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0 };
 
 fn stepper(problem: &Problem) -> TimeStepper {
     let zero = vec![0.0; problem.dofs()];
@@ -22,10 +25,22 @@ fn stepper(problem: &Problem) -> TimeStepper {
 
 /// The states of a path, at most `most`.
 fn follow(problem: &Problem, rest: &[Vec3], path: Path, most: usize) -> Vec<LoadStep> {
+    follow_to(problem, rest, path, (most, false))
+}
+
+/// The same, or up to the first singular point.
+fn follow_to(
+    problem: &Problem,
+    rest: &[Vec3],
+    path: Path,
+    (most, at_first): (usize, bool),
+) -> Vec<LoadStep> {
     let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
     let mut follower = PathFollower::new(path);
     let mut steps: Vec<LoadStep> = Vec::new();
-    while steps.len() < most && !steps.last().is_some_and(|step| step.ends_time_step) {
+    let stops =
+        |step: &LoadStep| step.ends_time_step || (at_first && !point(step).passed.is_empty());
+    while steps.len() < most && !steps.last().is_some_and(stops) {
         let step = follower.next(&mut stepper, problem, &mut workspace, rest);
         steps.push(step.unwrap_or_else(|unreached| panic!("{unreached}")));
     }
@@ -38,8 +53,13 @@ const ARCH: (f64, f64, f64) = (1.0, 0.01, 1e6);
 /// A clamped arch of Poisson's ratio 0, z = a (1 − cos κx)/2 with κ = 2π/L, under a load per area that is so many
 /// times E κ⁴ h⁴ cos κx at t = 1; and the node at the middle of its crown.
 fn arch(rise: f64, load: f64) -> (Problem, Vec<Vec3>, usize) {
+    arch_of(40, ARCH.2, rise, load)
+}
+
+/// The same of so many cells and a Young's modulus, with the load of that of [`ARCH`].
+fn arch_of(cells: usize, modulus: f64, rise: f64, load: f64) -> (Problem, Vec<Vec3>, usize) {
     let (length, h, young) = ARCH;
-    let mesh = testing::block([40, 1, 2]);
+    let mesh = testing::block([cells, 1, 2]);
     let k = 2.0 * PI / length;
     let place = |s: &Vec3| {
         let (x, angle) = (length * s.x, 2.0 * PI * s.x);
@@ -56,7 +76,7 @@ fn arch(rise: f64, load: f64) -> (Problem, Vec<Vec3>, usize) {
     let force = load * young * k.powi(4) * h.powi(3);
     let force = format!("{force:e}*t*cos({k}*x)").parse::<Schedule>().expect("an expression");
     let field = Field([0.0.into(), 0.0.into(), force]);
-    let energies = Energies::elastic(Box::new(NeoHookean(Lame::new(young, 0.0))));
+    let energies = Energies::elastic(Box::new(NeoHookean(Lame::new(modulus, 0.0))));
     let energies = energies.with(BodyForce::whole(field));
     (Problem::new(space, energies, &fixed), rest, crown)
 }
@@ -85,7 +105,7 @@ fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
     let limits = [arch_load(rise, turn), arch_load(rise, -turn)];
     let full = 1.2 * limits[0];
     let (problem, rest, crown) = arch(rise, full);
-    let path = Path { first: 0.1, largest: 0.2, smallest: 1e-3 };
+    let path = Path { first: 0.1, largest: 0.2, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 80);
     let last = steps.last().expect("states");
     assert!(last.ends_time_step && last.time == 1.0, "{} states, t = {}", steps.len(), last.time);
@@ -102,8 +122,10 @@ fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
     assert!(bottom.iter().all(|t| *t > limits[1] / full - 0.01), "{bottom:?}");
     // it falls between both, on an unstable branch
     let falling: Vec<&LoadStep> = steps.iter().filter(|s| point(s).load_rate < 0.0).collect();
-    assert!(falling.len() > 3 && falling.iter().all(|s| point(s).negative == 1));
-    assert!(steps.iter().filter(|s| point(s).load_rate > 0.0).all(|s| point(s).negative == 0));
+    assert!(falling.len() > 3 && falling.iter().all(|s| point(s).stability.negative == 1));
+    assert!(
+        steps.iter().filter(|s| point(s).load_rate > 0.0).all(|s| point(s).stability.negative == 0)
+    );
 }
 
 /// A higher arch bends sideways before it snaps, where a² − b² = 2.7276, and in its second symmetrical mode where
@@ -114,7 +136,7 @@ fn a_higher_arch_says_where_an_asymmetrical_branch_leaves() {
     let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
     let full = 1.5 * leaves;
     let (problem, rest, _) = arch(rise, full);
-    let path = Path { first: 0.05, largest: 0.15, smallest: 1e-3 };
+    let path = Path { first: 0.05, largest: 0.15, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 80);
     assert!(steps.last().is_some_and(|step| step.ends_time_step));
     let passed = passed(&steps);
@@ -146,12 +168,14 @@ fn sphere(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
     let fixed: Vec<bool> =
         nodes.iter().flat_map(|x| [x.x < 1e-12, x.y < 1e-12, x.z < 1e-12]).collect();
     let boundary = mesh::topology::boundary(&mesh).facets;
-    let on = |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
+    let on =
+        |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
     let planes: Vec<_> = (0..3)
         .map(|axis| {
             let cut = boundary.iter().filter(|f| on(f, &|x| x[axis] < 1e-12));
             let cut: Vec<[usize; 3]> = cut.copied().collect();
-            crate::symmetry::Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut).expect("a plane")
+            crate::symmetry::Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut)
+                .expect("a plane")
         })
         .collect();
     let wall = boundary.iter().filter(|f| on(f, &|x| x.norm() < INNER + 1e-9));
@@ -181,7 +205,7 @@ fn sphere_pressure(inside: f64) -> f64 {
 fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
     let limit = (100..400).map(|i| sphere_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
     let (problem, rest) = sphere(2, 2, 1.1 * limit);
-    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3 };
+    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 14);
     let stretch = |step: &LoadStep| {
         let at = step.iterate(&problem, &rest);
@@ -200,7 +224,7 @@ fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
 #[test]
 fn a_path_without_load_and_a_body_that_floats_are_refused() {
     let (problem, rest, _) = arch(1.1, 0.0);
-    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3 };
+    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
     let follow = |problem: &Problem| {
         let mut workspace = Workspace::new(problem);
         let mut follower = PathFollower::new(path);
@@ -208,4 +232,93 @@ fn a_path_without_load_and_a_body_that_floats_are_refused() {
         next.err().map(|unreached| unreached.failure)
     };
     assert_eq!(follow(&problem), Some(Failure::NoLoad));
+}
+
+/// The states before the first singular point of a path and after it, and the point by the direct method.
+fn first_limit(problem: &Problem, rest: &[Vec3], path: Path, kind: Kind) -> (Limit, [f64; 2]) {
+    let steps = follow_to(problem, rest, path, (40, true));
+    let after = steps.iter().position(|step| !point(step).passed.is_empty()).expect("a point");
+    let start = configuration(rest, &steps[after]);
+    let mut workspace = Workspace::new(problem);
+    let limit = Limit::near(problem, &mut workspace, &start, kind, &NEWTON);
+    (
+        limit.unwrap_or_else(|failure| panic!("{failure}")),
+        [steps[after - 1].time, steps[after].time],
+    )
+}
+
+fn configuration<'a>(rest: &'a [Vec3], step: &LoadStep) -> Configuration<'a> {
+    let (u, multipliers) = (step.u.clone(), step.multipliers.clone());
+    Configuration { rest, time: step.time, step: None, u, multipliers }
+}
+
+/// Each error of the load is at most a number times the square of the one before: the second last step shows it.
+fn assert_quadratic(limit: &Limit) {
+    let errors: Vec<f64> = limit.history.iter().map(|l| (l.load - limit.load).abs()).collect();
+    let seen: Vec<f64> = errors.iter().copied().filter(|e| *e > 1e-12).collect();
+    let [.., before, last] = seen[..] else { panic!("{errors:?}") };
+    assert!(last < 20.0 * before * before + 1e-9, "{errors:?}");
+}
+
+#[test]
+fn the_direct_method_finds_the_limit_of_a_sphere() {
+    let limit = (1000..4000).map(|i| sphere_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = sphere(2, 2, 1.1 * limit);
+    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
+    let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::LimitPoint);
+    assert!(found.load >= before.max(after) && found.load < 1.0, "{} {before} {after}", found.load);
+    let pressure = 1.1 * limit * found.load;
+    // by the faces of the polyhedron and the bulk modulus
+    assert!((pressure / limit - 1.0).abs() < 0.005, "{pressure} {limit}");
+    assert_quadratic(&found);
+}
+
+#[test]
+fn the_direct_method_finds_where_an_arch_bends_sideways() {
+    let rise: f64 = 2.5;
+    let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
+    let (problem, rest, _) = arch(rise, 1.5 * leaves);
+    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::Bifurcation);
+    assert!(before < found.load && found.load < after, "{before} {} {after}", found.load);
+    assert!((1.5 * found.load - 1.0).abs() < 0.02, "{}", found.load);
+    // φ is antimetric, so that the load has no share in it, but for cells that are not symmetrical
+    let zero = vec![0.0; problem.dofs()];
+    let full = problem.iterate(&rest, &zero, 1.0);
+    let load = Residual::of(&problem, &mut Workspace::new(&problem), &full).norm();
+    assert!(found.by_load.abs() < 1e-4 * load, "{} {load}", found.by_load);
+    assert_quadratic(&found);
+}
+
+/// The load of the limit of an arch by its modulus, to which it is proportional, and by its rest vertices.
+#[test]
+fn the_gradient_of_a_limit_is_its_derivative() {
+    let (rise, load) = (1.5, 0.15);
+    let of = |modulus: f64| arch_of(10, modulus, rise, load);
+    let (problem, rest, _) = of(ARCH.2);
+    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let (found, _) = first_limit(&problem, &rest, path, Kind::LimitPoint);
+    let again = |problem: &Problem, rest: &[Vec3]| {
+        let (u, multipliers) = (found.u.clone(), found.multipliers.clone());
+        let start = Configuration { rest, time: found.load, step: None, u, multipliers };
+        let mut workspace = Workspace::new(problem);
+        let limit = Limit::near(problem, &mut workspace, &start, Kind::LimitPoint, &NEWTON);
+        limit.map(|limit| limit.load)
+    };
+    let (lambda, mu) = found.covector();
+    let at = problem.iterate(&rest, &found.u, found.load);
+    let (by_rest, by_numbers) = along(&problem, &at, &lambda, &mu);
+    let by_modulus = by_numbers.total(ParameterId::Material(0))[0];
+    assert!((by_modulus * ARCH.2 / found.load - 1.0).abs() < 1e-6, "{by_modulus}");
+    let inner = |x: &Vec3| x.x > 1e-6 && x.x < ARCH.0 - 1e-6;
+    let mut random = crate::math::random::Random::new(5);
+    let motion = rest.iter().map(|x| if inner(x) { 2e-4 * random.vector() } else { Vec3::zeros() });
+    let motion: Vec<Vec3> = motion.collect();
+    let slope = dot(&by_rest, &testing::flat(&motion));
+    let along = |by: f64| {
+        let moved: Vec<Vec3> = rest.iter().zip(&motion).map(|(x, m)| x + by * m).collect();
+        again(&problem, &moved)
+    };
+    let result = taylor(1.0, 6, slope, along).expect("limits");
+    assert!((result.slope - 2.0).abs() < 0.1, "{result:?}");
 }
