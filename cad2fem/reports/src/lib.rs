@@ -8,6 +8,7 @@ mod measured;
 mod numbers;
 mod optimization;
 mod simulation;
+mod stability;
 mod step;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
@@ -23,5 +24,8 @@ pub use optimization::{
 pub use simulation::{
     CutPlane, End, EnergyBalance, Inputs, Material, Moduli, OneOrList, Silicone, Simulation,
     Status, Task, Timings,
+};
+pub use stability::{
+    DirectIterate, Limit, LimitStatus, PassedPoint, PathState, PointKind, Stability,
 };
 pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};

@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 
 use crate::failed::{Crossing, Failed};
 use crate::measured::{AsCast, Chamber, ErrorBars, Locking, Membrane, Probe, StretchRange, Tag};
+use crate::stability::{Limit, Stability};
 use crate::step::{ForceBalance, Step};
 
 /// What `solver simulate` found, and what it was found from.
@@ -83,6 +84,13 @@ pub struct End {
     /// By how much the elements are too stiff, where they may lock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub locking: Option<Locking>,
+    /// How far the state at the end is from losing its stability, with `[solver] stability` or
+    /// `follow = "arc-length"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
+    /// How much more pressure it bears, of a scene with `[limit]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Limit>,
     /// Error bars of each probe, of a scene with `[uncertainty]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_bars: Option<BTreeMap<String, ErrorBars>>,

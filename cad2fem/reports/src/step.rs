@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measured::Chamber;
 use crate::numbers::Numbers;
+use crate::stability::PathState;
 
 /// One state of a run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -53,6 +54,9 @@ pub struct Step {
     /// still [J].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_gain: Option<f64>,
+    /// Place and stability of a state on a path that is followed by its arc length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathState>,
     /// Value of each probe, in its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<Numbers>,

@@ -104,14 +104,26 @@ pub fn points(flat: &[f64]) -> Vec<Vec3> {
 pub fn cube(n: usize, jitter: f64) -> TetMesh {
     let mut random = Random::new(12);
     let h = 1.0 / n as f64;
-    let id = |i: usize, j: usize, k: usize| (k * (n + 1) + j) * (n + 1) + i;
-    let mut vertices = Vec::new();
+    let mut mesh = block([n; 3]);
     for v in 0..(n + 1).pow(3) {
         let grid = [v % (n + 1), v / (n + 1) % (n + 1), v / (n + 1).pow(2)];
         let moved = jitter * h * random.vector();
         let inside = grid.iter().all(|&i| i > 0 && i < n);
         let at = Vec3::from(grid.map(|i| i as f64 * h));
-        vertices.push(if inside { at + moved } else { at });
+        mesh.vertices[v] = if inside { at + moved } else { at };
+    }
+    mesh
+}
+
+/// The cube [0, 1]³ in so many cells along each axis, of six tetrahedra each.
+pub fn block(cells: [usize; 3]) -> TetMesh {
+    let [nx, ny, nz] = cells;
+    let id = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
+    let mut vertices = Vec::new();
+    for v in 0..(nx + 1) * (ny + 1) * (nz + 1) {
+        let grid = [v % (nx + 1), v / (nx + 1) % (ny + 1), v / ((nx + 1) * (ny + 1))];
+        let place = |k: usize| grid[k] as f64 / cells[k] as f64;
+        vertices.push(Vec3::new(place(0), place(1), place(2)));
     }
     // the six orders of steps along the axes from one corner to the opposite
     // one; odd orders are mirrored
@@ -124,9 +136,9 @@ pub fn cube(n: usize, jitter: f64) -> TetMesh {
         ([1, 0, 2], false),
     ];
     let mut tets = Vec::new();
-    for cell in 0..n.pow(3) {
+    for cell in 0..nx * ny * nz {
         for (path, even) in paths {
-            let mut at = [cell % n, cell / n % n, cell / n.pow(2)];
+            let mut at = [cell % nx, cell / nx % ny, cell / (nx * ny)];
             let mut tet = [id(at[0], at[1], at[2]); 4];
             for (step, axis) in path.into_iter().enumerate() {
                 at[axis] += 1;
@@ -136,6 +148,39 @@ pub fn cube(n: usize, jitter: f64) -> TetMesh {
                 tet.swap(1, 2);
             }
             tets.push(tet);
+        }
+    }
+    TetMesh { vertices, tets }
+}
+
+/// An eighth of a shell with the radii `inner` and 1, in the octant of positive coordinates: an octahedron
+/// refined `levels` times, in layers of equal thickness.
+pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
+    let whole = sphere(levels);
+    let octant = |t: &&[usize; 3]| t.iter().all(|&v| whole.vertices[v].min() > -1e-12);
+    let facets: Vec<[usize; 3]> = whole.triangles.iter().filter(octant).copied().collect();
+    let (facets, _) = mesh::topology::submesh(&whole.vertices, &facets);
+    let count = facets.vertices.len();
+    let radius = |layer: usize| inner + (1.0 - inner) * layer as f64 / layers as f64;
+    let vertices = (0..=layers).flat_map(|l| facets.vertices.iter().map(move |v| radius(l) * v));
+    let vertices: Vec<Vec3> = vertices.collect();
+    let mut tets = Vec::new();
+    for layer in 0..layers {
+        for triangle in &facets.triangles {
+            let mut below = triangle.map(|v| layer * count + v);
+            below.sort_unstable();
+            let above = below.map(|v| v + count);
+            // a prism between ascending corners: neighbours cut their common side alike
+            for corner in 0..3 {
+                let mut tet: Vec<usize> = below[corner..].to_vec();
+                tet.extend(&above[..=corner]);
+                let mut tet = [tet[0], tet[1], tet[2], tet[3]];
+                let [a, b, c, d] = tet.map(|v| vertices[v]);
+                if mesh::measure::tet_volume(a, b, c, d) < 0.0 {
+                    tet.swap(0, 1);
+                }
+                tets.push(tet);
+            }
         }
     }
     TetMesh { vertices, tets }

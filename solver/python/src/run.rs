@@ -142,7 +142,7 @@ impl Run {
         }
         let last = self.load_steps.last().context("the run has no steps")?;
         let at = self.at(last);
-        results::write_end(folder, &self.problem, &at)?;
+        results::write_end(folder, &self.problem, &at, None)?;
         let mut workspace = self.workspace.lock().unwrap_or_else(PoisonError::into_inner);
         let (timings, velocity) = (workspace.timings, self.velocity(self.trajectory.steps()));
         let spent = Spent {

@@ -10,10 +10,11 @@ use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about, predicted_time,
+    LoadStep, PathFollower, Problem, TimeStepper, Trajectory, Unreached, Workspace, about,
+    predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
-use reports::{AsCast, End, ErrorBars, Simulation, Status};
+use reports::{AsCast, End, ErrorBars, Limit, Simulation, Status};
 use scene::{Scene, log_share};
 
 use crate::number;
@@ -24,9 +25,11 @@ use crate::report::locking;
 use crate::report::record::{Checkpoint, Finished, Recorder, Work};
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
+use crate::report::stability;
 use crate::report::summary;
 use crate::report::writer::{Writer, write_beside};
 use crate::study::as_cast;
+use crate::study::limit;
 use crate::study::uncertainty;
 
 /// Solve a scene for its equilibrium under the full load, or through time
@@ -105,6 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         lines: String::new(),
         pictures: BTreeMap::new(),
         progress: run.stepper.progress.clone(),
+        path: run.follower.as_ref().and_then(|follower| follower.progress.clone()),
         couplings: run.workspace.couplings().to_vec(),
         work: Work::default(),
         timings: run.workspace.timings,
@@ -123,8 +127,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(run.failed(report, arguments, &unreached)?);
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
-    results::write_end(folder, &problem, &end)?;
     let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
+    let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
+    let (stability, mode) = known.unzip();
+    found.stability = stability;
+    let at_limit = run.limit(&end)?;
+    let (limit, mode_at_limit) = at_limit.unzip();
+    let mode = mode.or_else(|| mode_at_limit.flatten());
+    found.limit = limit;
+    results::write_end(folder, &problem, &end, mode.as_deref())?;
     found.error_bars = run.error_bars();
     found.wall_s = before_s + start.elapsed().as_secs_f64();
     found.peak_rss_mb = program::peak_rss_mb();
@@ -184,6 +195,10 @@ struct Run<'a> {
     probes: &'a [Probe],
     workspace: Workspace,
     stepper: TimeStepper,
+    /// What follows the path of a static scene by its arc length, if the scene asks for that.
+    follower: Option<PathFollower>,
+    /// The last state of that path.
+    last: Option<LoadStep>,
     /// All states, where error bars need them.
     states: Option<Trajectory>,
     /// Load steps of a static scene that an interrupted run has made.
@@ -200,9 +215,11 @@ impl<'a> Run<'a> {
     ) -> Self {
         let integrator = scene.integrator(&scene.body, problem);
         let mut stepper = TimeStepper::new(scene.stepping(), integrator);
+        let mut follower = scene.path().map(PathFollower::new);
         let done = checkpoint.as_ref().map_or(0, |c| c.steps);
         let timed = scene.config.time.is_some();
         if let Some(checkpoint) = checkpoint {
+            follower.iter_mut().for_each(|f| f.progress.clone_from(&checkpoint.path));
             let steps = if timed { "time steps" } else { "load steps" };
             log::info!("continuing after {} {steps}", checkpoint.steps);
             workspace.set_couplings(problem, checkpoint.couplings);
@@ -210,7 +227,8 @@ impl<'a> Run<'a> {
             stepper.progress = checkpoint.progress;
         }
         let states = all_states(scene, &stepper, if timed { done } else { 0 });
-        Self { scene, problem, probes, workspace, stepper, states, done, start: Instant::now() }
+        let (last, start) = (None, Instant::now());
+        Self { scene, problem, probes, workspace, stepper, follower, last, states, done, start }
     }
 
     /// Goes through some of the scene's time steps; the result says where that ends early.
@@ -271,7 +289,12 @@ impl<'a> Run<'a> {
                 Err(unreached) => return Ok(Some(unreached)),
             };
             made += 1;
-            let ends = step.ends_time_step;
+            let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
+            let cut = stability::ends_path(self.scene, made, &at, self.problem);
+            let ends = step.ends_time_step || cut.is_some();
+            if let Some(why) = cut.filter(|_| !step.ends_time_step) {
+                log::info!("the path ends at {} {why}", self.scene.progress(step.time));
+            }
             let due = !ends && saved.elapsed() >= BETWEEN_CHECKPOINTS;
             let checkpoint = due.then(|| checkpoint(self, made));
             if due {
@@ -292,7 +315,11 @@ impl<'a> Run<'a> {
     /// The next load step towards the end of a time step.
     fn next(&mut self, end: f64, which: &str) -> Result<LoadStep, Unreached> {
         let rest = &self.scene.body.mesh.vertices;
-        let step = self.stepper.next(self.problem, &mut self.workspace, rest, end)?;
+        let (stepper, workspace) = (&mut self.stepper, &mut self.workspace);
+        let step = match &mut self.follower {
+            Some(follower) => follower.next(stepper, self.problem, workspace, rest)?,
+            None => stepper.next(self.problem, workspace, rest, end)?,
+        };
         log::info!(
             "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
             self.scene.progress(step.time),
@@ -306,6 +333,8 @@ impl<'a> Run<'a> {
                 "an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}"
             );
         }
+        stability::in_words(&step).iter().for_each(|line| log::info!("{line}"));
+        self.last = step.path.is_some().then(|| step.clone());
         if let (Some(states), true) = (&mut self.states, step.ends_time_step) {
             states.push(end, self.stepper.progress.integrator.last().clone());
         }
@@ -330,6 +359,14 @@ impl<'a> Run<'a> {
             predicted_s,
         };
         simulation::end(self.scene, (self.problem, self.probes), end, &spent)
+    }
+
+    /// How much more pressure the state at the end bears, where the scene asks for that, and the mode of that limit.
+    fn limit(&self, end: &Iterate) -> Result<Option<(Limit, Option<Vec<f64>>)>> {
+        let Some(config) = &self.scene.config.limit else { return Ok(None) };
+        let found = limit::find(self.scene, self.problem, end, config)?;
+        log::info!("{}", limit::in_words(&found.0));
+        Ok(Some(found))
     }
 
     /// Error bars of the probes, where all states are known.

@@ -255,6 +255,10 @@ fn advice(
         );
         return advice;
     }
+    if let Some(of_path) = of_path(&unreached.failure) {
+        advice.push(of_path.to_owned());
+        return advice;
+    }
     if ratio > FIRM {
         advice.push(incompressible(ratio));
     }
@@ -316,6 +320,25 @@ fn advice(
         scene.config.newton_iterations()
     ));
     advice
+}
+
+/// What to do where a path that is followed by its arc length cannot go on.
+fn of_path(failure: &Failure) -> Option<&'static str> {
+    match failure {
+        Failure::NoLoad => Some(
+            "a load to follow: a [[chamber]] with a pressure or a volume, a [[traction]], [gravity], or a \
+             support that moves",
+        ),
+        Failure::Singular => Some(
+            "another number of a load or a wall, by little: the state is one at which several branches meet; \
+             or fix what may move freely",
+        ),
+        Failure::Strayed { .. } => Some(
+            "smaller arcs: [solver] first_load_step and largest_load_step below what they are, or a smaller \
+             smallest_load_step",
+        ),
+        _ => None,
+    }
 }
 
 /// Why Newton's method fails in a nearly incompressible body, and what to use.

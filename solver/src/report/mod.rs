@@ -14,5 +14,6 @@ pub mod mirror;
 pub mod record;
 pub mod results;
 pub mod simulation;
+pub mod stability;
 pub mod summary;
 pub mod writer;

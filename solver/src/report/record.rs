@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
 use mechanics::energy::{Iterate, Multiplier};
-use mechanics::forward::{LoadStep, Problem, Progress, Timings};
+use mechanics::forward::{LoadStep, PathProgress, Problem, Progress, Timings};
 use mechanics::schedule::{Field, Schedule};
 use mesh::Vec3;
 use mesh::io::vtu;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::report::results::STEPS;
-use crate::report::{curve, results};
+use crate::report::{curve, results, stability};
 
 /// From which an interrupted run continues.
 const CHECKPOINT: &str = "checkpoint.json";
@@ -37,6 +37,9 @@ pub struct Checkpoint {
     pub pictures: BTreeMap<String, String>,
     /// All that determines the next step ...
     pub progress: Progress,
+    /// ... of a path that is followed by its arc length, too, ...
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathProgress>,
     /// ... with the pairs of nodes that contact couples.
     pub couplings: Vec<[usize; 2]>,
     /// Work of the loads so far.
@@ -215,11 +218,15 @@ impl<'a> Recorder<'a> {
         self.lines.push(line);
         if self.pictures {
             let name = picture(self.lines.len() - 1);
-            let grid = results::grid_with_fields(&self.problem.energies, &at);
+            let mut grid = results::grid_with_fields(&self.problem.energies, &at);
+            let mode = step.path.as_ref().map(|path| stability::field(&path.stability.mode));
+            grid.point_fields.extend(mode);
             let path = self.folder.join(&name);
             vtu::write_vtu(&path, &grid)?;
             self.written.insert(name, program::sha256_file(&path)?);
-            let picture = |(i, line): (usize, &Step)| (line.t, picture(i));
+            // ParaView sorts by these: the load of a path falls and rises
+            let order = |line: &Step| line.path.as_ref().map_or(line.t, |path| path.arc_length);
+            let picture = |(i, line): (usize, &Step)| (order(line), picture(i));
             let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();
             vtu::write_pvd(&self.folder.join("result.pvd"), &all)?;
         }

@@ -23,6 +23,7 @@ use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 
 use crate::report::fields::fields;
+use crate::report::stability;
 
 /// Name of the file with a line for each step.
 pub const STEPS: &str = "steps.jsonl";
@@ -173,6 +174,7 @@ pub fn step(
         collisions: collisions(scene, energies, &at),
         work_of_loads: work,
         energy_gain: None,
+        path: step.path.as_deref().map(stability::path_state),
         probes: (!probes.is_empty()).then(|| numbers(&measure(probes, problem, &at))),
     })
 }
@@ -400,13 +402,19 @@ pub fn symmetry(body: &Body) -> Vec<CutPlane> {
     body.planes.iter().map(one).collect()
 }
 
-/// Writes the state at the end.
+/// Writes the state at the end, with the softest mode, where it is known.
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write_end(folder: &Path, problem: &Problem, end: &Iterate) -> Result<()> {
+pub fn write_end(
+    folder: &Path,
+    problem: &Problem,
+    end: &Iterate,
+    mode: Option<&[f64]>,
+) -> Result<()> {
     write_state(folder, end.space, end.rest, end.u)?;
-    let grid = grid_with_fields(&problem.energies, end);
+    let mut grid = grid_with_fields(&problem.energies, end);
+    grid.point_fields.extend(mode.map(stability::field));
     Ok(vtu::write_vtu(&folder.join("result.vtu"), &grid)?)
 }
 

@@ -115,6 +115,8 @@ pub fn end(
         locking: locking::estimate(scene, (problem, probes), end),
         timings: timings(spent.timings, spent.predicted_s),
         crossing: None,
+        stability: None,
+        limit: None,
         error_bars: None,
         equilibrium_s: spent.equilibrium_s,
         wall_s: 0.0,

@@ -2,6 +2,7 @@
 
 pub mod sensitivity; // derivatives of probes by numbers of a scene
 pub mod nearby; // the equilibrium next to a known one
+pub mod limit; // how much more pressure a state bears
 pub mod pose; // where a tag is, and its stiffness
 pub mod map; // probes, pose and stiffness on a grid of numbers
 pub mod uncertainty; // what probes change by if numbers are off

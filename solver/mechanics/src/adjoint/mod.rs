@@ -126,6 +126,28 @@ pub fn sweep(
     Ok(Gradient { rest: rest_bar, parameters, start: State::new(first.by_u, v) })
 }
 
+/// λᵀ ∂²E/∂u∂X, three components per vertex, with μ ∂(V − V*)/∂X of the prescribed volumes, and the same by the numbers
+/// that the energies are made with, as those of one time step: what a change of the rest shape or of the numbers does to
+/// the equations of a state, along λ and μ.
+#[must_use]
+pub fn along(
+    problem: &Problem,
+    at: &Iterate,
+    lambda: &[f64],
+    mu: &[f64],
+) -> (Vec<f64>, ParameterGradients) {
+    let (mut rest_bar, mut parameters) = (vec![0.0; 3 * at.rest.len()], ParameterGradients::new(1));
+    for Term { kind, energy } in problem.energies.terms() {
+        energy.add_mixed_vjp(at, lambda, &mut rest_bar);
+        let mut by = energy.parameter_vjp(at, lambda);
+        if let Kind::Chamber(id) = kind {
+            by.extend(problem.energies.chamber(id).constraint_vjp(at, mu, &mut rest_bar));
+        }
+        add_parameters(problem, kind, 0, by, &mut parameters);
+    }
+    (rest_bar, parameters)
+}
+
 fn zeros(len: usize) -> State {
     State::new(vec![0.0; len], vec![0.0; len])
 }

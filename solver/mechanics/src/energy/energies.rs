@@ -6,10 +6,11 @@
 
 use std::sync::Arc;
 
-use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Inertia, Membrane};
-use super::{Iterate, Rigid, RigidLoad, RigidMass, Springs, Traction, Viscous};
+use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Held, Inertia};
+use super::{Iterate, Membrane, Rigid, RigidLoad, RigidMass, Springs, Traction, Viscous};
 use crate::element::FunctionSpace;
 use crate::material::Material;
+use crate::schedule::Schedule;
 
 /// The terms of the potential energy of some bodies. A copy shares the large terms.
 #[derive(Clone, Default)]
@@ -303,6 +304,33 @@ impl Energies {
     /// Gives a chamber another gas law.
     pub fn set_gas_law(&mut self, id: ChamberId, gas: Box<dyn GasLaw>) {
         self.chambers[id.0].chamber.gas = gas;
+    }
+
+    /// These energies with all loads held as they are at a time, but for the pressures of some chambers, which grow
+    /// in proportion to the time from there. Loads that no derivative by numbers asks for become terms without a kind.
+    #[must_use]
+    pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
+        let mut held = self.clone();
+        let mut loads: Vec<Arc<dyn Energy>> = Vec::new();
+        for body in &mut held.bodies {
+            loads.extend(body.weight.take().map(|weight| Arc::new(weight) as Arc<dyn Energy>));
+        }
+        let forces = std::mem::take(&mut held.body_forces).into_iter();
+        loads.extend(forces.map(|force| Arc::new(force) as Arc<dyn Energy>));
+        let tractions = std::mem::take(&mut held.tractions).into_iter();
+        loads.extend(tractions.map(|traction| Arc::new(traction) as Arc<dyn Energy>));
+        loads.append(&mut held.others);
+        held.others =
+            loads.into_iter().map(|energy| Arc::new(Held { energy, time }) as _).collect();
+        for (place, named) in held.chambers.iter_mut().enumerate() {
+            let gas = &mut named.chamber.gas;
+            let grows = gas.pressure().is_some() && grow.contains(&ChamberId(place));
+            let value = gas.schedule().at(time);
+            let then =
+                if grows { Schedule::proportional(value, time) } else { Schedule::held(value) };
+            *gas.schedule_mut() = then;
+        }
+        held
     }
 
     /// Inertia of all bodies, without tiny masses.

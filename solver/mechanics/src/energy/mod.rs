@@ -9,6 +9,7 @@ mod elastic;
 mod energies;
 mod friction;
 pub mod gas_law;
+mod held;
 mod inertia;
 mod membrane;
 mod rigid;
@@ -28,6 +29,7 @@ pub use energies::{
 };
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
+pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
 pub use rigid::{Rigid, RigidLoad, RigidMass};

@@ -3,25 +3,33 @@
 //! - [`Problem`]: minimum of the potential energy under [`Dirichlet`] conditions;
 //! - [`Newton`]: Newton's method with Hessian modification and a line search;
 //! - [`Stepping`]: incremental loading, in load steps of adaptive size;
+//! - [`PathFollower`]: paths of equilibria through limit points, by their arc length;
+//! - [`Limit`]: loads at which an equilibrium loses its stability, by a direct method;
+//! - [`Stability`]: how far an equilibrium is from losing it;
 //! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
 //!   [`Integrator`], or quasistatic;
 //! - [`solve_multipliers`]: pressures, the Lagrange multipliers of prescribed volumes.
 
 mod augmented;
+mod bordered;
 mod certificate;
 mod cost;
 mod dirichlet;
 mod hessian_modification;
 mod integrator;
+mod limit;
 mod line_search;
 mod neighbours;
 mod newton;
+mod path;
 mod problem;
 mod softest_mode;
+mod stability;
 mod states;
 mod stepping;
 mod symbolic;
 mod tangent;
+mod tangent_system;
 mod time_stepper;
 mod timings;
 mod trajectory;
@@ -33,12 +41,16 @@ pub use certificate::{Uncertified, certificate};
 pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
 pub use integrator::{Formula, Growth, Integrator, Method, State, Weights};
+pub use limit::{Left, Limit};
 pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Failure, Newton};
+pub use path::{Path, PathFollower, PathProgress};
 pub use problem::{Configuration, Problem};
 pub use softest_mode::SoftestMode;
+pub use stability::{Kind, Stability};
 pub use stepping::{
-    Attempt, LoadStep, Solution, Stepping, Unreached, solve, solve_from, solve_in_time,
+    Attempt, LoadStep, Passed, PathPoint, Solution, Stepping, Unreached, solve, solve_from,
+    solve_in_time,
 };
 pub use tangent::follow;
 pub use time_stepper::{Progress, Reached, TimeStepper};

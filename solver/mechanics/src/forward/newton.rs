@@ -141,6 +141,18 @@ pub enum Failure {
         /// Fraction of the motion that is free.
         free: f64,
     },
+    /// The tangent is singular: a body that may move freely, or a state at which several branches meet.
+    #[error("the tangent stiffness is singular")]
+    Singular,
+    /// Nothing depends on the load.
+    #[error("no load: nothing changes between t = 0 and t = 1")]
+    NoLoad,
+    /// The next state is none of the same branch.
+    #[error("the path would turn by {degrees:.0}° from one state to the next")]
+    Strayed {
+        /// Angle between the directions of the path [°].
+        degrees: f64,
+    },
     /// Who watches has broken off.
     #[error("interrupted")]
     Interrupted,

@@ -13,7 +13,9 @@ use mesh::Vec3;
 use super::dirichlet::Dirichlet;
 use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
-use crate::energy::{Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep};
+use crate::energy::{
+    ChamberId, Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep,
+};
 use crate::math::linear::norm;
 use crate::rigid::RigidSet;
 
@@ -77,6 +79,18 @@ impl Problem {
     pub fn with_rigid(mut self, parts: &[RigidSet]) -> Self {
         self.dirichlet = Arc::new(Dirichlet::clone(&self.dirichlet).with_rigid(parts));
         self
+    }
+
+    /// This problem with all loads and supports held as they are at a time, but for the pressures of some chambers,
+    /// which grow in proportion to the time from there.
+    #[must_use]
+    pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
+        let mut held = Self { energies: self.energies.held(time, grow), ..self.clone() };
+        if self.dirichlet.moves() {
+            let there = self.dirichlet.displacement(time);
+            held = held.with_motion(move |_| there.clone());
+        }
+        held
     }
 
     /// This problem with springs that pull released supports.

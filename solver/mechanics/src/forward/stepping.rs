@@ -11,6 +11,7 @@ use mesh::Vec3;
 use serde::Serialize;
 
 use super::augmented::pull_supports;
+use super::stability::Stability;
 use super::volumes::balance;
 use super::watch::Event;
 use super::{
@@ -67,6 +68,43 @@ pub struct LoadStep {
     /// Whether it is the end of a time step.
     #[serde(skip)]
     pub ends_time_step: bool,
+    /// What is known of it as a state of a path, if it is one.
+    #[serde(skip)]
+    pub path: Option<Box<PathPoint>>,
+}
+
+/// A state on a path of equilibria that is followed by its arc length.
+#[derive(Clone, Debug)]
+pub struct PathPoint {
+    /// Arc length from rest [1].
+    pub arc: f64,
+    /// Change of the load with the arc length [1]; negative where the load falls.
+    pub load_rate: f64,
+    /// How far it is from losing its stability at this load.
+    pub stability: Stability,
+    /// The softest stiffness at rest [N/m].
+    pub rest_stiffness: f64,
+    /// What lies between the state before and this one.
+    pub passed: Vec<Passed>,
+}
+
+/// A singular point of a path between two loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passed {
+    /// The load turns: from and to.
+    LimitPoint([f64; 2]),
+    /// Other branches leave: from and to.
+    Bifurcation([f64; 2]),
+}
+
+impl Passed {
+    /// What lies between two loads where the load has turned or not, and the number of negative eigenvalues has changed.
+    #[must_use]
+    pub fn between(loads: [f64; 2], turned: bool, changed: usize) -> Vec<Self> {
+        let limit = turned.then_some(Self::LimitPoint(loads));
+        let left = changed.abs_diff(usize::from(turned));
+        limit.into_iter().chain((left > 0).then_some(Self::Bifurcation(loads))).collect()
+    }
 }
 
 impl LoadStep {
@@ -236,6 +274,7 @@ pub(super) fn attempt(
             u: state.u,
             multipliers: state.multipliers,
             ends_time_step: false,
+            path: None,
         }),
         Err(failure) => Err(Failed { failure, u: state.u, residuals }),
     }
@@ -243,7 +282,11 @@ pub(super) fn attempt(
 
 /// A lower bound of J, if no energy objects and the body is nowhere turned inside out; where that is
 /// tolerated, of its worst element.
-fn certify(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Result<f64, Failure> {
+pub(super) fn certify(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+) -> Result<f64, Failure> {
     let clock = Clock::start();
     let certified = match certificate(at.space, at.rest, at.u) {
         Err(found) if problem.tolerates_inversion => Ok(found.volume_ratio()),

@@ -101,6 +101,14 @@ impl TimeStepper {
         Self { stepping, progress, guide: None, step: None }
     }
 
+    /// Begins at a state of a time step that is being made.
+    #[must_use]
+    pub fn within(stepping: Stepping, integrator: Integrator, reached: Reached) -> Self {
+        let mut stepper = Self::new(stepping, integrator);
+        (stepper.progress.last, stepper.progress.done) = (vec![reached], 0.5);
+        stepper
+    }
+
     /// This stepper, next to a run through the same time steps.
     #[must_use]
     pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {
@@ -177,10 +185,7 @@ impl TimeStepper {
         rest: &[Vec3],
         end: f64,
     ) -> Result<LoadStep, Unreached> {
-        let step = match &self.step {
-            Some(step) if self.progress.done > 0.0 => Arc::clone(step),
-            _ => self.begin(problem, workspace, rest, end),
-        };
+        let step = self.begun(problem, workspace, rest, end);
         loop {
             let done = self.progress.done;
             let next = match done + self.progress.increment {
@@ -202,8 +207,22 @@ impl TimeStepper {
         }
     }
 
+    /// The time step to `end` that is being made, begun if it is not.
+    pub(super) fn begun(
+        &mut self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        rest: &[Vec3],
+        end: f64,
+    ) -> Arc<TimeStep> {
+        match &self.step {
+            Some(step) if self.progress.done > 0.0 => Arc::clone(step),
+            _ => self.begin(problem, workspace, rest, end),
+        }
+    }
+
     /// Takes in a load step, which ends at a fraction of its time step.
-    fn accept(
+    pub(super) fn accept(
         &mut self,
         step: LoadStep,
         fraction: f64,

@@ -44,6 +44,18 @@ impl Expression {
         parse(text).map(|root| Self { text: text.to_owned(), root })
     }
 
+    /// A factor times t.
+    #[must_use]
+    pub fn proportional(factor: f64) -> Self {
+        let number = if factor < 0.0 {
+            Node::Minus(Box::new(Node::Number(-factor)))
+        } else {
+            Node::Number(factor)
+        };
+        let root = Node::Binary(b'*', Box::new(number), Box::new(Node::Time));
+        Self { text: format!("({factor:e})*t"), root }
+    }
+
     /// Gives all parameters their values.
     ///
     /// # Errors

@@ -73,6 +73,21 @@ impl Schedule {
     }
 }
 
+impl Schedule {
+    /// A value that does not change at t > 0.
+    #[must_use]
+    pub fn held(value: f64) -> Self {
+        Self { written: Written::Number(value), first: f64::MIN_POSITIVE }
+    }
+
+    /// A value that grows in proportion to t without end, and is `value` at a time > 0 [s].
+    #[must_use]
+    pub fn proportional(value: f64, time: f64) -> Self {
+        let rate = Expression::proportional(value / time);
+        Self { written: Written::Expression(Arc::new(rate)), first: f64::MIN_POSITIVE }
+    }
+}
+
 impl std::str::FromStr for Schedule {
     type Err = Malformed;
 

@@ -5,7 +5,7 @@ use mechanics::element::HIGHEST_DEGREE;
 use mechanics::schedule::{Field, Schedule, is_free_name};
 use program::{KeyPath, misfit};
 
-use super::{ContactConfig, SimConfig, SolverConfig, TimeConfig};
+use super::{ContactConfig, SimConfig, TimeConfig};
 
 /// Most time steps of a scene or a level.
 pub(super) const MOST_STEPS: usize = 1_000_000;
@@ -43,6 +43,7 @@ impl SimConfig {
         );
         self.check_bodies()?;
         self.solver.check()?;
+        self.check_path()?;
         if let Some(time) = &self.time {
             time.check()?;
         }
@@ -88,6 +89,7 @@ impl SimConfig {
         if let Some(uncertainty) = &self.uncertainty {
             uncertainty.check(self).context(KeyPath::table("uncertainty"))?;
         }
+        self.check_limit()?;
         self.check_chambers()
     }
 
@@ -313,70 +315,6 @@ impl ContactConfig {
         );
         let split = c.split.is_none_or(|s| (1..=8).contains(&s));
         ensure!(split, misfit!(at("split"), " must be 1 to 8"));
-        Ok(())
-    }
-}
-
-impl SolverConfig {
-    /// First load increment: as large as it may be, if none is given.
-    #[must_use]
-    pub fn first_load_step(&self) -> f64 {
-        self.first_load_step.unwrap_or(self.largest_load_step().min(1.0))
-    }
-
-    /// Largest load increment: all of it, if none is given.
-    #[must_use]
-    pub fn largest_load_step(&self) -> f64 {
-        self.largest_load_step.unwrap_or(1.0)
-    }
-
-    /// Takes the load in ten steps where no largest one is given.
-    pub fn step_for_curves(&mut self) {
-        self.largest_load_step.get_or_insert(self.first_load_step.unwrap_or(0.0).max(0.1));
-    }
-
-    fn check(&self) -> Result<()> {
-        let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
-        let refused = |key: &str, what: String| {
-            KeyPath::table("solver").key(key).told(format!("{key} = {what}"))
-        };
-        let [smallest, relative] = [s.smallest_load_step, s.relative_tolerance];
-        ensure!(largest > 0.0, refused("largest_load_step", format!("{largest}: must be above 0")));
-        ensure!(
-            first > 0.0 && first <= 1.0,
-            refused("first_load_step", format!("{first}: must be above 0 and at most 1"))
-        );
-        ensure!(
-            smallest > 0.0 && smallest <= first,
-            refused(
-                "smallest_load_step",
-                format!("{smallest}: must be above 0 and at most first_load_step = {first}")
-            )
-        );
-        ensure!(
-            largest >= first,
-            refused(
-                "largest_load_step",
-                format!("{largest}: must be at least first_load_step = {first}")
-            )
-        );
-        ensure!(
-            relative > 0.0 && relative < 1.0,
-            refused("relative_tolerance", format!("{relative}: must be above 0 and below 1"))
-        );
-        if let Some(absolute) = s.absolute_tolerance {
-            ensure!(
-                absolute >= 0.0 && absolute.is_finite(),
-                refused(
-                    "absolute_tolerance",
-                    format!("{absolute} N: must be finite and not negative")
-                )
-            );
-        }
-        ensure!(
-            s.newton_iterations != Some(0),
-            refused("newton_iterations", "0: must be positive".into())
-        );
         Ok(())
     }
 }

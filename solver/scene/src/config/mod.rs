@@ -8,11 +8,13 @@ mod contact;
 mod design;
 mod gas;
 mod level;
+mod limit;
 mod material;
 mod membrane;
 mod relaxation;
 mod rigid;
 mod scenario;
+mod solver;
 mod symmetry;
 mod uncertainty;
 
@@ -27,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
+pub use limit::LimitConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
@@ -34,6 +37,7 @@ pub use membrane::MembraneConfig;
 pub use relaxation::RelaxationConfig;
 pub use rigid::RigidConfig;
 pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
+pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use design::{
@@ -113,6 +117,9 @@ pub struct SimConfig {
     /// How far numbers may be off: reports have error bars of the probes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyConfig>,
+    /// At which factor of the pressures the state at the end balloons or buckles, and at which it tears.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<LimitConfig>,
     /// Numbers that expressions may name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
@@ -345,96 +352,6 @@ pub struct TractionConfig {
     /// Force per area [Pa].
     #[schemars(with = "FieldSchema")]
     pub traction: Field,
-}
-
-/// Numerical settings of the equilibrium.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct SolverConfig {
-    /// First load increment as a fraction of a time step, in a static scene of
-    /// the full load [1]; the largest if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub first_load_step: Option<f64>,
-    /// Largest load increment, for smooth curves over the load [1]: 1 if not given, or 0.1 with `simulate --curve`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub largest_load_step: Option<f64>,
-    /// Increment below which the load counts as unreachable [1].
-    pub smallest_load_step: f64,
-    /// Newton iterations allowed in one load step: 30 if not given, 200 with
-    /// contact, where an impact takes many.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub newton_iterations: Option<usize>,
-    /// Unbalanced force relative to the forces that balance, and gap of a
-    /// prescribed volume relative to it [1].
-    pub relative_tolerance: f64,
-    /// Unbalanced force that counts as none [N]. If not given, that which would strain the bodies by
-    /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub absolute_tolerance: Option<f64>,
-    /// Where the change of volume counts: what a law says of it alone, such as ½ bulk ln²J.
-    pub dilatation: Dilatation,
-    /// What becomes of an equilibrium in which an element is turned inside out somewhere.
-    pub inside_out: InsideOut,
-    /// When `solver simulate` estimates by how much the state at the end would change with elements of
-    /// the next degree. That costs an assembly and a factorisation with that degree.
-    pub locking: Locking,
-}
-
-/// Where the change of volume of an element counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Dilatation {
-    /// At every point.
-    #[default]
-    Pointwise,
-    /// As a whole, by the mean of J over the element (mean dilatation): elements of degree 2 do not
-    /// lock, however large the bulk modulus. With degree 1 there is no difference; with degree 3, for
-    /// which a constant pressure is too little, bodies are too soft. Not for the laws
-    /// `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
-    Mean,
-}
-
-/// When it is estimated what elements hold back.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Locking {
-    /// Where it is likely: with degree 1, and with degree 2 at a bulk modulus of more than 1000 shear
-    /// moduli.
-    #[default]
-    Likely,
-    /// Always, with degree 1, and with degree 2 unless `dilatation` is "mean".
-    Always,
-    /// Never.
-    Never,
-}
-
-/// What becomes of an equilibrium in which an element is turned inside out between its quadrature
-/// points, where its energy does not see it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum InsideOut {
-    /// It counts as none.
-    #[default]
-    Refused,
-    /// It is taken as it is, as programs do that do not look; `smallest_volume_ratio` of its load
-    /// step is not positive.
-    Tolerated,
-}
-
-impl Default for SolverConfig {
-    fn default() -> Self {
-        Self {
-            first_load_step: None,
-            largest_load_step: None,
-            smallest_load_step: 1e-3,
-            newton_iterations: None,
-            relative_tolerance: 1e-10,
-            absolute_tolerance: None,
-            dilatation: Dilatation::Pointwise,
-            inside_out: InsideOut::Refused,
-            locking: Locking::Likely,
-        }
-    }
 }
 
 /// `path` as seen from the folder of the file `from`.

@@ -27,7 +27,7 @@ use mechanics::energy::{
     BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
 };
 use mechanics::forward::{
-    Event, Growth, Integrator, Newton, Problem, State, Stepping, Watch, Workspace,
+    Event, Growth, Integrator, Newton, Path, Problem, State, Stepping, Watch, Workspace,
 };
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
@@ -382,6 +382,10 @@ impl Scene {
             dilatation: _,
             inside_out: _,
             locking: _,
+            follow: _,
+            path_states: _,
+            path_volume_factor: _,
+            stability: _,
         } = self.config.solver;
         Stepping {
             first: self.config.solver.first_load_step(),
@@ -394,6 +398,18 @@ impl Scene {
                 negligible: absolute_tolerance.map_or_else(|| self.negligible_force(), |_| 0.0),
             },
         }
+    }
+
+    /// How to follow the path of equilibria by its arc length, where the scene asks for that.
+    #[must_use]
+    pub fn path(&self) -> Option<Path> {
+        let solver = &self.config.solver;
+        (!solver.follow.is_load()).then(|| Path {
+            first: solver.first_load_step(),
+            largest: solver.largest_load_step.unwrap_or(f64::INFINITY),
+            smallest: solver.smallest_load_step,
+            end: 1.0,
+        })
     }
 
     /// The force that strains the bodies by [`NEGLIGIBLE_STRAIN`], whatever unit they are small in [N].

@@ -114,4 +114,9 @@ pub trait Factor: Send + Sync {
     fn smallest_pivot(&self) -> Option<Pivot> {
         None
     }
+
+    /// Number of negative eigenvalues of the matrix, by the law of inertia; 0 of L Lᵀ.
+    fn negative_eigenvalues(&self) -> usize {
+        0
+    }
 }

@@ -4,7 +4,10 @@
 //!
 //! (A + U Σ Uᵀ)⁻¹ = A⁻¹ − Z (Σ⁻¹ + Uᵀ Z)⁻¹ Zᵀ,   Z = A⁻¹ U
 //!
-//! Source: Golub and Van Loan, "Matrix Computations", section 2.1.4.
+//! and its negative eigenvalues by those of A, with C = Σ⁻¹ + Uᵀ A⁻¹ U: both ways to eliminate from
+//! [A U; Uᵀ −Σ⁻¹] have its inertia, so that there are neg(A) + pos(C) − pos(Σ) of them.
+//!
+//! Source: Golub and Van Loan, "Matrix Computations", sections 2.1.4 and 8.1.
 
 use std::sync::Arc;
 
@@ -40,6 +43,8 @@ struct Dense {
     columns: Vec<Vec<f64>>,
     /// Σ⁻¹ + Uᵀ A⁻¹ U
     capacitance: LU<f64, Dyn, Dyn>,
+    /// Number of its positive eigenvalues.
+    positive: usize,
 }
 
 impl Factorization {
@@ -59,6 +64,12 @@ impl Factorization {
         self.matrix
     }
 
+    /// Number of unknowns.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.pattern.size()
+    }
+
     /// Whether it is that of a positive definite matrix.
     #[must_use]
     pub fn is_positive(&self) -> bool {
@@ -69,6 +80,15 @@ impl Factorization {
     #[must_use]
     pub fn smallest_pivot(&self) -> Option<Pivot> {
         self.factor.smallest_pivot()
+    }
+
+    /// Number of negative eigenvalues of the matrix, its dense part included.
+    #[must_use]
+    pub fn negative_eigenvalues(&self) -> usize {
+        let own = self.factor.negative_eigenvalues();
+        let added = self.matrix.updates.iter().filter(|(scale, _)| *scale > 0.0).count();
+        let positive = self.dense.as_ref().map_or(0, |dense| dense.positive);
+        (own + positive).saturating_sub(added)
     }
 
     /// Solves A x = b in place, to rounding, and returns the relative residual
@@ -143,7 +163,8 @@ impl Factorization {
     }
 
     /// b − A x.
-    pub(super) fn residual(&self, b: &[f64], x: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn residual(&self, b: &[f64], x: &[f64]) -> Vec<f64> {
         let ax = self.pattern.multiply(&self.matrix, x);
         b.iter().zip(&ax).map(|(b, a)| b - a).collect()
     }
@@ -152,7 +173,7 @@ impl Factorization {
     pub(super) fn inverse_times(&self, x: &[f64]) -> Vec<f64> {
         let mut x = x.to_vec();
         self.factor.apply_inverse(&mut x);
-        let Some(Dense { columns, capacitance }) = &self.dense else { return x };
+        let Some(Dense { columns, capacitance, .. }) = &self.dense else { return x };
         let updates = &self.matrix.updates;
         let projected =
             DVector::from_iterator(updates.len(), updates.iter().map(|(_, u)| dot(u, &x)));
@@ -175,5 +196,7 @@ fn dense(factor: &dyn Factor, updates: &[(f64, Vec<f64>)]) -> Option<Dense> {
         let diagonal = if i == j { 1.0 / updates[i].0 } else { 0.0 };
         diagonal + dot(&updates[i].1, &columns[j])
     });
-    Some(Dense { columns, capacitance: matrix.lu() })
+    let eigenvalues = matrix.clone().symmetric_eigenvalues();
+    let positive = eigenvalues.iter().filter(|value| **value > 0.0).count();
+    Some(Dense { columns, capacitance: matrix.lu(), positive })
 }

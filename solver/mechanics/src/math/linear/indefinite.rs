@@ -1,9 +1,13 @@
 //! L B Lᵀ of a symmetric matrix that need not be positive definite, with
 //! pivoting inside the supernodes.
+//!
+//! B has as many negative eigenvalues as the matrix (Sylvester's law of inertia; Golub and Van Loan,
+//! "Matrix Computations", section 8.1). Its blocks of two are indefinite: Bunch and Kaufman take
+//! them where d₁ d₂ < s².
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{IntranodeLbltRef, SymbolicCholesky};
+use faer::sparse::linalg::cholesky::{IntranodeLbltRef, SymbolicCholesky, SymbolicCholeskyRaw};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
@@ -53,6 +57,25 @@ impl Indefinite {
     }
 }
 
+impl Indefinite {
+    /// The diagonal of B in the order of elimination.
+    fn diagonal(&self) -> Vec<f64> {
+        let SymbolicCholeskyRaw::Supernodal(fronts) = self.symbolic.raw() else {
+            // forced out by the threshold, unless there are no unknowns
+            return Vec::new();
+        };
+        let (begin, end) = (fronts.supernode_begin(), fronts.supernode_end());
+        let first = fronts.col_ptr_for_val();
+        let of_front = |k: usize| {
+            let width = end[k] - begin[k];
+            let height = width + fronts.supernode(k).pattern().len();
+            let own = &self.values[first[k]..first[k] + width * height];
+            own.iter().step_by(height + 1).take(width).copied()
+        };
+        (0..fronts.n_supernodes()).flat_map(of_front).collect()
+    }
+}
+
 impl Factor for Indefinite {
     fn apply_inverse(&self, x: &mut [f64]) {
         let n = x.len();
@@ -65,5 +88,16 @@ impl Factor for Indefinite {
                 Par::Seq,
                 MemStack::new(&mut MemBuffer::new(scratch)),
             );
+    }
+
+    fn negative_eigenvalues(&self) -> usize {
+        let diagonal = self.diagonal();
+        let (mut negative, mut i) = (0, 0);
+        while i < diagonal.len() {
+            let single = self.subdiagonal[i] == 0.0;
+            negative += usize::from(!single || diagonal[i] < 0.0);
+            i += if single { 1 } else { 2 };
+        }
+        negative
     }
 }

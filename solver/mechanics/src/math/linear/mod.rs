@@ -100,6 +100,12 @@ impl SparseSolver {
         self.pattern.size()
     }
 
+    /// The product of a matrix of the pattern and a vector.
+    #[must_use]
+    pub fn multiply(&self, matrix: &Symmetric, x: &[f64]) -> Vec<f64> {
+        self.pattern.multiply(matrix, x)
+    }
+
     /// Number of stored entries of the matrix.
     #[must_use]
     pub fn entries(&self) -> usize {

@@ -159,3 +159,32 @@ fn double_precision_decides_where_single_cannot() {
         assert_eq!(done.is_ok(), positive, "{left}");
     }
 }
+
+/// The eigenvalues of the Laplacian of n points are 2 − 2 cos(kπ/(n + 1)): below a shift there are as many as
+/// their formula says, and a dense part moves at most one of them across it.
+#[test]
+fn negative_eigenvalues_are_counted_with_the_dense_part() {
+    let n = 60;
+    let order: Vec<usize> = (0..n).rev().collect();
+    let (start, rows, _) = laplacian(n, 0.0);
+    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+    let angle = |k: usize| std::f64::consts::PI * (k as f64) / (n as f64 + 1.0);
+    for shift in [0.0, 0.03, 0.7, 1.9, 3.1] {
+        let below = (1..=n).filter(|&k| 2.0 - 2.0 * angle(k).cos() < shift).count();
+        let lower = laplacian(n, -shift).2;
+        let factored = solver.factor(Symmetric::sparse(lower.clone()), Precision::Double);
+        assert_eq!(factored.negative_eigenvalues(), below, "{shift}");
+        // along the eigenvector of the third eigenvalue, which it moves by 10 and 0.9 of itself
+        let vector: Vec<f64> = (1..=n).map(|i| (angle(3) * i as f64).sin()).collect();
+        let square = dot(&vector, &vector);
+        let third = 2.0 - 2.0 * angle(3).cos();
+        for by in [10.0, -0.9 * third] {
+            let updates = vec![(by / square, vector.clone())];
+            let matrix = Symmetric { lower: lower.clone(), updates };
+            let moved = usize::from(third + by < shift);
+            let expected = below - usize::from(third < shift) + moved;
+            let factored = solver.factor(matrix, Precision::Double);
+            assert_eq!(factored.negative_eigenvalues(), expected, "{shift} {by}");
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! How far a state is from losing its stability, and paths through points where it does.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A state on a path that is followed by its arc length.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct PathState {
+    /// Arc length from rest [1].
+    pub arc_length: f64,
+    /// Change of the load with the arc length, negative where the load falls [1].
+    pub load_rate: f64,
+    /// How far the state is from losing its stability at this load.
+    pub stability: Stability,
+    /// What lies between the state before and this one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passed: Vec<PassedPoint>,
+}
+
+/// A point of a path at which the tangent stiffness is singular.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct PassedPoint {
+    /// What becomes of the path there.
+    pub kind: PointKind,
+    /// Loads of the states before and after it [1].
+    pub loads: [f64; 2],
+}
+
+/// What becomes of a path where its tangent stiffness is singular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PointKind {
+    /// The load turns: it is the largest or smallest that the body bears there.
+    LimitPoint,
+    /// Another branch leaves.
+    Bifurcation,
+}
+
+/// How far an equilibrium is from losing its stability at a held load.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Stability {
+    /// Number of negative eigenvalues of the exact tangent stiffness; none of a stable state.
+    pub negative_eigenvalues: usize,
+    /// The eigenvalue nearest to zero over that at rest [1].
+    pub stiffness_over_rest: f64,
+    /// Share of its mode in the direction in which the state goes on with the load, |φ · du/dt| / |du/dt|:
+    /// 1 at a limit point, 0 at the bifurcation of a symmetric body [1].
+    pub mode_along_path: f64,
+    /// What will be lost where that eigenvalue vanishes.
+    pub kind: PointKind,
+}
+
+/// How much more pressure than the full load the state at the end bears, while all else is held.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Limit {
+    /// Whether a limit was found.
+    pub status: LimitStatus,
+    /// Factor on the pressures at which the state loses its stability [1].
+    pub factor: Option<f64>,
+    /// What becomes of it there: at a limit point there is no equilibrium beyond; at a bifurcation it buckles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kind: Option<PointKind>,
+    /// Factors of the states before and after it on the path [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[f64; 2]>,
+    /// Factor up to which the state is known to be stable [1].
+    pub stable_to: f64,
+    /// Factor at which the largest stretch is that at break, where the material knows it and that comes first [1].
+    pub burst: Option<f64>,
+    /// Largest principal stretch at `stable_to` [1].
+    pub largest_stretch: f64,
+    /// What each iterate of the direct method left, the last one last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub iterates: Vec<DirectIterate>,
+}
+
+/// Whether a limit was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LimitStatus {
+    /// It was, to the accuracy of the tolerance.
+    Found,
+    /// It lies between two states; the direct method did not come to it.
+    Bracketed,
+    /// There is none up to the largest factor that was asked for.
+    StableTo,
+    /// The state at the end is not stable itself.
+    Unstable,
+    /// The path could not be followed further than `stable_to`.
+    NotFound,
+}
+
+/// What an iterate of the direct method leaves of its equations.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct DirectIterate {
+    /// Norm of the unbalanced force [N].
+    pub residual: f64,
+    /// Stiffness of the softest mode [N/m].
+    pub stiffness: f64,
+    /// Factor on the pressures [1].
+    pub factor: f64,
+}

@@ -1,0 +1,432 @@
+//! Loads at which an equilibrium loses its stability, by a direct method.
+//!
+//! The state is sought at which the tangent J of forces and prescribed volumes is singular,
+//!
+//! R(u, P̂, t) = 0,   V = V*,   J φ = 0,   |φ| = 1
+//!
+//! as an equation g = 0 more, with a vector b near φ and |b| = 1 (the minimally extended system, which has the solutions
+//! of the one above):
+//!
+//! J v + b g = 0,   b · v = 1,   ∂g/∂z = −v · (∂J/∂z) v
+//!
+//! so that v becomes φ. Newton's method converges quadratically from a state near by. ∂J/∂z v is a difference of
+//! two tangents. At a limit point the system is regular. At a bifurcation of a symmetric body it is not, as φ has no
+//! share in what moves there: that share is then held, by a force along φ. It comes out as zero if the mesh is
+//! symmetrical, too; else it is the imperfection that the mesh makes, and the load that of the body without it.
+//!
+//! Source: Moore and Spence 1980, doi:10.1137/0717048; Griewank and Reddien 1984, doi:10.1093/imanum/4.3.295; Wriggers
+//! and Simo 1990, doi:10.1002/nme.1620300110; Govaerts 2000, "Numerical Methods for Bifurcations of Dynamical
+//! Equilibria", chapters 3 and 4.
+
+use nalgebra::DMatrix;
+
+use super::bordered::Bordered;
+use super::newton::Newton;
+use super::stability::{Kind, softest};
+use super::tangent_system::{
+    DIFFERENCE, LoadRate, Residual, across, at_held_load, factor, with_supports,
+};
+use super::{Configuration, Failure, Problem, Workspace};
+use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
+use crate::math::linear::{Factorization, Precision, dot, norm};
+
+/// Newton iterations, at most.
+const ITERATIONS: usize = 25;
+/// Steps back to the path after one of them, at most ...
+const CORRECTIONS: usize = 8;
+/// ... where the residual is more than this part of the forces.
+const ROUGH: f64 = 1e-5;
+/// Relative change of the load that is none.
+const SETTLED: f64 = 1e-9;
+/// Largest motion of the differences of tangents, beside the extent of the body.
+const MOTION: f64 = 1e-5;
+/// Fraction of the free path of surfaces that an iterate goes.
+const NEARLY: f64 = 0.9;
+/// Halvings of a step to a state with finite energy, at most.
+const HALVINGS: usize = 12;
+
+/// An equilibrium at which the tangent is singular.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// Load.
+    pub load: f64,
+    /// Displacement [m].
+    pub u: Vec<f64>,
+    /// Multipliers of the chambers with a prescribed volume.
+    pub multipliers: Vec<Multiplier>,
+    /// φ over all degrees of freedom.
+    pub mode: Vec<f64>,
+    /// Pressures of prescribed volumes that go with φ [Pa/m].
+    pub mode_pressures: Vec<f64>,
+    /// φ · ∂R/∂t of all equations, what a unit of the load does along φ [N].
+    pub by_load: f64,
+    /// Whether the load turns or a branch leaves.
+    pub kind: Kind,
+    /// What each iterate left.
+    pub history: Vec<Left>,
+}
+
+/// What an iterate of the direct method leaves of its equations.
+#[derive(Clone, Copy, Debug)]
+pub struct Left {
+    /// Norm of the unbalanced force [N]; at a bifurcation but for its part along the mode.
+    pub residual: f64,
+    /// g, the stiffness of the softest mode [N/m].
+    pub stiffness: f64,
+    /// Load.
+    pub load: f64,
+}
+
+/// v, the pressures that go with it, and g.
+struct Null {
+    v: Vec<f64>,
+    pressures: Vec<f64>,
+    stiffness: f64,
+}
+
+impl Null {
+    /// The share of the mode in what a unit of the load does to the equations.
+    fn along(&self, rate: &LoadRate) -> f64 {
+        dot(&self.v, &rate.force) - dot(&self.pressures, &rate.gaps)
+    }
+}
+
+impl Limit {
+    /// What makes changes of the equations a change of the load of a limit point: dt = λ · ∂R + μ · ∂(V − V*), with
+    /// λ = −φ/c, μ = π/c and c = φ · ∂R/∂t. With the derivatives of the equations by anything it gives that of t; at a
+    /// bifurcation c vanishes.
+    #[must_use]
+    pub fn covector(&self) -> (Vec<f64>, Vec<f64>) {
+        let over = |x: &[f64], by: f64| x.iter().map(|x| x / by).collect();
+        (over(&self.mode, -self.by_load), over(&self.mode_pressures, self.by_load))
+    }
+
+    /// The state of the given kind next to a state.
+    ///
+    /// # Errors
+    /// [`Failure`] where Newton's method does not come to one.
+    pub fn near(
+        problem: &Problem,
+        workspace: &mut Workspace,
+        start: &Configuration,
+        kind: Kind,
+        newton: &Newton,
+    ) -> Result<Self, Failure> {
+        let mut state = start.clone();
+        let mut mode = first_mode(problem, workspace, &state.iterate(problem))?;
+        let pinned = (0..mode.len()).max_by(|&a, &b| mode[a].abs().total_cmp(&mode[b].abs()));
+        let pinned = pinned.ok_or(Failure::Singular)?;
+        let (mut history, mut changed, mut peak) = (Vec::new(), f64::INFINITY, 0.0_f64);
+        for iterations in 0..=ITERATIONS {
+            let at = state.iterate(problem);
+            let now = Residual::of(problem, workspace, &at);
+            peak = peak.max(now.scale);
+            let residual = norm(&beside(&now.force, &mode, kind));
+            let wanted = newton.wanted(now.scale, peak);
+            if !residual.is_finite() {
+                return Err(Failure::Inadmissible);
+            }
+            let pin = factor_pinned(problem, workspace, &at, pinned)?;
+            let null = null_vector(problem, workspace, &now.constraints, (&mode, &pin))?;
+            log::debug!("limit {iterations}  |g| {residual:.2e} N  {:.2e} N/m", null.stiffness);
+            history.push(Left { residual, stiffness: null.stiffness, load: state.time });
+            let settled = changed <= SETTLED * state.time.abs()
+                && now.largest_gap() <= newton.relative
+                && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at));
+            if settled {
+                let rate = LoadRate::of(problem, workspace, &at);
+                return Ok(Self::at(problem, state, (&now, null), (&rate, kind, history)));
+            }
+            if iterations == ITERATIONS {
+                return Err(Failure::IterationLimit { iterations, residual, wanted });
+            }
+            let sought = Sought { mode: &mode, kind, pin: &pin };
+            let before = state.time;
+            state = sought.step(problem, workspace, &state, (&now, Some(&null)))?;
+            state = back_to_path(problem, workspace, state, (&sought, newton))?;
+            changed = (state.time - before).abs();
+            let length = norm(&null.v);
+            mode = null.v.iter().map(|v| v / length).collect();
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    fn at(
+        problem: &Problem,
+        state: Configuration,
+        (now, null): (&Residual, Null),
+        (rate, kind, history): (&LoadRate, Kind, Vec<Left>),
+    ) -> Self {
+        let mut mode_pressures = vec![0.0; state.multipliers.len()];
+        for (constraint, pressure) in now.constraints.iter().zip(&null.pressures) {
+            mode_pressures[constraint.multiplier] = *pressure;
+        }
+        let (mode, by_load) = (problem.prolong(&null.v), null.along(rate));
+        let Configuration { time: load, u, multipliers, .. } = state;
+        Self { load, u, multipliers, mode, mode_pressures, by_load, kind, history }
+    }
+}
+
+/// A degree of freedom that a stiffness beside that of the body holds, so that the factored matrix is regular: it is
+/// taken away again as a row and a column around it.
+struct Pin {
+    unknown: usize,
+    stiffness: f64,
+}
+
+impl Pin {
+    /// The solution with the rows and columns around the tangent, D in `corner`, by the last factorisation.
+    fn solve(
+        &self,
+        factor: &Factorization,
+        (mut columns, mut rows): (Vec<Vec<f64>>, Vec<Vec<f64>>),
+        corner: DMatrix<f64>,
+        (upper, mut lower): (&[f64], Vec<f64>),
+    ) -> Option<(Vec<f64>, Vec<f64>)> {
+        let unit = |value: f64| {
+            let mut unit = vec![0.0; upper.len()];
+            unit[self.unknown] = value;
+            unit
+        };
+        columns.push(unit(-self.stiffness));
+        rows.push(unit(1.0));
+        lower.push(0.0);
+        let count = corner.nrows();
+        let mut corner = corner.resize(count + 1, count + 1, 0.0);
+        corner[(count, count)] = -1.0;
+        let bordered = Bordered::new(factor, columns, rows, corner);
+        let (x, mut y) = bordered.solve(factor, upper, &lower)?;
+        y.pop();
+        Some((x, y))
+    }
+}
+
+/// Factors the exact Hessian with one degree of freedom held by as much stiffness again as it has.
+fn factor_pinned(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    unknown: usize,
+) -> Result<Pin, Failure> {
+    let mut hessian = workspace.hessian(problem, at, Hessian::Exact);
+    if !hessian.lower.iter().all(|entry| entry.is_finite()) {
+        return Err(Failure::Inadmissible);
+    }
+    let entry = workspace.diagonal()[unknown];
+    let stiffness = hessian.lower[entry].abs();
+    hessian.lower[entry] += stiffness;
+    workspace.linear_mut().factor(hessian, Precision::Double);
+    Ok(Pin { unknown, stiffness })
+}
+
+/// A force without its part along a mode, where that is held.
+fn beside(force: &[f64], mode: &[f64], kind: Kind) -> Vec<f64> {
+    let along = if kind == Kind::Bifurcation { dot(force, mode) } else { 0.0 };
+    force.iter().zip(mode).map(|(f, m)| f - along * m).collect()
+}
+
+/// The softest mode on the free degrees of freedom, to begin with.
+fn first_mode(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+) -> Result<Vec<f64>, Failure> {
+    let constraints = problem.constraints(at);
+    let factor = factor(problem, workspace, at).ok_or(Failure::Inadmissible)?;
+    let held = at_held_load(problem, factor, &constraints);
+    softest(factor, &held).map(|(_, mode)| mode).ok_or(Failure::Singular)
+}
+
+/// v of the tangent that is factored.
+fn null_vector(
+    problem: &Problem,
+    workspace: &Workspace,
+    constraints: &[Constraint],
+    (mode, pin): (&[f64], &Pin),
+) -> Result<Null, Failure> {
+    let factor = workspace.linear().last().ok_or(Failure::Singular)?;
+    let mut columns = across(problem, constraints);
+    columns.push(mode.to_vec());
+    let count = columns.len();
+    let mut one = vec![0.0; count];
+    one[count - 1] = 1.0;
+    let zero = vec![0.0; mode.len()];
+    let around = (columns.clone(), columns);
+    let found = pin.solve(factor, around, DMatrix::zeros(count, count), (&zero, one));
+    let (v, mut pressures) = found.ok_or(Failure::Singular)?;
+    let g = pressures.pop().ok_or(Failure::Singular)?;
+    Ok(Null { v, pressures, stiffness: -g })
+}
+
+/// J v at an iterate: forces on the free degrees of freedom, and volumes.
+fn tangent_times(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    null: &Null,
+) -> (Vec<f64>, Vec<f64>) {
+    let hessian = workspace.hessian(problem, at, Hessian::Exact);
+    let mut force = workspace.linear().multiply(&hessian, &null.v);
+    workspace.recycle(hessian);
+    let across = across(problem, &problem.constraints(at));
+    for (column, pressure) in across.iter().zip(&null.pressures) {
+        force.iter_mut().zip(column).for_each(|(f, c)| *f += pressure * c);
+    }
+    let volumes = across.iter().map(|row| dot(row, &null.v)).collect();
+    (force, volumes)
+}
+
+/// ∂g/∂u, ∂g/∂P̂ and ∂g/∂t.
+fn slopes(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    state: &Configuration,
+    null: &Null,
+) -> (Vec<f64>, Vec<f64>, f64) {
+    let at = state.iterate(problem);
+    let largest = null.v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let by = MOTION * extent(&at) / largest.max(f64::MIN_POSITIVE);
+    let v = problem.prolong(&null.v);
+    let mut moved = |by: f64| {
+        let u: Vec<f64> = state.u.iter().zip(&v).map(|(u, v)| u + by * v).collect();
+        let mut multipliers = state.multipliers.clone();
+        multipliers.iter_mut().zip(&null.pressures).for_each(|(m, p)| m.pressure += by * p);
+        let at = Iterate { u: &u, multipliers: &multipliers, ..at };
+        tangent_times(problem, workspace, &at, null)
+    };
+    let (plus, minus) = (moved(by), moved(-by));
+    let slope = |plus: &[f64], minus: &[f64]| -> Vec<f64> {
+        plus.iter().zip(minus).map(|(p, m)| -(p - m) / (2.0 * by)).collect()
+    };
+    let mut loaded = |time: f64| {
+        let u = with_supports(problem, &state.u, time);
+        let at = Iterate { u: &u, time, ..at };
+        let (force, volumes) = tangent_times(problem, workspace, &at, null);
+        dot(&force, &null.v) + dot(&volumes, &null.pressures)
+    };
+    let by_load = -(loaded(at.time) - loaded(at.time - DIFFERENCE)) / DIFFERENCE;
+    (slope(&plus.0, &minus.0), slope(&plus.1, &minus.1), by_load)
+}
+
+/// Diagonal of the body at rest [m].
+fn extent(at: &Iterate) -> f64 {
+    let corner =
+        |pick: fn(f64, f64) -> f64| at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick));
+    (corner(f64::max) - corner(f64::min)).norm()
+}
+
+/// What is sought, and how the last factorisation is to be used.
+struct Sought<'a> {
+    mode: &'a [f64],
+    kind: Kind,
+    pin: &'a Pin,
+}
+
+impl Sought<'_> {
+    /// One step of Newton's method at a state whose tangent is factored: to the singular state, or without a null
+    /// vector to the path, with the softest mode held at a limit point and the load at a bifurcation.
+    fn step<'a>(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        state: &Configuration<'a>,
+        (now, null): (&Residual, Option<&Null>),
+    ) -> Result<Configuration<'a>, Failure> {
+        let rate = LoadRate::of(problem, workspace, &state.iterate(problem));
+        let volumes = now.constraints.len();
+        let holds = usize::from(self.kind == Kind::Bifurcation);
+        let mut corner = DMatrix::zeros(volumes + 1 + holds, volumes + 1 + holds);
+        for i in 0..volumes {
+            corner[(i, volumes)] = -rate.gaps[i];
+        }
+        let mut lower = now.gaps();
+        let row = match null {
+            Some(null) => {
+                let (by_u, by_pressure, by_load) = slopes(problem, workspace, state, null);
+                (0..volumes).for_each(|i| corner[(volumes, i)] = by_pressure[i]);
+                corner[(volumes, volumes)] = by_load;
+                lower.push(null.stiffness);
+                by_u
+            }
+            None if holds > 0 => {
+                corner[(volumes, volumes)] = 1.0;
+                lower.push(0.0);
+                vec![0.0; self.mode.len()]
+            }
+            None => {
+                lower.push(0.0);
+                self.mode.to_vec()
+            }
+        };
+        let mut columns = across(problem, &now.constraints);
+        let mut rows = columns.clone();
+        columns.push(rate.force);
+        rows.push(row);
+        if holds > 0 {
+            columns.push(self.mode.to_vec());
+            rows.push(self.mode.to_vec());
+            lower.push(0.0);
+        }
+        let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
+        let factor = workspace.linear().last().ok_or(Failure::Singular)?;
+        let found = self.pin.solve(factor, (columns, rows), corner, (&upper, lower));
+        let (du, rest) = found.ok_or(Failure::Singular)?;
+        Ok(admissible(problem, workspace, state, (&now.constraints, &du, &rest)))
+    }
+}
+
+/// A state after a step, cut where surfaces meet or the energy is not finite.
+fn admissible<'a>(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    state: &Configuration<'a>,
+    (constraints, du, rest): (&[Constraint], &[f64], &[f64]),
+) -> Configuration<'a> {
+    let moved = |fraction: f64| {
+        let time = state.time + fraction * rest[constraints.len()];
+        let mut u = with_supports(problem, &state.u, time);
+        problem.dirichlet.free().iter().zip(du).for_each(|(&dof, d)| u[dof] += fraction * d);
+        let mut multipliers = state.multipliers.clone();
+        for (constraint, p) in constraints.iter().zip(rest) {
+            multipliers[constraint.multiplier].pressure += fraction * p;
+        }
+        Configuration { time, u, multipliers, ..state.clone() }
+    };
+    let (mut trial, mut fraction) = (moved(1.0), 1.0);
+    let free = workspace.max_step(problem, &state.iterate(problem), &trial.iterate(problem));
+    if free < 1.0 {
+        fraction = NEARLY * free;
+        trial = moved(fraction);
+    }
+    for _ in 0..HALVINGS {
+        if workspace.value(problem, &trial.iterate(problem)).is_finite() {
+            break;
+        }
+        fraction *= 0.5;
+        trial = moved(fraction);
+    }
+    trial
+}
+
+/// A state that a step has left the path with, back on it roughly: near incompressibility, the forces after a step are
+/// many times those that balance, and the next one would go astray.
+fn back_to_path<'a>(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    mut state: Configuration<'a>,
+    (sought, newton): (&Sought, &Newton),
+) -> Result<Configuration<'a>, Failure> {
+    for _ in 0..CORRECTIONS {
+        let at = state.iterate(problem);
+        let now = Residual::of(problem, workspace, &at);
+        let residual = norm(&beside(&now.force, sought.mode, sought.kind));
+        let rough = newton.wanted(now.scale, now.scale).max(ROUGH * now.scale);
+        if residual <= rough || !residual.is_finite() {
+            break;
+        }
+        let pin = factor_pinned(problem, workspace, &at, sought.pin.unknown)?;
+        let again = Sought { pin: &pin, ..*sought };
+        state = again.step(problem, workspace, &state, (&now, None))?;
+    }
+    Ok(state)
+}

@@ -1,0 +1,199 @@
+//! Newton's method from a predicted state to the path.
+
+use super::From;
+use crate::energy::Iterate;
+use crate::forward::newton::Newton;
+use crate::forward::tangent_system::{LoadRate, Residual, Row, factor, with_load, with_supports};
+use crate::forward::watch::Event;
+use crate::forward::{Configuration, Failure, Workspace};
+
+/// Newton iterations of a corrector, at most: a shorter arc is better than more of them.
+const ITERATIONS: usize = 12;
+/// Relative error of Δs² that counts as none: nothing but the place of a state depends on it.
+const ON_SPHERE: f64 = 1e-6;
+/// Iterations after which a residual that has not halved may be within rounding.
+const STALLED: usize = 3;
+/// Fraction of the free path of surfaces that an iterate goes.
+const NEARLY: f64 = 0.9;
+/// Halvings of a step to a state with finite energy, at most.
+const HALVINGS: usize = 12;
+
+/// Where the next state lies.
+#[derive(Clone, Copy)]
+pub enum Ends {
+    /// At this arc length from the last one.
+    OnSphere(f64),
+    /// At the full load.
+    AtFullLoad,
+}
+
+/// A state on the path.
+pub struct Balanced {
+    pub iterations: usize,
+    /// Norm of the unbalanced force [N], ...
+    pub residual: f64,
+    /// ... what was wanted ...
+    pub wanted: f64,
+    /// ... and what rounding allows, where it is larger.
+    pub floor: Option<f64>,
+}
+
+/// Why there is none.
+pub enum Missed {
+    /// The path goes beyond the full load, where loads are not defined.
+    Beyond,
+    /// All else.
+    Failed(Failure),
+}
+
+impl Missed {
+    /// What to say of it.
+    pub fn failure(self) -> Failure {
+        match self {
+            Self::Beyond => Failure::Singular,
+            Self::Failed(failure) => failure,
+        }
+    }
+}
+
+impl std::convert::From<Failure> for Missed {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
+}
+
+/// Newton's method on the equations of a path.
+pub struct Corrector<'a> {
+    pub from: &'a From<'a>,
+    pub newton: &'a Newton,
+    pub ends: Ends,
+}
+
+impl Corrector<'_> {
+    /// Moves a state to the path, and adds the residual of every iterate [N] to `residuals`.
+    pub fn correct(
+        &self,
+        workspace: &mut Workspace,
+        state: &mut Configuration,
+        residuals: &mut Vec<f64>,
+    ) -> Result<Balanced, Missed> {
+        let problem = self.from.problem;
+        let (mut peak, mut before) = (0.0_f64, f64::INFINITY);
+        for iterations in 0..=ITERATIONS {
+            let now = Residual::of(problem, workspace, &state.iterate(problem));
+            peak = peak.max(now.scale);
+            let (residual, wanted) = (now.norm(), self.newton.wanted(now.scale, peak));
+            residuals.push(residual);
+            self.tell(workspace, iterations, residual, wanted)?;
+            let (side, _) = self.place(&state.iterate(problem));
+            let placed = side.abs() <= ON_SPHERE * self.square();
+            if placed && now.largest_gap() <= self.newton.relative {
+                if residual <= wanted {
+                    return Ok(Balanced { iterations, residual, wanted, floor: None });
+                }
+                let stalled = iterations >= STALLED && residual > 0.5 * before;
+                let floor =
+                    stalled.then(|| workspace.rounding_floor(problem, &state.iterate(problem)));
+                if floor.is_some_and(|floor| residual <= floor) {
+                    return Ok(Balanced { iterations, residual, wanted, floor });
+                }
+            }
+            if !residual.is_finite() {
+                return Err(Failure::Inadmissible.into());
+            }
+            if iterations < ITERATIONS {
+                self.step(workspace, state, &now)?;
+                before = residual;
+            } else {
+                return Err(Failure::IterationLimit { iterations, residual, wanted }.into());
+            }
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    fn tell(
+        &self,
+        workspace: &mut Workspace,
+        iteration: usize,
+        residual: f64,
+        wanted: f64,
+    ) -> Result<(), Missed> {
+        log::debug!("path {iteration}  |g| {residual:.2e} N");
+        let time = self.from.last.time;
+        let event = Event::Iterate { time, iteration, residual, wanted };
+        if workspace.tell(&event).is_break() { Err(Failure::Interrupted.into()) } else { Ok(()) }
+    }
+
+    /// How far a state is from its place, and the derivative of that.
+    fn place(&self, at: &Iterate) -> (f64, Row) {
+        let (change, scale) = (self.from.change(at), self.from.progress.scale);
+        match self.ends {
+            Ends::OnSphere(length) => {
+                let Row { u, load } = change.row(scale);
+                let off = 0.5 * (change.product(&change, scale) - length * length);
+                (off, Row { u, load })
+            }
+            Ends::AtFullLoad => {
+                let u = vec![0.0; change.u.len()];
+                (at.time - self.from.end, Row { u, load: 1.0 })
+            }
+        }
+    }
+
+    /// What an error of the place is compared with.
+    fn square(&self) -> f64 {
+        match self.ends {
+            Ends::OnSphere(length) => length * length,
+            Ends::AtFullLoad => 1.0,
+        }
+    }
+
+    /// One step with the exact tangent, cut where surfaces meet or the energy is not finite.
+    fn step(
+        &self,
+        workspace: &mut Workspace,
+        state: &mut Configuration,
+        now: &Residual,
+    ) -> Result<(), Missed> {
+        let problem = self.from.problem;
+        let at = state.iterate(problem);
+        let rate = LoadRate::of(problem, workspace, &at);
+        let (off, row) = self.place(&at);
+        let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
+        let tangent = with_load(problem, factor, &now.constraints, &rate, row);
+        let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
+        let mut lower = now.gaps();
+        lower.push(-off);
+        let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
+        let moved = |fraction: f64| {
+            let by = |rest: &[f64], i: usize| fraction * rest.get(i).copied().unwrap_or(0.0);
+            let time = state.time + by(&rest, now.constraints.len());
+            let mut u = with_supports(problem, &state.u, time);
+            problem.dirichlet.free().iter().zip(&du).for_each(|(&dof, d)| u[dof] += fraction * d);
+            let mut multipliers = state.multipliers.clone();
+            for (i, constraint) in now.constraints.iter().enumerate() {
+                multipliers[constraint.multiplier].pressure += by(&rest, i);
+            }
+            Configuration { time, u, multipliers, ..state.clone() }
+        };
+        let mut fraction = 1.0;
+        let mut trial = moved(fraction);
+        if trial.time > self.from.end && matches!(self.ends, Ends::OnSphere(_)) {
+            return Err(Missed::Beyond);
+        }
+        let free = workspace.max_step(problem, &at, &trial.iterate(problem));
+        if free < 1.0 {
+            fraction = NEARLY * free;
+            trial = moved(fraction);
+        }
+        for _ in 0..HALVINGS {
+            if workspace.value(problem, &trial.iterate(problem)).is_finite() {
+                break;
+            }
+            fraction *= 0.5;
+            trial = moved(fraction);
+        }
+        *state = trial;
+        Ok(())
+    }
+}

@@ -1,0 +1,324 @@
+//! Paths, and the limits on them, beside closed forms.
+
+use std::f64::consts::PI;
+
+use super::*;
+use crate::adjoint::along;
+use crate::element::FunctionSpace;
+use crate::energy::ParameterId;
+use crate::energy::{BodyForce, Chamber, Energies, Isobaric, Wall};
+use crate::forward::{Integrator, Kind, Limit, Method, Newton, State, Stepping};
+use crate::material::{Lame, NeoHookean};
+use crate::math::linear::dot;
+use crate::math::taylor::taylor;
+use crate::schedule::{Field, Schedule};
+use crate::testing;
+
+const NEWTON: Newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0 };
+
+fn stepper(problem: &Problem) -> TimeStepper {
+    let zero = vec![0.0; problem.dofs()];
+    let start = State::new(zero.clone(), zero);
+    let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
+    TimeStepper::new(stepping, Integrator::new(Method::Quasistatic, start))
+}
+
+/// The states of a path, at most `most`.
+fn follow(problem: &Problem, rest: &[Vec3], path: Path, most: usize) -> Vec<LoadStep> {
+    follow_to(problem, rest, path, (most, false))
+}
+
+/// The same, or up to the first singular point.
+fn follow_to(
+    problem: &Problem,
+    rest: &[Vec3],
+    path: Path,
+    (most, at_first): (usize, bool),
+) -> Vec<LoadStep> {
+    let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
+    let mut follower = PathFollower::new(path);
+    let mut steps: Vec<LoadStep> = Vec::new();
+    let stops =
+        |step: &LoadStep| step.ends_time_step || (at_first && !point(step).passed.is_empty());
+    while steps.len() < most && !steps.last().is_some_and(stops) {
+        let step = follower.next(&mut stepper, problem, &mut workspace, rest);
+        steps.push(step.unwrap_or_else(|unreached| panic!("{unreached}")));
+    }
+    steps
+}
+
+/// Length and thickness of the arch [m], and its Young's modulus [Pa].
+const ARCH: (f64, f64, f64) = (1.0, 0.01, 1e6);
+
+/// A clamped arch of Poisson's ratio 0, z = a (1 − cos κx)/2 with κ = 2π/L, under a load per area that is so many
+/// times E κ⁴ h⁴ cos κx at t = 1; and the node at the middle of its crown.
+fn arch(rise: f64, load: f64) -> (Problem, Vec<Vec3>, usize) {
+    arch_of(40, ARCH.2, rise, load)
+}
+
+/// The same of so many cells and a Young's modulus, with the load of that of [`ARCH`].
+fn arch_of(cells: usize, modulus: f64, rise: f64, load: f64) -> (Problem, Vec<Vec3>, usize) {
+    let (length, h, young) = ARCH;
+    let mesh = testing::block([cells, 1, 2]);
+    let k = 2.0 * PI / length;
+    let place = |s: &Vec3| {
+        let (x, angle) = (length * s.x, 2.0 * PI * s.x);
+        let normal = Vec3::new(-0.5 * rise * h * k * angle.sin(), 0.0, 1.0).normalize();
+        let line = Vec3::new(x, 0.05 * s.y, 0.5 * rise * h * (1.0 - angle.cos()));
+        line + (s.z - 0.5) * h * normal
+    };
+    let rest: Vec<Vec3> = mesh.vertices.iter().map(place).collect();
+    let space = FunctionSpace::new(2, rest.len(), mesh.tets.clone());
+    let nodes = space.node_positions(&mesh.vertices);
+    let clamped = |s: &Vec3| s.x == 0.0 || s.x == 1.0;
+    let fixed: Vec<bool> = nodes.iter().flat_map(|s| [clamped(s), true, clamped(s)]).collect();
+    let crown = nodes.iter().position(|s| *s == Vec3::new(0.5, 0.0, 0.5)).expect("a node");
+    let force = load * young * k.powi(4) * h.powi(3);
+    let force = format!("{force:e}*t*cos({k}*x)").parse::<Schedule>().expect("an expression");
+    let field = Field([0.0.into(), 0.0.into(), force]);
+    let energies = Energies::elastic(Box::new(NeoHookean(Lame::new(modulus, 0.0))));
+    let energies = energies.with(BodyForce::whole(field));
+    (Problem::new(space, energies, &fixed), rest, crown)
+}
+
+/// Load of a shallow clamped arch over E κ⁴ h⁴ at the amplitude b, both over the thickness:
+/// (a − b)/24 + (a² − b²) b/32, from its bending and the thrust N = E A κ² (a² − b²)/16.
+fn arch_load(rise: f64, b: f64) -> f64 {
+    (rise - b) / 24.0 + (rise * rise - b * b) * b / 32.0
+}
+
+fn point(step: &LoadStep) -> &PathPoint {
+    step.path.as_deref().expect("a path")
+}
+
+fn passed(steps: &[LoadStep]) -> Vec<Passed> {
+    steps.iter().flat_map(|step| point(step).passed.clone()).collect()
+}
+
+/// Its limit points are at b² = (a² − 4/3)/3. With a = 1.5 its thrust stays below the one at which it would bend
+/// sideways, N L²/(E I) = 80.76 (tan x = x at x = 4.4934), which is a² − b² = 2.7276. What the closed form neglects is
+/// of the order of the squares of its slope, 0.05, and of h κ = 0.06: below 1 %.
+#[test]
+fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
+    let rise: f64 = 1.5;
+    let turn = ((rise * rise - 4.0 / 3.0) / 3.0).sqrt();
+    let limits = [arch_load(rise, turn), arch_load(rise, -turn)];
+    let full = 1.2 * limits[0];
+    let (problem, rest, crown) = arch(rise, full);
+    let path = Path { first: 0.1, largest: 0.2, smallest: 1e-3, end: 1.0 };
+    let steps = follow(&problem, &rest, path, 80);
+    let last = steps.last().expect("states");
+    assert!(last.ends_time_step && last.time == 1.0, "{} states, t = {}", steps.len(), last.time);
+    let height = |step: &LoadStep| rise + step.u[3 * crown + 2] / ARCH.1;
+    for step in &steps {
+        let expected = arch_load(rise, height(step)) / full;
+        assert!((step.time - expected).abs() < 0.01, "{} {expected}", step.time);
+    }
+    let passed = passed(&steps);
+    let [Passed::LimitPoint(top), Passed::LimitPoint(bottom)] = passed[..] else {
+        panic!("{passed:?}")
+    };
+    assert!(top.iter().all(|t| *t < limits[0] / full + 0.01), "{top:?}");
+    assert!(bottom.iter().all(|t| *t > limits[1] / full - 0.01), "{bottom:?}");
+    // it falls between both, on an unstable branch
+    let falling: Vec<&LoadStep> = steps.iter().filter(|s| point(s).load_rate < 0.0).collect();
+    assert!(falling.len() > 3 && falling.iter().all(|s| point(s).stability.negative == 1));
+    assert!(
+        steps.iter().filter(|s| point(s).load_rate > 0.0).all(|s| point(s).stability.negative == 0)
+    );
+}
+
+/// A higher arch bends sideways before it snaps, where a² − b² = 2.7276, and in its second symmetrical mode where
+/// N L²/(E I) = 16 π², which is a² − b² = 16/3: there and back, symmetrically around b = 0.
+#[test]
+fn a_higher_arch_says_where_an_asymmetrical_branch_leaves() {
+    let rise: f64 = 2.5;
+    let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
+    let full = 1.5 * leaves;
+    let (problem, rest, _) = arch(rise, full);
+    let path = Path { first: 0.05, largest: 0.15, smallest: 1e-3, end: 1.0 };
+    let steps = follow(&problem, &rest, path, 80);
+    assert!(steps.last().is_some_and(|step| step.ends_time_step));
+    let passed = passed(&steps);
+    let expected = [2.7276, 16.0 / 3.0].map(|thrust: f64| (rise * rise - thrust).sqrt());
+    let expected = [expected[0], expected[1], -expected[1], -expected[0]];
+    let mut expected = expected.into_iter().map(|b| arch_load(rise, b) / full);
+    let mut kinds = Vec::new();
+    for one in &passed {
+        let Passed::Bifurcation(loads) = *one else {
+            kinds.push("limit");
+            continue;
+        };
+        kinds.push("bifurcation");
+        let (from, to) = (loads[0].min(loads[1]) - 0.02, loads[0].max(loads[1]) + 0.02);
+        let load = expected.next().expect("four");
+        assert!(from < load && load < to, "{from} {load} {to}");
+    }
+    let between = ["limit", "bifurcation", "bifurcation", "limit"];
+    assert_eq!(kinds, [&["bifurcation"], &between[..], &["bifurcation"]].concat(), "{passed:?}");
+    let smallest = steps.iter().map(|s| s.time).fold(1.0, f64::min);
+    assert!(smallest < 0.0, "the load has to push it back: {smallest}");
+}
+
+/// A thick sphere of A = 0.6 B, of which an eighth is meshed, and the pressure at t = 1 over the shear modulus.
+fn sphere(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
+    let mesh = testing::eighth_shell(levels, layers, INNER);
+    let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
+    let nodes = space.node_positions(&mesh.vertices);
+    let fixed: Vec<bool> =
+        nodes.iter().flat_map(|x| [x.x < 1e-12, x.y < 1e-12, x.z < 1e-12]).collect();
+    let boundary = mesh::topology::boundary(&mesh).facets;
+    let on =
+        |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
+    let planes: Vec<_> = (0..3)
+        .map(|axis| {
+            let cut = boundary.iter().filter(|f| on(f, &|x| x[axis] < 1e-12));
+            let cut: Vec<[usize; 3]> = cut.copied().collect();
+            crate::symmetry::Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut)
+                .expect("a plane")
+        })
+        .collect();
+    let wall = boundary.iter().filter(|f| on(f, &|x| x.norm() < INNER + 1e-9));
+    let wall: Vec<[usize; 3]> = wall.copied().collect();
+    let wall = Wall::cut_by(&planes, &space, &wall);
+    let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
+    let chamber = Chamber { wall, gas, multiplier: None };
+    // bulk modulus 2000 times the shear modulus 1
+    let material = NeoHookean(Lame::new(2.9995, 0.49975));
+    let elastic = crate::energy::Elastic::whole(Box::new(material)).with_mean_dilatation();
+    let body = crate::energy::BodyEnergies::new(elastic.expect("a term of the volume"));
+    let energies = Energies::bodies(vec![body]).with_chamber("wall", chamber);
+    (Problem::new(space, energies, &fixed), mesh.vertices)
+}
+
+const INNER: f64 = 0.6;
+
+/// Pressure over the shear modulus at a stretch of the inner wall: with W' = 2 (λ − λ⁻⁵) of the incompressible law,
+/// ∫ W'/(λ³ − 1) dλ between the stretches of both walls.
+fn sphere_pressure(inside: f64) -> f64 {
+    let outside = (1.0 + (inside.powi(3) - 1.0) * INNER.powi(3)).cbrt();
+    let part = |l: f64| 1.0 / l + 0.25 / l.powi(4);
+    2.0 * (part(outside) - part(inside))
+}
+
+#[test]
+fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
+    let limit = (100..400).map(|i| sphere_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = sphere(2, 2, 1.1 * limit);
+    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
+    let steps = follow(&problem, &rest, path, 14);
+    let stretch = |step: &LoadStep| {
+        let at = step.iterate(&problem, &rest);
+        let (_, named) = problem.energies.chambers().next().expect("a chamber");
+        (named.chamber.state(&at).0 / named.chamber.rest_volume(&at)).cbrt()
+    };
+    for step in &steps {
+        let (found, expected) = (1.1 * limit * step.time, sphere_pressure(stretch(step)));
+        assert!((found / expected - 1.0).abs() < 0.005, "{found} {expected}");
+    }
+    let top = steps.iter().map(|step| step.time).fold(0.0, f64::max);
+    assert!(top < 0.95, "{top}");
+    assert!(steps.last().is_some_and(|step| stretch(step) > 2.0));
+}
+
+#[test]
+fn a_path_without_load_and_a_body_that_floats_are_refused() {
+    let (problem, rest, _) = arch(1.1, 0.0);
+    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let follow = |problem: &Problem| {
+        let mut workspace = Workspace::new(problem);
+        let mut follower = PathFollower::new(path);
+        let next = follower.next(&mut stepper(problem), problem, &mut workspace, &rest);
+        next.err().map(|unreached| unreached.failure)
+    };
+    assert_eq!(follow(&problem), Some(Failure::NoLoad));
+}
+
+/// The states before the first singular point of a path and after it, and the point by the direct method.
+fn first_limit(problem: &Problem, rest: &[Vec3], path: Path, kind: Kind) -> (Limit, [f64; 2]) {
+    let steps = follow_to(problem, rest, path, (40, true));
+    let after = steps.iter().position(|step| !point(step).passed.is_empty()).expect("a point");
+    let start = configuration(rest, &steps[after]);
+    let mut workspace = Workspace::new(problem);
+    let limit = Limit::near(problem, &mut workspace, &start, kind, &NEWTON);
+    (
+        limit.unwrap_or_else(|failure| panic!("{failure}")),
+        [steps[after - 1].time, steps[after].time],
+    )
+}
+
+fn configuration<'a>(rest: &'a [Vec3], step: &LoadStep) -> Configuration<'a> {
+    let (u, multipliers) = (step.u.clone(), step.multipliers.clone());
+    Configuration { rest, time: step.time, step: None, u, multipliers }
+}
+
+/// Each error of the load is at most a number times the square of the one before: the second last step shows it.
+fn assert_quadratic(limit: &Limit) {
+    let errors: Vec<f64> = limit.history.iter().map(|l| (l.load - limit.load).abs()).collect();
+    let seen: Vec<f64> = errors.iter().copied().filter(|e| *e > 1e-12).collect();
+    let [.., before, last] = seen[..] else { panic!("{errors:?}") };
+    assert!(last < 20.0 * before * before + 1e-9, "{errors:?}");
+}
+
+#[test]
+fn the_direct_method_finds_the_limit_of_a_sphere() {
+    let limit = (1000..4000).map(|i| sphere_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = sphere(2, 2, 1.1 * limit);
+    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
+    let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::LimitPoint);
+    assert!(found.load >= before.max(after) && found.load < 1.0, "{} {before} {after}", found.load);
+    let pressure = 1.1 * limit * found.load;
+    // by the faces of the polyhedron and the bulk modulus
+    assert!((pressure / limit - 1.0).abs() < 0.005, "{pressure} {limit}");
+    assert_quadratic(&found);
+}
+
+#[test]
+fn the_direct_method_finds_where_an_arch_bends_sideways() {
+    let rise: f64 = 2.5;
+    let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
+    let (problem, rest, _) = arch(rise, 1.5 * leaves);
+    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::Bifurcation);
+    assert!(before < found.load && found.load < after, "{before} {} {after}", found.load);
+    assert!((1.5 * found.load - 1.0).abs() < 0.02, "{}", found.load);
+    // φ is antimetric, so that the load has no share in it, but for cells that are not symmetrical
+    let zero = vec![0.0; problem.dofs()];
+    let full = problem.iterate(&rest, &zero, 1.0);
+    let load = Residual::of(&problem, &mut Workspace::new(&problem), &full).norm();
+    assert!(found.by_load.abs() < 1e-4 * load, "{} {load}", found.by_load);
+    assert_quadratic(&found);
+}
+
+/// The load of the limit of an arch by its modulus, to which it is proportional, and by its rest vertices.
+#[test]
+fn the_gradient_of_a_limit_is_its_derivative() {
+    let (rise, load) = (1.5, 0.15);
+    let of = |modulus: f64| arch_of(10, modulus, rise, load);
+    let (problem, rest, _) = of(ARCH.2);
+    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let (found, _) = first_limit(&problem, &rest, path, Kind::LimitPoint);
+    let again = |problem: &Problem, rest: &[Vec3]| {
+        let (u, multipliers) = (found.u.clone(), found.multipliers.clone());
+        let start = Configuration { rest, time: found.load, step: None, u, multipliers };
+        let mut workspace = Workspace::new(problem);
+        let limit = Limit::near(problem, &mut workspace, &start, Kind::LimitPoint, &NEWTON);
+        limit.map(|limit| limit.load)
+    };
+    let (lambda, mu) = found.covector();
+    let at = problem.iterate(&rest, &found.u, found.load);
+    let (by_rest, by_numbers) = along(&problem, &at, &lambda, &mu);
+    let by_modulus = by_numbers.total(ParameterId::Material(0))[0];
+    assert!((by_modulus * ARCH.2 / found.load - 1.0).abs() < 1e-6, "{by_modulus}");
+    let inner = |x: &Vec3| x.x > 1e-6 && x.x < ARCH.0 - 1e-6;
+    let mut random = crate::math::random::Random::new(5);
+    let motion = rest.iter().map(|x| if inner(x) { 2e-4 * random.vector() } else { Vec3::zeros() });
+    let motion: Vec<Vec3> = motion.collect();
+    let slope = dot(&by_rest, &testing::flat(&motion));
+    let along = |by: f64| {
+        let moved: Vec<Vec3> = rest.iter().zip(&motion).map(|(x, m)| x + by * m).collect();
+        again(&problem, &moved)
+    };
+    let result = taylor(1.0, 6, slope, along).expect("limits");
+    assert!((result.slope - 2.0).abs() < 0.1, "{result:?}");
+}

@@ -1,0 +1,120 @@
+//! How far an equilibrium is from losing its stability.
+//!
+//! An equilibrium at a held load is stable if the exact Hessian H is positive definite on the motions that leave the
+//! prescribed volumes alone. The number of negative eigenvalues there follows from the inertia of the factor,
+//!
+//! neg = neg(H) + pos(Gᵀ H⁻¹ G) − m,   G = ∂V/∂u of m volumes
+//!
+//! and the eigenvalue next to zero with its mode φ from inverse iteration. Where it vanishes, the direction of the
+//! path du/dt either is φ (a limit point: the load turns) or has no share of it (a bifurcation: another branch leaves).
+//!
+//! Source: Wriggers and Simo 1990, "A general procedure for the direct computation of turning and bifurcation points",
+//! doi:10.1002/nme.1620300110; Golub and Van Loan, "Matrix Computations", sections 8.1 and 8.2.
+
+use super::bordered::Bordered;
+use super::tangent_system::{LoadRate, Row, at_held_load, factor, with_load};
+use super::{Problem, Workspace};
+use crate::energy::Iterate;
+use crate::math::linear::{Factorization, dot, norm};
+use crate::math::random::Random;
+
+/// Inverse iterations, at most.
+const ITERATIONS: usize = 60;
+/// Relative change of the eigenvalue that ends them.
+const SETTLED: f64 = 1e-10;
+/// Part of the path's direction along the softest mode that makes it that of a limit point.
+const ALONG: f64 = 0.5;
+
+/// How stable an equilibrium is at a held load.
+#[derive(Clone, Debug)]
+pub struct Stability {
+    /// Number of negative eigenvalues.
+    pub negative: usize,
+    /// The eigenvalue nearest to zero, with its sign [N/m].
+    pub stiffness: f64,
+    /// The motion of least stiffness over all degrees of freedom, of length 1.
+    pub mode: Vec<f64>,
+    /// |φ · du/dt| / |du/dt|; 0 where no load acts.
+    pub along_path: f64,
+}
+
+/// What becomes of a path where the tangent is singular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The load turns.
+    LimitPoint,
+    /// Another branch leaves.
+    Bifurcation,
+}
+
+impl Stability {
+    /// The stability of an equilibrium; none where the tangent is singular.
+    #[must_use]
+    pub fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Option<Self> {
+        let constraints = problem.constraints(at);
+        let rate = LoadRate::of(problem, workspace, at);
+        let factor = factor(problem, workspace, at)?;
+        let row = Row { u: vec![0.0; rate.force.len()], load: 1.0 };
+        let tangent = with_load(problem, factor, &constraints, &rate, row);
+        let mut one = vec![0.0; constraints.len() + 1];
+        one[constraints.len()] = 1.0;
+        let (direction, _) = tangent.solve(factor, &vec![0.0; rate.force.len()], &one)?;
+        let held = at_held_load(problem, factor, &constraints);
+        Self::with(problem, factor, &held, &direction)
+    }
+
+    /// The stability by the factor of the exact Hessian, where the path goes along a direction.
+    pub(super) fn with(
+        problem: &Problem,
+        factor: &Factorization,
+        held: &Bordered,
+        direction: &[f64],
+    ) -> Option<Self> {
+        let (stiffness, mode) = softest(factor, held)?;
+        let length = norm(direction);
+        let along = if length > 0.0 { dot(&mode, direction).abs() / length } else { 0.0 };
+        Some(Self {
+            negative: negative_eigenvalues(factor, held),
+            stiffness,
+            mode: problem.prolong(&mode),
+            along_path: along,
+        })
+    }
+
+    /// What happens where the stiffness of the mode vanishes.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        if self.along_path >= ALONG { Kind::LimitPoint } else { Kind::Bifurcation }
+    }
+}
+
+/// Negative eigenvalues of the factored Hessian on the motions that leave the prescribed volumes alone.
+pub(super) fn negative_eigenvalues(factor: &Factorization, held: &Bordered) -> usize {
+    let all = factor.negative_eigenvalues() + held.negative_eigenvalues();
+    all.saturating_sub(held.count())
+}
+
+/// The eigenvalue nearest to zero [N/m] and its mode on the free degrees of freedom.
+pub(super) fn softest(factor: &Factorization, held: &Bordered) -> Option<(f64, Vec<f64>)> {
+    let zero = vec![0.0; held.count()];
+    let unit = |mut x: Vec<f64>| {
+        let length = norm(&x);
+        x.iter_mut().for_each(|x| *x /= length);
+        x
+    };
+    let mut x = unit(Random::new(1).numbers(factor.size()));
+    let mut last = f64::NAN;
+    for _ in 0..ITERATIONS {
+        let (y, _) = held.solve(factor, &x, &zero)?;
+        let eigenvalue = 1.0 / dot(&x, &y);
+        x = unit(y);
+        if (eigenvalue - last).abs() <= SETTLED * eigenvalue.abs() {
+            break;
+        }
+        last = eigenvalue;
+    }
+    // of the mode itself, second order in its error; the first x was no motion at held volumes
+    let (y, _) = held.solve(factor, &x, &zero)?;
+    let eigenvalue = 1.0 / dot(&x, &y);
+    eigenvalue.is_finite().then_some((eigenvalue, x))
+}

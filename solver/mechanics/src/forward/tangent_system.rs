@@ -1,0 +1,157 @@
+//! The equations of an equilibrium with the load among the unknowns, and their derivatives:
+//!
+//! R(u, P̂, t) = ∂L/∂u = 0 on the free degrees of freedom,   V(u) − V*(t) = 0 of each prescribed volume
+//!
+//! with the Lagrangian L of [`volumes`](super::volumes). Supports are where they are at t. The derivatives by t are
+//! differences of the whole equations, so that no term has to know its own.
+
+use nalgebra::DMatrix;
+
+use super::bordered::Bordered;
+use super::{Clock, Problem, Workspace};
+use crate::energy::{Constraint, Hessian, Iterate};
+use crate::math::linear::{Factorization, Precision, norm};
+
+/// Half of the difference of loads that gives derivatives by the load. Most loads are linear in t: what counts is
+/// rounding.
+pub const DIFFERENCE: f64 = 1e-4;
+
+/// The equations at an iterate.
+pub struct Residual {
+    /// R on the free degrees of freedom [N].
+    pub force: Vec<f64>,
+    /// The scale of the forces that balance [N].
+    pub scale: f64,
+    /// The prescribed volumes.
+    pub constraints: Vec<Constraint>,
+}
+
+impl Residual {
+    /// The equations at an iterate.
+    pub fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Self {
+        let (gradient, scale) = workspace.gradient(problem, at);
+        let constraints = problem.constraints(at);
+        Self { force: problem.restrict(&gradient), scale, constraints }
+    }
+
+    /// Norm of R [N].
+    pub fn norm(&self) -> f64 {
+        norm(&self.force)
+    }
+
+    /// V − V* of each prescribed volume [m³].
+    pub fn gaps(&self) -> Vec<f64> {
+        self.constraints.iter().map(|c| c.volume - c.wanted).collect()
+    }
+
+    /// The largest |V/V* − 1|.
+    pub fn largest_gap(&self) -> f64 {
+        let gaps = self.constraints.iter().map(|c| (c.volume / c.wanted - 1.0).abs());
+        gaps.fold(0.0, f64::max)
+    }
+}
+
+/// What a unit of the load changes of the equations, with the free degrees of freedom and P̂ held.
+pub struct LoadRate {
+    /// ∂R/∂t [N].
+    pub force: Vec<f64>,
+    /// ∂(V − V*)/∂t [m³].
+    pub gaps: Vec<f64>,
+}
+
+impl LoadRate {
+    /// The derivative at an iterate, whose supports are where they are at its load. At t = 1 loads may bend.
+    pub fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Self {
+        let before = at.time - DIFFERENCE;
+        let after = if at.time + DIFFERENCE > 1.0 { at.time } else { at.time + DIFFERENCE };
+        let mut evaluate = |time: f64| {
+            let u = with_supports(problem, at.u, time);
+            let residual = Residual::of(problem, workspace, &Iterate { u: &u, time, ..*at });
+            let gaps = residual.gaps();
+            (residual.force, gaps)
+        };
+        let (from, to) = (evaluate(before), evaluate(after));
+        let slope = |from: &[f64], to: &[f64]| -> Vec<f64> {
+            from.iter().zip(to).map(|(a, b)| (b - a) / (after - before)).collect()
+        };
+        Self { force: slope(&from.0, &to.0), gaps: slope(&from.1, &to.1) }
+    }
+
+    /// Whether nothing depends on the load.
+    pub fn vanishes(&self) -> bool {
+        self.force.iter().chain(&self.gaps).all(|rate| *rate == 0.0)
+    }
+}
+
+/// A displacement with the supports where they are at a load [m].
+pub fn with_supports(problem: &Problem, u: &[f64], time: f64) -> Vec<f64> {
+    let mut moved = u.to_vec();
+    if problem.dirichlet.moves() {
+        let wanted = problem.dirichlet.displacement(time);
+        problem.dirichlet.supports().iter().for_each(|&dof| moved[dof] = wanted[dof]);
+    }
+    moved
+}
+
+/// Factors the exact Hessian at an iterate in double precision, whatever its inertia; none where it is not finite.
+pub fn factor<'w>(
+    problem: &Problem,
+    workspace: &'w mut Workspace,
+    at: &Iterate,
+) -> Option<&'w Factorization> {
+    let hessian = workspace.hessian(problem, at, Hessian::Exact);
+    if !hessian.lower.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let clock = Clock::start();
+    workspace.linear_mut().factor(hessian, Precision::Double);
+    workspace.timings.factor += clock.elapsed();
+    workspace.timings.factorizations += 1;
+    workspace.linear().last()
+}
+
+/// One more equation of the unknowns, n · (δu, δt) = …
+pub struct Row {
+    /// n on the free degrees of freedom.
+    pub u: Vec<f64>,
+    /// n of the load.
+    pub load: f64,
+}
+
+/// The tangent of the prescribed volumes alone, at a load that is held.
+pub fn at_held_load(
+    problem: &Problem,
+    factor: &Factorization,
+    constraints: &[Constraint],
+) -> Bordered {
+    let across = across(problem, constraints);
+    let count = across.len();
+    Bordered::new(factor, across.clone(), across, DMatrix::zeros(count, count))
+}
+
+/// The tangent of all equations by u, P̂ and t, with one more equation.
+pub fn with_load(
+    problem: &Problem,
+    factor: &Factorization,
+    constraints: &[Constraint],
+    rate: &LoadRate,
+    row: Row,
+) -> Bordered {
+    let mut columns = across(problem, constraints);
+    let mut rows = columns.clone();
+    let count = columns.len();
+    let mut corner = DMatrix::zeros(count + 1, count + 1);
+    for (i, gap) in rate.gaps.iter().enumerate() {
+        corner[(i, count)] = -gap;
+    }
+    corner[(count, count)] = row.load;
+    columns.push(rate.force.clone());
+    rows.push(row.u);
+    Bordered::new(factor, columns, rows, corner)
+}
+
+/// −∂V/∂u of each prescribed volume on the free degrees of freedom [m²]: ∂R/∂P̂.
+pub fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
+    let negative = |c: &Constraint| problem.restrict(&c.gradient).iter().map(|g| -g).collect();
+    constraints.iter().map(negative).collect()
+}

@@ -1,0 +1,72 @@
+//! `[limit]`: how much more pressure than its loads a body bears.
+
+use anyhow::{Result, ensure};
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SimConfig;
+
+/// How much more pressure than the full load a body bears before it balloons, buckles or tears. Pressures grow together
+/// from the state at the end, while all other loads, volumes and supports are held.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct LimitConfig {
+    /// Tags of the chambers whose pressures grow; all that have a pressure if not given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub on: Vec<String>,
+    /// Factor up to which a limit is sought [1].
+    pub most: f64,
+}
+
+impl Default for LimitConfig {
+    fn default() -> Self {
+        Self { on: Vec::new(), most: 3.0 }
+    }
+}
+
+impl SimConfig {
+    /// Checks `[limit]` against its scene.
+    pub(super) fn check_limit(&self) -> Result<()> {
+        let Some(limit) = &self.limit else { return Ok(()) };
+        let table = KeyPath::table("limit");
+        ensure!(
+            limit.most.is_finite() && limit.most > 1.0,
+            misfit!(table.key("most"), " = {}: must be above 1", limit.most)
+        );
+        let moves = self.obstacle.iter().any(|o| !o.displacement.0.iter().all(|d| d.is_zero()));
+        let history = [
+            (self.time.is_some(), "[time]"),
+            (!self.relaxation.is_empty(), "[[relaxation]]"),
+            (self.has_friction(), "friction"),
+            (moves, "an obstacle that moves"),
+        ];
+        if let Some((_, what)) = history.iter().find(|(found, _)| *found) {
+            let said = "which a state at a held load cannot have; leave one of both away";
+            return Err(misfit!(table, " does not go with {what}, {said}").into());
+        }
+        let pressures: Vec<&str> = self
+            .chamber
+            .iter()
+            .filter_map(|chamber| chamber.gas.pressure().map(|_| chamber.on.as_str()))
+            .collect();
+        let known = pressures.join(", ");
+        ensure!(
+            !pressures.is_empty(),
+            misfit!(
+                table,
+                ": no chamber has a pressure that could grow; needed is [[chamber]] with pressure = …"
+            )
+        );
+        for tag in &limit.on {
+            ensure!(
+                pressures.contains(&tag.as_str()),
+                misfit!(
+                    table.key("on"),
+                    ": no chamber on \"{tag}\" has a pressure; those that have: {known}"
+                )
+            );
+        }
+        Ok(())
+    }
+}

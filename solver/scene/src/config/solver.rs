@@ -1,0 +1,251 @@
+//! `[solver]`: numerical settings.
+
+use anyhow::{Result, ensure};
+use program::KeyPath;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SimConfig;
+
+/// First increment of the load of a path that is followed by its arc length.
+const FIRST_OF_PATH: f64 = 0.05;
+
+/// Numerical settings of the equilibrium.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SolverConfig {
+    /// First load increment as a fraction of a time step, in a static scene of
+    /// the full load [1]; the largest if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_load_step: Option<f64>,
+    /// Largest load increment, for smooth curves over the load [1]: 1 if not given, or 0.1 with `simulate --curve`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_load_step: Option<f64>,
+    /// Increment below which the load counts as unreachable [1].
+    pub smallest_load_step: f64,
+    /// Newton iterations allowed in one load step: 30 if not given, 200 with
+    /// contact, where an impact takes many.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub newton_iterations: Option<usize>,
+    /// Unbalanced force relative to the forces that balance, and gap of a
+    /// prescribed volume relative to it [1].
+    pub relative_tolerance: f64,
+    /// Unbalanced force that counts as none [N]. If not given, that which would strain the bodies by
+    /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absolute_tolerance: Option<f64>,
+    /// Where the change of volume counts: what a law says of it alone, such as ½ bulk ln²J.
+    pub dilatation: Dilatation,
+    /// What becomes of an equilibrium in which an element is turned inside out somewhere.
+    pub inside_out: InsideOut,
+    /// When `solver simulate` estimates by how much the state at the end would change with elements of
+    /// the next degree. That costs an assembly and a factorisation with that degree.
+    pub locking: Locking,
+    /// What leads from one state of a static scene to the next.
+    #[serde(skip_serializing_if = "Follow::is_load")]
+    pub follow: Follow,
+    /// Number of states at which a path that is followed by its arc length ends, if it has not come to the
+    /// full load: 200 if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_states: Option<usize>,
+    /// Volume of a chamber over that at rest, beyond which such a path ends [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_volume_factor: Option<f64>,
+    /// Whether `solver simulate` reports the stability of the state at the end. That costs a factorisation
+    /// in double precision; of states that are followed by their arc length it is always reported.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stability: bool,
+}
+
+/// What leads from one state of a static scene to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Follow {
+    /// The load, which grows from 0 to 1. Where it has a maximum, as the pressure of a balloon has, there is no
+    /// equilibrium beyond.
+    #[default]
+    Load,
+    /// The arc length of the path of equilibria: the load may fall and rise again, below 0, too. The path ends
+    /// where it comes to the full load from below. Loads given as numbers or in proportion to t have a meaning
+    /// below t = 0. Not with [time], friction or [[relaxation]].
+    ArcLength,
+}
+
+impl Follow {
+    /// Whether it is the load.
+    #[must_use]
+    pub fn is_load(&self) -> bool {
+        *self == Self::Load
+    }
+}
+
+/// Where the change of volume of an element counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Dilatation {
+    /// At every point.
+    #[default]
+    Pointwise,
+    /// As a whole, by the mean of J over the element (mean dilatation): elements of degree 2 do not
+    /// lock, however large the bulk modulus. With degree 1 there is no difference; with degree 3, for
+    /// which a constant pressure is too little, bodies are too soft. Not for the laws
+    /// `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
+    Mean,
+}
+
+/// When it is estimated what elements hold back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Locking {
+    /// Where it is likely: with degree 1, and with degree 2 at a bulk modulus of more than 1000 shear
+    /// moduli.
+    #[default]
+    Likely,
+    /// Always, with degree 1, and with degree 2 unless `dilatation` is "mean".
+    Always,
+    /// Never.
+    Never,
+}
+
+/// What becomes of an equilibrium in which an element is turned inside out between its quadrature
+/// points, where its energy does not see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InsideOut {
+    /// It counts as none.
+    #[default]
+    Refused,
+    /// It is taken as it is, as programs do that do not look; `smallest_volume_ratio` of its load
+    /// step is not positive.
+    Tolerated,
+}
+
+impl Default for SolverConfig {
+    fn default() -> Self {
+        Self {
+            first_load_step: None,
+            largest_load_step: None,
+            smallest_load_step: 1e-3,
+            newton_iterations: None,
+            relative_tolerance: 1e-10,
+            absolute_tolerance: None,
+            dilatation: Dilatation::Pointwise,
+            inside_out: InsideOut::Refused,
+            locking: Locking::Likely,
+            follow: Follow::Load,
+            path_states: None,
+            path_volume_factor: None,
+            stability: false,
+        }
+    }
+}
+
+impl SolverConfig {
+    /// First load increment: as large as it may be, if none is given; of a path [`FIRST_OF_PATH`].
+    #[must_use]
+    pub fn first_load_step(&self) -> f64 {
+        let first = if self.follow.is_load() { 1.0 } else { FIRST_OF_PATH };
+        self.first_load_step.unwrap_or(self.largest_load_step().min(first))
+    }
+
+    /// Largest load increment: all of it, if none is given.
+    #[must_use]
+    pub fn largest_load_step(&self) -> f64 {
+        self.largest_load_step.unwrap_or(1.0)
+    }
+
+    /// Takes the load in ten steps where no largest one is given.
+    pub fn step_for_curves(&mut self) {
+        self.largest_load_step.get_or_insert(self.first_load_step.unwrap_or(0.0).max(0.1));
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
+        let refused = |key: &str, what: String| {
+            KeyPath::table("solver").key(key).told(format!("{key} = {what}"))
+        };
+        let [smallest, relative] = [s.smallest_load_step, s.relative_tolerance];
+        ensure!(largest > 0.0, refused("largest_load_step", format!("{largest}: must be above 0")));
+        ensure!(
+            first > 0.0 && first <= 1.0,
+            refused("first_load_step", format!("{first}: must be above 0 and at most 1"))
+        );
+        ensure!(
+            smallest > 0.0 && smallest <= first,
+            refused(
+                "smallest_load_step",
+                format!("{smallest}: must be above 0 and at most first_load_step = {first}")
+            )
+        );
+        ensure!(
+            largest >= first,
+            refused(
+                "largest_load_step",
+                format!("{largest}: must be at least first_load_step = {first}")
+            )
+        );
+        ensure!(
+            relative > 0.0 && relative < 1.0,
+            refused("relative_tolerance", format!("{relative}: must be above 0 and below 1"))
+        );
+        if let Some(absolute) = s.absolute_tolerance {
+            ensure!(
+                absolute >= 0.0 && absolute.is_finite(),
+                refused(
+                    "absolute_tolerance",
+                    format!("{absolute} N: must be finite and not negative")
+                )
+            );
+        }
+        ensure!(
+            s.newton_iterations != Some(0),
+            refused("newton_iterations", "0: must be positive".into())
+        );
+        Ok(())
+    }
+}
+
+impl SimConfig {
+    /// Checks what a path that is followed by its arc length cannot have.
+    pub(super) fn check_path(&self) -> Result<()> {
+        let s = &self.solver;
+        let refused =
+            |key: &str, what: &str| KeyPath::table("solver").key(key).told(format!("{key} {what}"));
+        if s.follow.is_load() {
+            let alone = "is for follow = \"arc-length\": set that, or leave it away";
+            ensure!(s.path_states.is_none(), refused("path_states", alone));
+            ensure!(s.path_volume_factor.is_none(), refused("path_volume_factor", alone));
+            return Ok(());
+        }
+        let history = [
+            (self.time.is_some(), "[time]: states of a path have no order in time"),
+            (!self.relaxation.is_empty(), "[[relaxation]]: a path has no rates"),
+            (self.uncertainty.is_some(), "[uncertainty]: error bars are those of the full load"),
+            (self.has_friction(), "friction: it depends on the way, not on the load alone"),
+        ];
+        if let Some((_, why)) = history.iter().find(|(found, _)| *found) {
+            let what = format!("= \"arc-length\" does not go with {why}; leave one of both away");
+            return Err(refused("follow", &what).into());
+        }
+        ensure!(
+            s.path_states != Some(0),
+            refused("path_states", "= 0: a path has one state or more")
+        );
+        if let Some(factor) = s.path_volume_factor {
+            ensure!(
+                factor.is_finite() && factor > 1.0,
+                refused("path_volume_factor", &format!("= {factor}: must be above 1"))
+            );
+            ensure!(
+                !self.chamber.is_empty(),
+                refused("path_volume_factor", "needs a [[chamber]], of which there is none")
+            );
+        }
+        Ok(())
+    }
+
+    /// Whether surfaces rub against each other.
+    pub(super) fn has_friction(&self) -> bool {
+        self.contact().is_some_and(|contact| contact.friction > 0.0)
+    }
+}

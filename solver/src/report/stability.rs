@@ -1,0 +1,113 @@
+//! What reports say of the stability of a state, and of its place on a path that is followed by its arc length.
+
+use mechanics::energy::Iterate;
+use mechanics::forward::{self, Kind, LoadStep, Passed, PathPoint, Problem, Workspace};
+use mesh::io::vtu;
+use reports::{PassedPoint, PathState, PointKind, Stability};
+use scene::Scene;
+
+/// The stability of a state beside that of the body at rest, and its softest mode over all degrees of freedom; none
+/// where the tangent of one of both is singular. Factors twice.
+fn of_state(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+) -> Option<(Stability, Vec<f64>)> {
+    let zero = vec![0.0; problem.dofs()];
+    let rest = Iterate { u: &zero, time: 0.0, ..*at };
+    let rest = forward::Stability::of(problem, workspace, &rest)?;
+    let found = forward::Stability::of(problem, workspace, at)?;
+    Some((report(&found, rest.stiffness), found.mode))
+}
+
+/// The stability of the last state of a run with its softest mode: that of a path is known, that of another one is
+/// computed where the scene asks for it.
+#[must_use]
+pub fn at_end(
+    scene: &Scene,
+    (problem, workspace): (&Problem, &mut Workspace),
+    end: &Iterate,
+    last: Option<&LoadStep>,
+) -> Option<(Stability, Vec<f64>)> {
+    if let Some(point) = last.and_then(|step| step.path.as_deref()) {
+        return Some((path_state(point).stability, point.stability.mode.clone()));
+    }
+    if !scene.config.solver.stability {
+        return None;
+    }
+    let found = of_state(problem, workspace, end);
+    if found.is_none() {
+        log::warn!("no stability: the tangent stiffness is singular");
+    }
+    found
+}
+
+fn report(found: &forward::Stability, rest_stiffness: f64) -> Stability {
+    let kind = match found.kind() {
+        Kind::LimitPoint => PointKind::LimitPoint,
+        Kind::Bifurcation => PointKind::Bifurcation,
+    };
+    Stability {
+        negative_eigenvalues: found.negative,
+        stiffness_over_rest: found.stiffness / rest_stiffness,
+        mode_along_path: found.along_path,
+        kind,
+    }
+}
+
+/// A state of a path, as reports have it.
+#[must_use]
+pub fn path_state(point: &PathPoint) -> PathState {
+    let passed = |passed: &Passed| match *passed {
+        Passed::LimitPoint(loads) => PassedPoint { kind: PointKind::LimitPoint, loads },
+        Passed::Bifurcation(loads) => PassedPoint { kind: PointKind::Bifurcation, loads },
+    };
+    PathState {
+        arc_length: point.arc,
+        load_rate: point.load_rate,
+        stability: report(&point.stability, point.rest_stiffness),
+        passed: point.passed.iter().map(passed).collect(),
+    }
+}
+
+/// A mode as a field of pictures.
+#[must_use]
+pub fn field(mode: &[f64]) -> vtu::Field {
+    let (name, unit) = ("softest_mode".to_owned(), "1".to_owned());
+    vtu::Field { name, unit, components: 3, values: mode.to_vec() }
+}
+
+/// What lies between the state before and this one of a path, for people.
+#[must_use]
+pub fn in_words(step: &LoadStep) -> Vec<String> {
+    let one = |passed: &Passed| match passed {
+        Passed::LimitPoint([from, to]) => {
+            format!("limit point passed between load {from:.4} and {to:.4}: the load turns")
+        }
+        Passed::Bifurcation([from, to]) => format!(
+            "bifurcation between load {from:.4} and {to:.4}: another branch leaves, and this one is followed"
+        ),
+    };
+    step.path.iter().flat_map(|path| &path.passed).map(one).collect()
+}
+
+/// Why a path ends at a state before it comes to the full load, if it does: the number of states that were made, or
+/// the volume of a chamber.
+#[must_use]
+pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) -> Option<String> {
+    let solver = &scene.config.solver;
+    let most = solver.path_states.unwrap_or(PATH_STATES);
+    if !solver.follow.is_load() && states >= most {
+        return Some(format!("after {states} states ([solver] path_states)"));
+    }
+    let factor = solver.path_volume_factor?;
+    let beyond = problem.energies.chambers().find_map(|(_, named)| {
+        let found = named.chamber.state(at).0 / named.chamber.rest_volume(at);
+        (found > factor).then(|| (&named.name, found))
+    });
+    let (name, found) = beyond?;
+    Some(format!("as {name} has {found:.2} times its volume ([solver] path_volume_factor)"))
+}
+
+/// States of a path where the scene gives no number.
+const PATH_STATES: usize = 200;
