@@ -160,6 +160,8 @@ fn announce(scene: &Scene, workspace: &Workspace) {
     }
     locking::foresee(scene);
     scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
+    scene.config.fibre.iter().for_each(|fibre| log::info!("{}", fibre.in_words()));
+    scene.config.winding.iter().for_each(|winding| log::info!("{}", winding.in_words()));
     scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
     log::info!(
         "{} tets, degree {}, {}",

@@ -23,6 +23,7 @@ use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 
 use crate::report::fields::fields;
+use crate::report::reinforcement::fibre_fields;
 
 /// Name of the file with a line for each step.
 pub const STEPS: &str = "steps.jsonl";
@@ -324,6 +325,7 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     let [at_points, of_cells] = fields(energies, at);
     grid.point_fields.extend(at_points);
     grid.cell_fields.extend(of_cells);
+    grid.cell_fields.extend(fibre_fields(energies, at));
     for energy in energies.contact_terms() {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);

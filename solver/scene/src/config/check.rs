@@ -82,6 +82,8 @@ impl SimConfig {
     fn check_parts(&self) -> Result<()> {
         self.check_symmetry()?;
         self.check_membranes()?;
+        self.check_fibres()?;
+        self.check_windings()?;
         self.check_relaxation()?;
         self.check_probes()?;
         if let Some(uncertainty) = &self.uncertainty {

@@ -6,6 +6,7 @@ mod chamber;
 mod check;
 mod contact;
 mod design;
+mod fibre;
 mod gas;
 mod level;
 mod material;
@@ -14,6 +15,7 @@ mod relaxation;
 mod scenario;
 mod symmetry;
 mod uncertainty;
+mod winding;
 
 use measure::written::{FieldSchema, MethodSchema};
 use std::collections::BTreeMap;
@@ -26,6 +28,7 @@ use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
+pub use fibre::{AroundConfig, FibreConfig};
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
@@ -43,6 +46,7 @@ pub use mechanics::contact::barrier::Form as ContactForm;
 use mechanics::forward::Method;
 use mechanics::schedule::{Field, axes};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
+pub use winding::{Climb, WindingConfig};
 
 use crate::meaning::meaning;
 
@@ -93,6 +97,12 @@ pub struct SimConfig {
     /// Thin sheets bonded to tags.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub membrane: Vec<MembraneConfig>,
+    /// Families of fibres in bodies and volumes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fibre: Vec<FibreConfig>,
+    /// Threads wound on tags.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub winding: Vec<WindingConfig>,
     /// Overstress of viscoelastic bodies; several tables make a Prony series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub relaxation: Vec<RelaxationConfig>,

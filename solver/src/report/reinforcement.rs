@@ -1,0 +1,69 @@
+//! What is reported of fibres and threads, and their fields for ParaView.
+//!
+//! | name of a cell field | is | unit |
+//! |-|-|-|
+//! | `fibre_NAME_direction` | mean of a₀ at rest, zero where the family is not | 1 |
+//! | `fibre_NAME_stretch` | mean of √I₄, 1 where the family is not | 1 |
+//! | `fibre_NAME_stress` | mean of the force of the fibres per rest area across them | Pa |
+
+use mechanics::energy::{self, Energies, FibreMean, FibreSummary, Fibres, Iterate, WindingSummary};
+use mesh::Vec3;
+use mesh::io::vtu::Field;
+use reports::{Fibre, Winding};
+use scene::Scene;
+use scene::config::WindingConfig;
+
+/// Measures of every family of fibres.
+#[must_use]
+pub fn fibres(energies: &Energies, at: &Iterate) -> Vec<Fibre> {
+    let one = |family: &Fibres| {
+        let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
+        Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
+    };
+    energies.fibres.iter().map(one).collect()
+}
+
+/// Measures of every thread, in the order of the scene.
+#[must_use]
+pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding> {
+    let one = |(winding, thread): (&WindingConfig, &energy::Winding)| {
+        let WindingSummary { length, energy, force, mean_force, taut } = thread.summary(at);
+        let WindingConfig { name, on, points, .. } = winding;
+        Winding {
+            name: name.clone(),
+            on: on.clone(),
+            length,
+            turns: points.is_empty().then(|| thread.course()),
+            segments: thread.segments(),
+            energy,
+            force,
+            mean_force,
+            taut,
+        }
+    };
+    scene.config.winding.iter().zip(&energies.windings).map(one).collect()
+}
+
+/// Fields of the cells.
+#[must_use]
+pub fn fibre_fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
+    energies.fibres.iter().flat_map(|family| of_family(family, at)).collect()
+}
+
+fn of_family(family: &Fibres, at: &Iterate) -> [Field; 3] {
+    let elsewhere = FibreMean { direction: Vec3::zeros(), stretch: 1.0, stress: 0.0 };
+    let mut means = vec![elsewhere; at.space.tets().len()];
+    means[family.elements()].copy_from_slice(&family.means(at));
+    let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
+        name: format!("fibre_{}_{name}", family.name),
+        unit: unit.to_owned(),
+        components,
+        values,
+    };
+    let directions = means.iter().flat_map(|mean| <[f64; 3]>::from(mean.direction)).collect();
+    [
+        field("direction", "1", 3, directions),
+        field("stretch", "1", 1, means.iter().map(|mean| mean.stretch).collect()),
+        field("stress", "Pa", 1, means.iter().map(|mean| mean.stress).collect()),
+    ]
+}
