@@ -1,6 +1,7 @@
 //! `[[fibre]]` and `[[winding]]` in scenes and design problems: reports, fields, derivatives by their
 //! numbers, and what is refused.
 
+use mesh::io::vtu::read_vtu;
 use mesh::io::write_tets;
 use tests::chamber;
 use tests::workdir::Workdir;
@@ -76,12 +77,12 @@ fn fibres_and_threads_hold_a_chamber_and_are_reported() {
     assert!(number("taut") > 0.0 && row["stretch"][1].as_f64().unwrap() > 1.0, "{row}");
     assert!((number("energy") / report["energies"]["fibre"].as_f64().unwrap() - 1.0).abs() < 1e-9);
     assert!(report["force_balance"]["out_of_balance"].as_f64().unwrap() < 1e-9);
-    let fields = dir_fibre.text("out/result.vtu");
-    assert!(
-        ["direction", "stretch", "stress"]
-            .iter()
-            .all(|f| fields.contains(&format!("fibre_weave_{f}")))
-    );
+    let grid = read_vtu(&dir_fibre.path("out/result.vtu")).unwrap();
+    for (name, components) in [("direction", 3), ("stretch", 1), ("stress", 1)] {
+        let name = format!("fibre_weave_{name}");
+        let field = grid.cell_fields.iter().find(|field| field.name == name).unwrap();
+        assert_eq!(field.components, components);
+    }
     assert!(volume(&dir_fibre, "out") < volume(&dir, "bare"));
 
     let dir_thread = workdir(WINDING);
@@ -98,6 +99,11 @@ fn fibres_and_threads_hold_a_chamber_and_are_reported() {
     assert!(row["force"][1].as_f64().unwrap() > number("mean_force") && number("mean_force") > 0.0);
     assert!(
         (number("energy") / report["energies"]["winding"].as_f64().unwrap() - 1.0).abs() < 1e-9
+    );
+    let table = dir_thread.text("out/windings.csv");
+    let segments = row["segments"].as_u64().unwrap() as usize;
+    assert!(
+        table.starts_with("winding,start at rest x [m],") && table.lines().count() == 1 + segments
     );
     assert!(volume(&dir_thread, "out") < volume(&dir, "bare"));
 }

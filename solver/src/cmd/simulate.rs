@@ -22,6 +22,7 @@ use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
 use crate::report::locking;
 use crate::report::record::{Checkpoint, Finished, Recorder, Work};
+use crate::report::reinforcement;
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
 use crate::report::summary;
@@ -123,6 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
     results::write_end(folder, &problem, &end)?;
+    reinforcement::write_threads(folder, &scene, &problem.energies, &end)?;
     let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
     found.error_bars = run.error_bars();
     found.wall_s = before_s + start.elapsed().as_secs_f64();

@@ -5,13 +5,22 @@
 //! | `fibre_NAME_direction` | mean of a₀ at rest, zero where the family is not | 1 |
 //! | `fibre_NAME_stretch` | mean of √I₄, 1 where the family is not | 1 |
 //! | `fibre_NAME_stress` | mean of the force of the fibres per rest area across them | Pa |
+//!
+//! `windings.csv` has a row for each segment of each thread, in its order: both of its ends at rest, where
+//! they are, and the mean force along it.
 
+use std::path::Path;
+
+use anyhow::{Context, Result};
 use mechanics::energy::{self, Energies, FibreMean, FibreSummary, Fibres, Iterate, WindingSummary};
 use mesh::Vec3;
 use mesh::io::vtu::Field;
 use reports::{Fibre, Winding};
 use scene::Scene;
 use scene::config::WindingConfig;
+
+/// Forces along the threads.
+pub const THREADS: &str = "windings.csv";
 
 /// Measures of every family of fibres.
 #[must_use]
@@ -42,6 +51,40 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
         }
     };
     scene.config.winding.iter().zip(&energies.windings).map(one).collect()
+}
+
+/// Writes the threads of a state to a folder, if there are any.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_threads(
+    folder: &Path,
+    scene: &Scene,
+    energies: &Energies,
+    at: &Iterate,
+) -> Result<()> {
+    if energies.windings.is_empty() {
+        return Ok(());
+    }
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let places = ["start", "end"].into_iter().flat_map(|end| {
+        ["at rest", "now"].into_iter().flat_map(move |when| {
+            ["x", "y", "z"].map(move |axis| format!("{end} {when} {axis} [m]"))
+        })
+    });
+    let title = ["winding".to_owned()].into_iter().chain(places);
+    table.write_record(title.chain(["force [N]".to_owned()]))?;
+    for (winding, thread) in scene.config.winding.iter().zip(&energies.windings) {
+        for strand in thread.strands(at) {
+            let ends = strand.rest.into_iter().zip(strand.moved);
+            let places = ends.flat_map(|(rest, moved)| [rest, rest + moved]);
+            let numbers = places.flat_map(<[f64; 3]>::from).chain([strand.force]);
+            let name = [winding.name.clone()].into_iter();
+            table.write_record(name.chain(numbers.map(|number| number.to_string())))?;
+        }
+    }
+    let text = table.into_inner().context("a table in memory")?;
+    Ok(mesh::io::write_atomic(&folder.join(THREADS), |out| out.write_all(&text))?)
 }
 
 /// Fields of the cells.

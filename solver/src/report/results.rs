@@ -23,7 +23,7 @@ use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 
 use crate::report::fields::fields;
-use crate::report::reinforcement::fibre_fields;
+use crate::report::reinforcement::{THREADS, fibre_fields};
 
 /// Name of the file with a line for each step.
 pub const STEPS: &str = "steps.jsonl";
@@ -396,7 +396,7 @@ pub fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", FAILED];
+        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", THREADS, FAILED];
         let unless_kept = ["result.pvd", STEPS, CURVE];
         let step = name.starts_with("step_") && name.ends_with(".vtu");
         if ours.contains(&name)

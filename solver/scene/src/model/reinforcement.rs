@@ -41,6 +41,15 @@ impl Scene {
                 )
                 .into());
             }
+            let mut vertices = body.mesh.tets[elements.clone()].iter().flatten();
+            let defined = |v: &usize| direction.at(body.mesh.vertices[*v]).norm_squared() < 2.0;
+            ensure!(
+                vertices.all(defined),
+                misfit!(
+                    fibre.title().key("around"),
+                    ": fibres have no direction at some vertex; expected an axis near the body"
+                )
+            );
             Ok(Fibres::new(fibre.law(), direction, elements).named(&fibre.name))
         };
         let fibres = self.config.fibre.iter().map(one).collect::<Result<Vec<_>>>()?;

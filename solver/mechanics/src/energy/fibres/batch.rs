@@ -226,11 +226,11 @@ impl<const N: usize> WithSimd for Hessians<'_, N> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let (pairs, zero) = (pair_count(N), Lanes::splat(simd, 0.0));
-        let mut local = vec![[zero; 9]; pairs];
+        let mut factors: Vec<Factors<S, N>> = Vec::new();
         let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
         for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
             let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
-            local.fill([zero; 9]);
+            factors.clear();
             for (q, weight) in own.points() {
                 let (points, g, [_, slope, curvature]) = own.at(q);
                 let slope = match self.kind {
@@ -238,13 +238,16 @@ impl<const N: usize> WithSimd for Hessians<'_, N> {
                     Hessian::Projected => slope.if_positive(slope, zero),
                 };
                 let weight = own.batch.volume * weight;
-                add_point::<S, N>(&points, &g, [weight * slope, weight * curvature], &mut local);
+                factors.push(Factors::new(&points, &g, [weight * slope, weight * curvature]));
             }
-            for (pair, local) in local.iter().enumerate() {
-                for (entry, local) in local.iter().enumerate() {
-                    let values = local.to_array();
-                    for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
-                        element[pair][entry] = value;
+            for a in 0..N {
+                for b in 0..=a {
+                    let pair = pair_index(a, b);
+                    for (entry, value) in block(&factors, a, b, zero).iter().enumerate() {
+                        let values = value.to_array();
+                        for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
+                            element[pair][entry] = value;
+                        }
                     }
                 }
             }
@@ -252,34 +255,52 @@ impl<const N: usize> WithSimd for Hessians<'_, N> {
     }
 }
 
-/// Adds 4ψ″ (F H ∇φ_a) ⊗ (F H ∇φ_b) + 2ψ′ (∇φ_a · H ∇φ_b) I for all pairs b ≤ a; entry (i, j) of a block
-/// at 3 i + j.
-#[inline(always)]
-fn add_point<S: Simd, const N: usize>(
-    points: &Points<S>,
-    g: &Nodal<S, N>,
-    [slope, curvature]: [Lanes<S>; 2],
-    local: &mut [[Lanes<S>; 9]],
-) {
-    let (mut structured, mut strains, mut pulls) = (*g, *g, *g);
-    for a in 0..N {
-        let h = points.structured(&g[a]);
-        strains[a] = apply(&points.f, &h);
-        for i in 0..3 {
-            structured[a][i] = h[i] * slope * 2.0;
-            pulls[a][i] = strains[a][i] * curvature * 4.0;
-        }
-    }
-    for a in 0..N {
-        for b in 0..=a {
-            let local = &mut local[pair_index(a, b)];
-            let geometric = dot(&g[a], &structured[b]);
+/// What the blocks of a quadrature point are made of. All points are kept, so that each block is summed
+/// in registers and written once: else memory would take most of the time.
+struct Factors<S: Simd, const N: usize> {
+    /// 2 √(w ψ″) F H ∇φ_a.
+    strains: Nodal<S, N>,
+    /// ∇φ_a.
+    gradients: Nodal<S, N>,
+    /// 2 w ψ′ H ∇φ_a.
+    structured: Nodal<S, N>,
+}
+
+impl<S: Simd, const N: usize> Factors<S, N> {
+    #[inline(always)]
+    fn new(points: &Points<S>, g: &Nodal<S, N>, [slope, curvature]: [Lanes<S>; 2]) -> Self {
+        let (mut strains, mut structured) = (*g, *g);
+        let (root, twice) = (curvature.sqrt() * 2.0, slope * 2.0);
+        for a in 0..N {
+            let h = points.structured(&g[a]);
+            let strain = apply(&points.f, &h);
             for i in 0..3 {
-                for j in 0..3 {
-                    local[3 * i + j] = pulls[a][i].mul_add(strains[b][j], local[3 * i + j]);
-                }
-                local[4 * i] += geometric;
+                strains[a][i] = strain[i] * root;
+                structured[a][i] = h[i] * twice;
             }
         }
+        Self { strains, gradients: *g, structured }
     }
+}
+
+/// Σ 4 w ψ″ (F H ∇φ_a) ⊗ (F H ∇φ_b) + 2 w ψ′ (∇φ_a · H ∇φ_b) I; entry (i, j) at 3 i + j.
+#[inline(always)]
+fn block<S: Simd, const N: usize>(
+    factors: &[Factors<S, N>],
+    a: usize,
+    b: usize,
+    zero: Lanes<S>,
+) -> [Lanes<S>; 9] {
+    let mut sum = [zero; 9];
+    for point in factors {
+        let (row, column) = (&point.strains[a], &point.strains[b]);
+        let geometric = dot(&point.gradients[a], &point.structured[b]);
+        for i in 0..3 {
+            for j in 0..3 {
+                sum[3 * i + j] = row[i].mul_add(column[j], sum[3 * i + j]);
+            }
+            sum[4 * i] += geometric;
+        }
+    }
+    sum
 }

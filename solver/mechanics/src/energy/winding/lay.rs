@@ -241,16 +241,16 @@ pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece
             return Err(LayError::AxisInside { at: centre.into() });
         }
         let angles = [first, first + sides[0], first - sides[2]];
-        let values: [[f64; 2]; 3] = std::array::from_fn(|k| {
-            let t = (corners[k][0] - start) / own.pitch.abs();
-            [hand * (angles[k] - own.phase) / TAU - t, t]
-        });
-        let beside = values.map(|[c, _]| c);
-        let low = beside.iter().fold(f64::INFINITY, |low, c| low.min(*c));
-        let high = beside.iter().fold(f64::NEG_INFINITY, |high, c| high.max(*c));
-        for whole in (-high).floor() as i64..=(-low).ceil() as i64 {
-            let shifted = values.map(|[c, t]| [c + whole as f64, t]);
-            pieces.extend(cut(facet, shifted, [0.0, turns]));
+        let beside = angles.map(|angle| hand * (angle - own.phase) / TAU);
+        let along = corners.map(|[height, _]| (height - start) / own.pitch.abs());
+        let least = |values: [f64; 3]| values.into_iter().fold(f64::INFINITY, f64::min);
+        let most = |values: [f64; 3]| values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        // whole turns after which the thread is at the angles, and at the heights
+        let first = (-most(beside)).max(least(along) - most(beside)).floor();
+        let last = (turns - least(beside)).min(most(along) - least(beside)).ceil();
+        for whole in first as i64..=last as i64 {
+            let at = |k: usize| [beside[k] + whole as f64 - along[k], along[k]];
+            pieces.extend(cut(facet, [at(0), at(1), at(2)], [0.0, turns]));
         }
     }
     chained(pieces, x, [0.0, turns])

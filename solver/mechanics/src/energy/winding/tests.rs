@@ -177,6 +177,9 @@ fn what_cannot_be_laid_is_said_with_its_place() {
     assert!((at[2] - 2.5).abs() < 1e-9 && (part - 200.0 / 3.0).abs() < 1e-6, "{at:?} {part}");
     let elsewhere = Helix { heights: [5.0, 6.0], ..screw(0.5, 0.0) };
     assert_eq!(helix(&facets, &x, &elsewhere), Err(LayError::Misses));
+    // a narrow band with many turns takes no longer for its facets, which are far higher
+    let narrow = Helix { heights: [1.0, 1.0 + 1e-9], ..screw(1e-11, 0.0) };
+    assert!(helix(&facets, &x, &narrow).is_ok());
     // a tube within the tube
     let (mut both, mut all) = (facets.clone(), x.clone());
     let (inner, more) = tube(24, 16, 0.8);
