@@ -100,6 +100,19 @@ fn fibres_and_threads_hold_a_chamber_and_are_reported() {
     assert!(
         (number("energy") / report["energies"]["winding"].as_f64().unwrap() - 1.0).abs() < 1e-9
     );
+    // half of what it would bear, and twice
+    let largest = row["force"][1].as_f64().unwrap();
+    for (part, breaks) in [(2.0, false), (0.5, true)] {
+        let strength = format!("stiffness = 50\nstrength = {:e}", part * largest);
+        dir_thread
+            .write("p2.toml", &dir_thread.text("p1.toml").replace("stiffness = 50", &strength));
+        let run = dir_thread.solver("simulate p2.toml -o strong");
+        run.assert_good();
+        assert_eq!(run.stderr.contains("it breaks"), breaks, "{}", run.stderr);
+        let margin =
+            dir_thread.json("strong/report.json")["windings"][0]["margin"].as_f64().unwrap();
+        assert!((margin / part - 1.0).abs() < 1e-9, "{margin}");
+    }
     let table = dir_thread.text("out/windings.csv");
     let segments = row["segments"].as_u64().unwrap() as usize;
     assert!(
@@ -214,6 +227,7 @@ fn threads_that_cannot_be_used_are_refused() {
         ("on = \"side\"", "on = \"tip\"", &["the axis passes through a facet"]),
         ("start = 0.004\nend = 0.046", "start = 0.2\nend = 0.3", &["it meets none of the facets"]),
         ("double = true", "points = [[0, 0, 0], [0.05, 0, 0]]", &["around beside points"]),
+        ("double = true", "strength = 0", &["strength = 0 N"]),
         ("double = true", "pretension = -1", &["pretension = -1 N"]),
         (
             "around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }\n",

@@ -105,6 +105,9 @@ pub struct Winding {
     pub force: [f64; 2],
     /// Mean force along it [N].
     pub mean_force: f64,
+    /// Force at which it breaks over the largest force, if it is known: it breaks below 1 [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
     /// Share of the length that is in tension [1].
     pub taut: f64,
 }

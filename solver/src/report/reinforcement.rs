@@ -37,7 +37,16 @@ pub fn fibres(energies: &Energies, at: &Iterate) -> Vec<Fibre> {
 pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding> {
     let one = |(winding, thread): (&WindingConfig, &energy::Winding)| {
         let WindingSummary { length, energy, force, mean_force, taut } = thread.summary(at);
-        let WindingConfig { name, on, points, .. } = winding;
+        let WindingConfig { name, on, points, strength, .. } = winding;
+        let margin = strength.filter(|_| force[1] > 0.0).map(|strength| strength / force[1]);
+        if margin.is_some_and(|margin| margin <= 1.0) {
+            log::warn!(
+                "winding {name}: its largest force, {:.3} N, is above its strength, {:.3} N: it breaks\n  lower \
+                 the load, or take more turns or a stronger thread",
+                force[1],
+                strength.unwrap_or_default()
+            );
+        }
         Winding {
             name: name.clone(),
             on: on.clone(),
@@ -47,6 +56,7 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
             energy,
             force,
             mean_force,
+            margin,
             taut,
         }
     };

@@ -51,6 +51,9 @@ pub struct WindingConfig {
     /// Force of the thread while the body has its shape at rest [N].
     #[serde(default)]
     pub pretension: f64,
+    /// Force at which the thread breaks [N]: the report has the margin, and a run warns where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<f64>,
     /// Elongation over which the thread becomes taut [1].
     #[serde(default = "default_slack")]
     pub slack: f64,
@@ -174,6 +177,14 @@ impl WindingConfig {
             misfit!(
                 key("slack"),
                 " = {slack}: must be above 0 and at most 1; the elongation over which the thread becomes taut, such as 1e-3"
+            )
+        );
+        ensure!(
+            self.strength.is_none_or(|strength| strength > 0.0 && strength.is_finite()),
+            misfit!(
+                key("strength"),
+                " = {} N: must be positive and finite; the force at which the thread breaks",
+                self.strength.unwrap_or_default()
             )
         );
         ensure!(phase.is_finite(), misfit!(key("phase"), " = {phase}°: must be finite"));
