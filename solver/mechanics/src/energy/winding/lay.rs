@@ -97,7 +97,8 @@ impl Piece {
 
 /// The segment c = 0 of a facet by c and t of its corners, from a range of t.
 fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Piece> {
-    let most = corners.iter().fold(0.0_f64, |most, [c, _]| most.max(c.abs()));
+    // facets that are far higher than the pitch have c of many turns
+    let most = corners.iter().fold(0.0_f64, |most, [c, _]| most.max(c.abs())).min(1.0);
     let c = corners.map(|[c, _]| if c.abs() < ROUNDING * most { 0.0 } else { c });
     let mut ends: Vec<[f64; 3]> = Vec::new();
     for k in 0..3 {
