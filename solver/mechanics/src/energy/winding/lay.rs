@@ -168,7 +168,7 @@ fn chained(mut pieces: Vec<Piece>, x: &[Vec3], range: [f64; 2]) -> Result<Vec<Pi
         let layers = || LayError::Layers { at: piece.at(x, f64::midpoint(from, to)).into() };
         if to <= reached + tolerance {
             // what is between two facets is found in both
-            if to - from > tolerance && apart(&chain, &piece, x) {
+            if from < reached - tolerance && to - from > tolerance && apart(&chain, &piece, x) {
                 return Err(layers());
             }
             continue;

@@ -177,10 +177,10 @@ fn what_cannot_be_laid_is_said_with_its_place() {
     assert!((at[2] - 2.5).abs() < 1e-9 && (part - 200.0 / 3.0).abs() < 1e-6, "{at:?} {part}");
     let elsewhere = Helix { heights: [5.0, 6.0], ..screw(0.5, 0.0) };
     assert_eq!(helix(&facets, &x, &elsewhere), Err(LayError::Misses));
-    // a narrow band with many turns takes no longer for its facets, which are far higher
+    // a narrow band, 100 turns over 24 columns of facets that are far higher than the pitch
     let narrow = Helix { heights: [1.0, 1.0 + 1e-4], ..screw(1e-6, 0.0) };
     let found = helix(&facets, &x, &narrow).map(|pieces| pieces.len());
-    assert!(found.is_ok_and(|pieces| pieces >= 4800), "{found:?}");
+    assert!(found.is_ok_and(|pieces| pieces >= 2400), "{found:?}");
     // a tube within the tube
     let (mut both, mut all) = (facets.clone(), x.clone());
     let (inner, more) = tube(24, 16, 0.8);
