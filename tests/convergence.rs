@@ -8,6 +8,8 @@ mod cantilever;
 mod contact;
 #[path = "convergence/dynamics.rs"]
 mod dynamics;
+#[path = "convergence/fibre.rs"]
+mod fibre;
 #[path = "convergence/hertz.rs"]
 mod hertz;
 #[path = "convergence/land.rs"]

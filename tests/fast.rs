@@ -29,6 +29,8 @@ mod error_bars;
 mod export;
 #[path = "fast/failures.rs"]
 mod failures;
+#[path = "fast/fibres.rs"]
+mod fibres;
 #[path = "fast/flat_element.rs"]
 mod flat_element;
 #[path = "fast/gallery.rs"]

@@ -20,6 +20,22 @@ on = "top"
 thickness = 1e-4
 material = { kind = "sheet", young = 1e6, poisson = 0.3 }
 
+[[fibre]]
+name = "weave"
+around = { point = [-0.02, -0.03, 0], axis = [0, 0, 1] }
+angle = 30
+k1 = 2e4
+k2 = 1.0
+dispersion = 0.1
+compression = true
+
+[[winding]]
+name = "thread"
+on = "top"
+points = [[0.01, 0.01, 0.04], [0.04, 0.03, 0.04]]
+stiffness = 10
+pretension = 0.1
+
 [[traction]]
 on = "top"
 traction = [5, 0, "50 * t / 0.02"]

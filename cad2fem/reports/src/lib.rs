@@ -13,8 +13,8 @@ mod step;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
-    AsCast, Chamber, ErrorBar, ErrorBars, Locking, Measurement, Membrane, Offset, Probe,
-    StretchRange, Tag,
+    AsCast, Chamber, ErrorBar, ErrorBars, Fibre, Locking, Measurement, Membrane, Offset, Probe,
+    StretchRange, Tag, Winding,
 };
 pub use numbers::{Numbers, numbers};
 pub use optimization::{

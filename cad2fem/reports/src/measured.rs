@@ -66,6 +66,52 @@ pub struct Membrane {
     pub slack: f64,
 }
 
+/// Measures of a family of fibres.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Fibre {
+    /// Name of the family.
+    pub name: String,
+    /// Rest volume that it is in [m³].
+    pub volume: f64,
+    /// Stored energy [J].
+    pub energy: f64,
+    /// Smallest and largest stretch along the fibres [1].
+    pub stretch: [f64; 2],
+    /// Largest force of the fibres per rest area across them [Pa].
+    pub stress: f64,
+    /// Share of the volume in which they are in tension [1].
+    pub taut: f64,
+}
+
+/// Measures of a thread.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Winding {
+    /// Name of the winding.
+    pub name: String,
+    /// Tag that it is wound on.
+    pub on: String,
+    /// Length of the thread at rest [m].
+    pub length: f64,
+    /// Turns of a helix, those of both threads where there are two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turns: Option<f64>,
+    /// Segments, each in one facet.
+    pub segments: usize,
+    /// Stored energy [J].
+    pub energy: f64,
+    /// Smallest and largest force along it [N].
+    pub force: [f64; 2],
+    /// Mean force along it [N].
+    pub mean_force: f64,
+    /// Force at which it breaks over the largest force, if it is known: it breaks below 1 [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
+    /// Share of the length that is in tension [1].
+    pub taut: f64,
+}
+
 /// Value of a probe.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]

@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::failed::{Crossing, Failed};
-use crate::measured::{AsCast, Chamber, ErrorBars, Locking, Membrane, Probe, StretchRange, Tag};
+use crate::measured::{
+    AsCast, Chamber, ErrorBars, Fibre, Locking, Membrane, Probe, StretchRange, Tag, Winding,
+};
 use crate::stability::{Limit, Stability};
 use crate::step::{ForceBalance, Step};
 
@@ -76,6 +78,12 @@ pub struct End {
     /// Measures of each sheet, in the order of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub membranes: Option<Vec<Membrane>>,
+    /// Measures of each family of fibres, in the order of the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibres: Option<Vec<Fibre>>,
+    /// Measures of each thread, in the order of the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub windings: Option<Vec<Winding>>,
     /// Value of each probe in the last state.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<BTreeMap<String, Probe>>,

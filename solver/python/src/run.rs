@@ -20,6 +20,7 @@ use scene::config::SimConfig;
 use solver::number::{Number, Swept, Walls};
 use solver::report::failure::Diagnosis;
 use solver::report::record::{Finished, Recorder};
+use solver::report::reinforcement;
 use solver::report::results;
 use solver::report::simulation::{self, Spent};
 use solver::study::nearby;
@@ -143,6 +144,7 @@ impl Run {
         let last = self.load_steps.last().context("the run has no steps")?;
         let at = self.at(last);
         results::write_end(folder, &self.problem, &at, None)?;
+        reinforcement::write_threads(folder, &scene, &self.problem.energies, &at)?;
         let mut workspace = self.workspace.lock().unwrap_or_else(PoisonError::into_inner);
         let (timings, velocity) = (workspace.timings, self.velocity(self.trajectory.steps()));
         let spent = Spent {

@@ -23,6 +23,7 @@ use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
 use crate::report::locking;
 use crate::report::record::{Checkpoint, Finished, Recorder, Work};
+use crate::report::reinforcement;
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
 use crate::report::stability;
@@ -127,6 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(run.failed(report, arguments, &unreached)?);
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
+    reinforcement::write_threads(folder, &scene, &problem.energies, &end)?;
     let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
     let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
     let (stability, mode) = known.unzip();
@@ -172,6 +174,8 @@ fn announce(scene: &Scene, workspace: &Workspace) {
     }
     locking::foresee(scene);
     scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
+    scene.config.fibre.iter().for_each(|fibre| log::info!("{}", fibre.in_words()));
+    scene.config.winding.iter().for_each(|winding| log::info!("{}", winding.in_words()));
     scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
     log::info!(
         "{} tets, degree {}, {}",

@@ -38,6 +38,8 @@ pub fn check(scene: &Scene) -> Result<()> {
         (!config.obstacle.is_empty(), KeyPath::list("obstacle")),
         (!config.membrane.is_empty(), KeyPath::list("membrane")),
         (!config.rigid.is_empty(), KeyPath::list("rigid")),
+        (!config.fibre.is_empty(), KeyPath::list("fibre")),
+        (!config.winding.is_empty(), KeyPath::list("winding")),
         (!config.relaxation.is_empty(), KeyPath::list("relaxation")),
     ];
     if let Some((_, path)) = lists.into_iter().find(|(has, _)| *has) {

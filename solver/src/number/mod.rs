@@ -8,6 +8,7 @@
 mod group;
 mod laws;
 mod loads;
+mod reinforcement;
 mod walls;
 
 use std::collections::BTreeMap;
@@ -32,6 +33,8 @@ pub const KINDS: &[Kind] = &[
     laws::DENSITY,
     laws::RELAXATION,
     laws::MEMBRANE,
+    reinforcement::FIBRE,
+    reinforcement::WINDING,
     loads::CHAMBER,
     loads::FRICTION,
     loads::GRAVITY,

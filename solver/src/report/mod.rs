@@ -12,6 +12,7 @@ pub mod leap;
 pub mod locking;
 pub mod mirror;
 pub mod record;
+pub mod reinforcement;
 pub mod results;
 pub mod simulation;
 pub mod stability;

@@ -23,6 +23,7 @@ use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 
 use crate::report::fields::fields;
+use crate::report::reinforcement::{THREADS, fibre_fields};
 use crate::report::stability;
 
 /// Name of the file with a line for each step.
@@ -352,6 +353,7 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     let [at_points, of_cells] = fields(energies, at);
     grid.point_fields.extend(at_points);
     grid.cell_fields.extend(of_cells);
+    grid.cell_fields.extend(fibre_fields(energies, at));
     for energy in energies.contact_terms() {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);
@@ -428,7 +430,7 @@ pub fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", FAILED];
+        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", THREADS, FAILED];
         let unless_kept = ["result.pvd", STEPS, CURVE];
         let step = name.starts_with("step_") && name.ends_with(".vtu");
         if ours.contains(&name)

@@ -18,6 +18,7 @@ use serde_json::json;
 use crate::report::crossing::Crossing;
 use crate::report::locking;
 use crate::report::record::Recorder;
+use crate::report::reinforcement;
 use crate::report::results;
 
 /// What is known before a run whose results lie in a folder.
@@ -99,6 +100,8 @@ pub fn end(
     let kinetic =
         spent.velocity.map(|v| results::kinetic_energy(&problem.energies, end.space, end.rest, v));
     let sheets = || results::membranes(scene, &problem.energies, end);
+    let fibres = || reinforcement::fibres(&problem.energies, end);
+    let threads = || reinforcement::windings(scene, &problem.energies, end);
     let measured = || results::probes(probes, problem, end);
     let recorder = spent.recorder;
     let mut found = End {
@@ -110,6 +113,8 @@ pub fn end(
         tags: results::tags(scene, &scene.body, problem, end)?,
         chambers: results::chambers(&problem.energies, end),
         membranes: (!scene.membranes.is_empty()).then(sheets),
+        fibres: (!scene.config.fibre.is_empty()).then(fibres),
+        windings: (!scene.config.winding.is_empty()).then(threads),
         probes: (!probes.is_empty()).then(measured),
         stretch_range: stretches(scene, end),
         locking: locking::estimate(scene, (problem, probes), end),
@@ -135,7 +140,9 @@ fn balance(
     kinetic: Option<f64>,
 ) -> EnergyBalance {
     let work_of_loads = recorder.work().total;
-    let elastic = energies["elastic"] + energies.get("membrane").unwrap_or(&0.0);
+    let reinforcement =
+        ["membrane", "fibre", "winding"].map(|name| energies.get(name).unwrap_or(&0.0));
+    let elastic = energies["elastic"] + reinforcement.into_iter().sum::<f64>();
     let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
     let relative_gap = kinetic.is_none().then_some(gap);
     let largest_gain = recorder.largest_gain();

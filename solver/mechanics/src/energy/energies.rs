@@ -6,8 +6,10 @@
 
 use std::sync::Arc;
 
-use super::{BodyForce, Chamber, Contact, Elastic, Energy, Friction, GasLaw, Held, Inertia};
-use super::{Iterate, Membrane, Rigid, RigidLoad, RigidMass, Springs, Traction, Viscous};
+use super::{
+    BodyForce, Chamber, Contact, Elastic, Energy, Fibres, Friction, GasLaw, Held, Inertia, Iterate,
+    Membrane, Rigid, RigidLoad, RigidMass, Springs, Traction, Viscous, Winding,
+};
 use crate::element::FunctionSpace;
 use crate::material::Material;
 use crate::schedule::Schedule;
@@ -19,6 +21,10 @@ pub struct Energies {
     pub bodies: Vec<BodyEnergies>,
     /// Thin sheets on facets.
     pub membranes: Vec<Membrane>,
+    /// Families of fibres in volumes.
+    pub fibres: Vec<Fibres>,
+    /// Threads on facets.
+    pub windings: Vec<Winding>,
     /// Chambers with gas.
     chambers: Vec<NamedChamber>,
     /// Barrier between surfaces.
@@ -95,6 +101,10 @@ pub enum Kind {
     Weight(usize),
     /// Elastic energy of a sheet, by its index.
     Membrane(usize),
+    /// Energy of a family of fibres, by its index.
+    Fibre(usize),
+    /// Energy of a thread, by its index.
+    Winding(usize),
     /// Inertia of a body.
     Inertia(usize),
     /// Tiny mass of a loose body.
@@ -131,6 +141,10 @@ pub enum ParameterId {
     Relaxation(usize),
     /// Thickness of a sheet, then the parameters of its law.
     Membrane(usize),
+    /// k₁, k₂, dispersion and angle [rad] of a family of fibres.
+    Fibre(usize),
+    /// Stiffness EA [N] and pretension [N] of a thread.
+    Winding(usize),
     /// Density of a body in its weight, then the three components of what is added to gravity.
     Weight(usize),
     /// Density of a body in its inertia.
@@ -168,7 +182,8 @@ impl Kind {
     /// and have no resultant.
     #[must_use]
     pub fn is_elastic(self) -> bool {
-        matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Membrane(_) | Self::Rigid(_))
+        let reinforces = matches!(self, Self::Membrane(_) | Self::Fibre(_) | Self::Winding(_));
+        reinforces || matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Rigid(_))
     }
 
     /// Whether its forces are given and do not depend on the displacement.
@@ -197,6 +212,8 @@ impl Kind {
         match self {
             Self::Elastic(body) | Self::Viscous(body) => Some(ParameterId::Material(body)),
             Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
+            Self::Fibre(family) => Some(ParameterId::Fibre(family)),
+            Self::Winding(thread) => Some(ParameterId::Winding(thread)),
             Self::Weight(body) => Some(ParameterId::Weight(body)),
             Self::Inertia(body) => Some(ParameterId::Density(body)),
             Self::Traction(load) => Some(ParameterId::Traction(load)),
@@ -244,8 +261,8 @@ impl Energies {
         self
     }
 
-    /// All terms: elastic energy, overstress and weight of each body, sheets, inertia of each, chambers,
-    /// contact, friction, body forces, tractions, rigid parts, springs, others.
+    /// All terms: elastic energy, overstress and weight of each body, sheets, fibres, threads, inertia of each,
+    /// chambers, contact, friction, body forces, tractions, rigid parts, springs, others.
     pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
         fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
             Term { kind, energy }
@@ -257,6 +274,10 @@ impl Energies {
         });
         let sheets = self.membranes.iter().enumerate();
         let sheets = sheets.map(|(i, sheet)| term(Kind::Membrane(i), sheet));
+        let fibres = self.fibres.iter().enumerate();
+        let fibres = fibres.map(|(i, family)| term(Kind::Fibre(i), family));
+        let threads = self.windings.iter().enumerate();
+        let threads = threads.map(|(i, thread)| term(Kind::Winding(i), thread));
         let inertia = self.bodies.iter().enumerate().filter_map(|(i, body)| {
             let inertia = body.inertia.as_ref()?;
             let kind = if inertia.is_tiny() { Kind::TinyMass(i) } else { Kind::Inertia(i) };
@@ -276,7 +297,7 @@ impl Energies {
         let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
         let others = self.others.iter().map(|other| term(Kind::Other, &**other));
         let loads = forces.chain(tractions).chain(rigid).chain(springs).chain(others);
-        let statics = statics.chain(sheets);
+        let statics = statics.chain(sheets).chain(fibres).chain(threads);
         statics.chain(inertia).chain(chambers).chain(contact).chain(friction).chain(loads)
     }
 

@@ -1,4 +1,4 @@
-//! Terms of the potential energy [J]: elasticity, sheets, inertia as an incremental potential, dead
+//! Terms of the potential energy [J]: elasticity, sheets, fibres, threads, inertia as an incremental potential, dead
 //! loads, follower loads (gas in chambers), the contact barrier and lagged friction; and the
 //! overstress of viscoelastic bodies as one.
 
@@ -7,6 +7,7 @@ mod chamber;
 mod contact;
 mod elastic;
 mod energies;
+mod fibres;
 mod friction;
 pub mod gas_law;
 mod held;
@@ -18,6 +19,7 @@ mod springs;
 mod traction;
 mod viscous;
 mod wall;
+mod winding;
 
 pub use body_force::BodyForce;
 pub use chamber::Chamber;
@@ -27,6 +29,7 @@ pub use energies::{
     BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId,
     RigidEnergies, Term,
 };
+pub use fibres::{Axis, Direction, FibreMean, FibreSummary, Fibres};
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use held::Held;
@@ -38,6 +41,7 @@ pub use springs::{Spring, Springs};
 pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
+pub use winding::{Helix, LayError, Piece, Strand, Winding, WindingSummary, helix, polyline};
 
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,9 @@
 //! Constitutive laws ψ(F): energy per rest volume [J/m³].
 //!
-//! One law per file, one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`].
+//! One law per file, one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`], that of fibres in [`fibre`].
 
 mod arruda_boyce;
+pub mod fibre;
 mod gent;
 mod isochoric;
 mod isotropic;
@@ -18,6 +19,7 @@ mod points;
 pub mod response;
 mod saint_venant_kirchhoff;
 pub mod sheet;
+pub mod slack;
 mod specification;
 mod split;
 #[cfg(test)]

@@ -83,6 +83,8 @@ impl SimConfig {
     fn check_parts(&self) -> Result<()> {
         self.check_symmetry()?;
         self.check_membranes()?;
+        self.check_fibres()?;
+        self.check_windings()?;
         self.check_relaxation()?;
         self.check_rigid()?;
         self.check_probes()?;

@@ -6,6 +6,7 @@ mod chamber;
 mod check;
 mod contact;
 mod design;
+mod fibre;
 mod gas;
 mod level;
 mod limit;
@@ -17,6 +18,7 @@ mod scenario;
 mod solver;
 mod symmetry;
 mod uncertainty;
+mod winding;
 
 use measure::written::{FieldSchema, MethodSchema};
 use std::collections::BTreeMap;
@@ -29,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
+pub use fibre::{AroundConfig, FibreConfig};
 pub use limit::LimitConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::objective::{ObjectiveConfig, Weight};
@@ -49,6 +52,7 @@ pub use mechanics::contact::barrier::Form as ContactForm;
 use mechanics::forward::Method;
 use mechanics::schedule::{Field, axes};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
+pub use winding::{Climb, WindingConfig};
 
 use crate::meaning::meaning;
 
@@ -102,6 +106,12 @@ pub struct SimConfig {
     /// Parts that keep their shape: fittings, glued discs, bodies that are lifted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rigid: Vec<RigidConfig>,
+    /// Families of fibres in bodies and volumes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fibre: Vec<FibreConfig>,
+    /// Threads wound on tags.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub winding: Vec<WindingConfig>,
     /// Overstress of viscoelastic bodies; several tables make a Prony series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub relaxation: Vec<RelaxationConfig>,

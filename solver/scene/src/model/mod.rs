@@ -10,6 +10,7 @@ mod objectives;
 mod probes;
 mod read;
 mod rigid;
+mod reinforcement;
 mod symmetry;
 
 pub use laws::SceneLaw;
@@ -261,6 +262,8 @@ impl Scene {
     ) -> Result<Energies> {
         let mut energies = Energies::bodies(self.bodies(body, space, supports)?);
         energies.membranes = self.sheets(body, space)?;
+        energies.fibres = self.fibres(body, space)?;
+        energies.windings = self.windings(body, space)?;
         for (name, chamber) in self.chambers(body, space)? {
             chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
             energies = energies.with_chamber(name, chamber);
@@ -288,8 +291,8 @@ impl Scene {
         Ok(energies)
     }
 
-    /// The terms of a problem with the numbers of this scene: its materials, sheets, gravity, gas and
-    /// friction. Barrier, supports and other forces are those of the problem.
+    /// The terms of a problem with the numbers of this scene: its materials, sheets, fibres, threads, gravity,
+    /// gas and friction. Barrier, supports and other forces are those of the problem.
     ///
     /// # Errors
     /// When a material has no density and needs one.
@@ -299,6 +302,8 @@ impl Scene {
         let mut energies = problem.energies.clone();
         energies.bodies = self.bodies(body, space, &supports)?;
         energies.membranes = self.sheets(body, space)?;
+        energies.fibres = self.fibres(body, space)?;
+        energies.windings = self.windings(body, space)?;
         for (i, chamber) in self.config.chamber.iter().enumerate() {
             energies.set_gas_law(ChamberId::of(i), chamber.gas.clone());
         }

@@ -23,6 +23,7 @@ use crate::schedule::{Field, Schedule};
 use crate::testing::{check_gradient, cube, flat, points};
 
 mod dilatation;
+mod fibre;
 mod internal;
 mod membrane;
 mod neighbours;

@@ -7,7 +7,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::Elastic;
-use super::elements::{Batch, Nodal, points};
+use super::elements::{Batch, Nodal, pieces, points};
 use super::mean::{Mean, add_mean_force, add_rank_one};
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Points};
@@ -17,11 +17,6 @@ use crate::math::lanes::{Lanes, MOST};
 use crate::math::sparse::{pair_count, pair_index};
 use crate::math::tensor::{Mat3, Mat9, project_isotropic};
 use mesh::Vec3;
-
-/// Cuts a range into pieces of at most `each`.
-fn pieces(range: Range<usize>, each: usize) -> impl Iterator<Item = Range<usize>> {
-    range.clone().step_by(each).map(move |first| first..(first + each).min(range.end))
-}
 
 /// ψ of each lane [J/m³].
 #[inline(always)]

@@ -12,16 +12,16 @@ use crate::math::lanes::tensor::{Tensor, cofactor, determinant, scaled};
 use crate::math::lanes::{Lanes, MOST};
 
 /// Vectors of components, one for each of N nodes.
-pub(super) type Nodal<S, const N: usize> = [[Lanes<S>; 3]; N];
+pub(in crate::energy) type Nodal<S, const N: usize> = [[Lanes<S>; 3]; N];
 
 /// Consecutive straight-sided elements, as many as there are lanes.
-pub(super) struct Batch<'a, S: Simd, const N: usize> {
-    pub(super) simd: S,
-    pub(super) iterate: &'a Iterate<'a>,
+pub(in crate::energy) struct Batch<'a, S: Simd, const N: usize> {
+    pub(in crate::energy) simd: S,
+    pub(in crate::energy) iterate: &'a Iterate<'a>,
     /// G⁻¹, whose rows are the rest gradients of three barycentric coordinates [1/m].
     to_rest: Tensor<S>,
     /// Rest volume [m³].
-    pub(super) volume: Lanes<S>,
+    pub(in crate::energy) volume: Lanes<S>,
     /// Displacements of the nodes [m].
     u: Nodal<S, N>,
 }
@@ -29,7 +29,11 @@ pub(super) struct Batch<'a, S: Simd, const N: usize> {
 impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
     /// From an element on; lanes beyond the last one repeat it.
     #[inline(always)]
-    pub(super) fn new(simd: S, iterate: &'a Iterate<'a>, elements: &Range<usize>) -> Self {
+    pub(in crate::energy) fn new(
+        simd: S,
+        iterate: &'a Iterate<'a>,
+        elements: &Range<usize>,
+    ) -> Self {
         let mut indices = [elements.end - 1; MOST];
         for (index, e) in indices.iter_mut().zip(elements.clone()) {
             *index = e;
@@ -70,7 +74,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
 
     /// Rest gradients ∇φ_a of all nodes at quadrature point q.
     #[inline(always)]
-    pub(super) fn gradients(&self, q: usize) -> Nodal<S, N> {
+    pub(in crate::energy) fn gradients(&self, q: usize) -> Nodal<S, N> {
         let table = &self.iterate.space.volume_table().gradients[q];
         let mut g = self.u;
         for (g, table) in g.iter_mut().zip(table) {
@@ -85,13 +89,13 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
     }
 
     #[inline(always)]
-    pub(super) fn splat(&self, x: f64) -> Lanes<S> {
+    pub(in crate::energy) fn splat(&self, x: f64) -> Lanes<S> {
         Lanes::splat(self.simd, x)
     }
 
     /// ∇u = Σ u_a ⊗ ∇φ_a.
     #[inline(always)]
-    pub(super) fn grad_u(&self, gradients: &Nodal<S, N>) -> Tensor<S> {
+    pub(in crate::energy) fn grad_u(&self, gradients: &Nodal<S, N>) -> Tensor<S> {
         let mut sum = [[Lanes::splat(self.simd, 0.0); 3]; 3];
         for (u, g) in self.u.iter().zip(gradients) {
             for i in 0..3 {
@@ -104,9 +108,19 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
     }
 }
 
+/// Cuts a range into pieces of at most `each`.
+pub(in crate::energy) fn pieces(
+    range: Range<usize>,
+    each: usize,
+) -> impl Iterator<Item = Range<usize>> {
+    range.clone().step_by(each).map(move |first| first..(first + each).min(range.end))
+}
+
 /// Quadrature points and fractions of the volume that they stand for. Where strain is constant
 /// in an element, one point stands for all.
-pub(super) fn points<const N: usize>(iterate: &Iterate) -> impl Iterator<Item = (usize, f64)> {
+pub(in crate::energy) fn points<const N: usize>(
+    iterate: &Iterate,
+) -> impl Iterator<Item = (usize, f64)> {
     let weights = &iterate.space.volume_table().weights;
     let constant = N == 4;
     let of = move |q: usize| if constant { 1.0 } else { weights[q] };

@@ -13,7 +13,7 @@
 //! Analysis of Structural Systems".
 
 mod batch;
-mod elements;
+pub(super) mod elements;
 mod mean;
 
 use std::ops::Range;
@@ -297,6 +297,7 @@ macro_rules! with_nodes {
         }
     };
 }
+pub(super) use with_nodes;
 
 impl Energy for Elastic {
     fn name(&self) -> &'static str {

@@ -1,0 +1,108 @@
+//! Gradients of runs of blocks with fibres and threads.
+
+use super::*;
+use crate::energy::{Axis, Direction, Fibres, Winding, polyline};
+use crate::material::fibre::Fibre;
+use crate::material::{Lame, NeoHookean};
+
+/// A block with gas around it, two families of fibres, and a thread on its top.
+struct Reinforced {
+    degree: usize,
+    /// Pressure on the block: positive, it pulls [Pa].
+    pressure: f64,
+}
+
+/// Angle [rad] and stiffness of both families.
+const FAMILIES: [(f64, f64); 2] = [(0.5, 6e4), (-0.9, 3e4)];
+const STIFFNESS: f64 = 0.5;
+
+impl Reinforced {
+    fn mesh() -> TetMesh {
+        let mut mesh = cube(2, 0.0);
+        mesh.vertices.iter_mut().for_each(|v| *v *= 0.02);
+        mesh
+    }
+
+    /// k₁, k₂, dispersion and angle of the first family, then EA, relative to those of the case.
+    fn problem(&self, by: &[f64]) -> (Problem, Workspace) {
+        let mesh = Self::mesh();
+        let boundary = topology::boundary(&mesh).facets;
+        let TetMesh { vertices, tets } = mesh;
+        let all = |f: &[usize; 3], z: f64| f.iter().all(|&v| (vertices[v].z - z).abs() < 1e-9);
+        let top: Vec<_> = boundary.iter().filter(|f| all(f, 0.02)).copied().collect();
+        let wall: Vec<_> =
+            boundary.iter().filter(|f| !all(f, 0.0)).map(|&[a, b, c]| [a, c, b]).collect();
+        let count = tets.len();
+        let space = FunctionSpace::new(self.degree, vertices.len(), tets);
+        let nodes = space.node_positions(&vertices);
+        let fixed: Vec<bool> = nodes.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
+        let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(5e4, 0.4))));
+        // pressed together, fibres that carry tension only would do nothing
+        let slack = (self.pressure > 0.0).then_some(0.2);
+        let axis = Axis { point: Vec3::new(-0.01, 0.01, 0.0), along: Vec3::z() };
+        for (i, (angle, k1)) in FAMILIES.into_iter().enumerate() {
+            let by = if i == 0 { by } else { &[1.0; 5] };
+            let dispersion = 0.05 * by[2];
+            let law = Fibre { k1: k1 * by[0], k2: 2.0 * by[1], dispersion, slack };
+            energies.fibres.push(Fibres::new(
+                law,
+                Direction::Helical(axis, angle * by[3]),
+                0..count,
+            ));
+        }
+        let path = [[0.003, 0.004, 0.02], [0.016, 0.013, 0.02]].map(Vec3::from);
+        let pieces = polyline(&top, &Self::mesh().vertices, &path).expect("it lies on the top");
+        let numbers = [STIFFNESS * by[4], 0.02, 0.1];
+        energies.windings.push(Winding::new(&space, &pieces, numbers));
+        let gas = Box::new(Isobaric { pressure: self.pressure.into() });
+        let wall = Wall::new(&space, &wall);
+        energies = energies.with_chamber("around", Chamber { wall, gas, multiplier: None });
+        let problem = Problem::new(space, energies, &fixed);
+        let workspace = Workspace::new(&problem);
+        (problem, workspace)
+    }
+
+    fn run(&self, by: &[f64], rest: &[Vec3]) -> (Problem, Workspace, Trajectory) {
+        let (problem, mut workspace) = self.problem(by);
+        let len = problem.dofs();
+        let start = State::new(vec![0.0; len], vec![0.0; len]);
+        let integrator = Integrator::new(Method::Quasistatic, start);
+        let mut run = Trajectory::begin(&integrator, ON_DISK);
+        let mut stepper = TimeStepper::new(TIGHT, integrator);
+        let outcome = stepper.advance(&problem, &mut workspace, rest, 1.0, |_| ());
+        outcome.expect("an equilibrium");
+        run.push(1.0, stepper.progress.integrator.last().clone());
+        (problem, workspace, run)
+    }
+
+    fn check(&self) {
+        let (same, rest) = ([1.0; 5], Self::mesh().vertices);
+        let (problem, mut workspace, at) = self.run(&same, &rest);
+        let probe = Probe::new(problem.dofs(), false);
+        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
+        check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| {
+            let rest = points(x);
+            let (problem, _, run) = self.run(&same, &rest);
+            probe.value(&problem, &rest, &run)
+        });
+        let mut by = gradient.parameters.total(ParameterId::Fibre(0));
+        by.push(gradient.parameters.total(ParameterId::Winding(0))[0]);
+        let values = [FAMILIES[0].1, 2.0, 0.05, FAMILIES[0].0, STIFFNESS];
+        let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
+        assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
+        check_gradient(&same, &by, 1e-2, |by| {
+            let (problem, _, run) = self.run(by, &rest);
+            probe.value(&problem, &rest, &run)
+        });
+    }
+}
+
+#[test]
+fn bodies_with_fibres_and_threads_have_their_gradient() {
+    for degree in [1, 2] {
+        // blown up, and pressed together
+        for pressure in [4e3, -4e3] {
+            Reinforced { degree, pressure }.check();
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Elements with fibres side by side, one in each lane: their energies, forces and Hessians.
+
+#![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::{Direction, Fibres};
+use crate::energy::elastic::elements::{Batch, Nodal, pieces, points};
+use crate::energy::{Hessian, Iterate};
+use crate::math::lanes::tensor::{Tensor, plus_identity, scaled};
+use crate::math::lanes::{Lanes, MOST};
+use crate::math::sparse::{pair_count, pair_index};
+use mesh::Vec3;
+
+/// A vector in each lane.
+type Vector<S> = [Lanes<S>; 3];
+
+/// Fibres of consecutive elements at a quadrature point.
+struct Points<S: Simd> {
+    /// F.
+    f: Tensor<S>,
+    /// a₀.
+    along: Vector<S>,
+    /// κ and 1 − 3κ.
+    shares: [Lanes<S>; 2],
+    /// ε.
+    strain: Lanes<S>,
+}
+
+/// ψ, ψ′ and ψ″ of each lane.
+type Responses<S> = [Lanes<S>; 3];
+
+#[inline(always)]
+fn dot<S: Simd>(a: &Vector<S>, b: &Vector<S>) -> Lanes<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+#[inline(always)]
+fn apply<S: Simd>(a: &Tensor<S>, v: &Vector<S>) -> Vector<S> {
+    [dot(&a[0], v), dot(&a[1], v), dot(&a[2], v)]
+}
+
+/// a₀ at barycentric coordinates in each of some elements.
+#[inline(always)]
+fn directions<S: Simd>(
+    simd: S,
+    direction: &Direction,
+    (iterate, elements): (&Iterate, &Range<usize>),
+    lambda: &[f64],
+) -> Vector<S> {
+    let mut values = [[0.0; MOST]; 3];
+    for lane in 0..Lanes::<S>::COUNT {
+        let e = (elements.start + lane).min(elements.end - 1);
+        let corners = iterate.space.tets()[e].iter().zip(lambda);
+        let along = direction.at(corners.map(|(&v, l)| *l * iterate.rest[v]).sum());
+        for i in 0..3 {
+            values[i][lane] = along[i];
+        }
+    }
+    values.map(|value| Lanes::load(simd, &value))
+}
+
+impl<S: Simd> Points<S> {
+    #[inline(always)]
+    fn new(fibres: &Fibres, grad_u: &Tensor<S>, along: Vector<S>) -> Self {
+        let h = grad_u;
+        let one = along[0].zero() + 1.0;
+        let shares = [one * fibres.law.dispersion, one * (1.0 - 3.0 * fibres.law.dispersion)];
+        // 2G = h + hᵀ + hᵀh: along a₀ and its trace
+        let moved = apply(h, &along);
+        let own = dot(&along, &moved) * 2.0 + dot(&moved, &moved);
+        let mut trace = (h[0][0] + h[1][1] + h[2][2]) * 2.0;
+        for row in h {
+            trace += dot(row, row);
+        }
+        let strain = shares[0] * trace + shares[1] * own;
+        Self { f: plus_identity(h, one), along, shares, strain }
+    }
+
+    #[inline(always)]
+    fn responses(&self, simd: S, fibres: &Fibres) -> Responses<S> {
+        let strain = self.strain.to_array();
+        let mut values = [[0.0; MOST]; 3];
+        for lane in 0..Lanes::<S>::COUNT {
+            let response = fibres.law.response(strain[lane]);
+            values[0][lane] = response.energy;
+            values[1][lane] = response.slope;
+            values[2][lane] = response.curvature;
+        }
+        values.map(|value| Lanes::load(simd, &value))
+    }
+
+    /// H g.
+    #[inline(always)]
+    fn structured(&self, g: &Vector<S>) -> Vector<S> {
+        let own = self.shares[1] * dot(&self.along, g);
+        let mut out = *g;
+        for i in 0..3 {
+            out[i] = own.mul_add(self.along[i], self.shares[0] * g[i]);
+        }
+        out
+    }
+}
+
+/// The energy of some elements [J].
+pub struct Values<'a, const N: usize> {
+    pub fibres: &'a Fibres,
+    pub iterate: &'a Iterate<'a>,
+    pub elements: Range<usize>,
+}
+
+/// What is evaluated of consecutive elements: each quadrature point with its share of the volume.
+struct Evaluation<'a, S: Simd, const N: usize> {
+    batch: Batch<'a, S, N>,
+    fibres: &'a Fibres,
+    elements: Range<usize>,
+}
+
+impl<'a, S: Simd, const N: usize> Evaluation<'a, S, N> {
+    #[inline(always)]
+    fn new(simd: S, fibres: &'a Fibres, iterate: &'a Iterate<'a>, elements: Range<usize>) -> Self {
+        Self { batch: Batch::new(simd, iterate, &elements), fibres, elements }
+    }
+
+    /// The points of the elements, and fractions of the volume: one where all is constant.
+    #[inline(always)]
+    fn points(&self) -> impl Iterator<Item = (usize, f64)> + use<'a, S, N> {
+        let weights = &self.batch.iterate.space.volume_table().weights;
+        let constant = N == 4 && self.fibres.direction.is_constant();
+        let all = weights.iter().copied().enumerate().filter(move |_| !constant);
+        points::<N>(self.batch.iterate).filter(move |_| constant).chain(all)
+    }
+
+    /// A point, with the gradients of the basis and ψ with its derivatives.
+    #[inline(always)]
+    fn at(&self, q: usize) -> (Points<S>, Nodal<S, N>, Responses<S>) {
+        let (simd, iterate) = (self.batch.simd, self.batch.iterate);
+        let g = self.batch.gradients(q);
+        let lambda = &iterate.space.volume_table().points[q];
+        let elements = (iterate, &self.elements);
+        let along = directions(simd, &self.fibres.direction, elements, lambda);
+        let points = Points::new(self.fibres, &self.batch.grad_u(&g), along);
+        let responses = points.responses(simd, self.fibres);
+        (points, g, responses)
+    }
+}
+
+impl<const N: usize> WithSimd for Values<'_, N> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let mut sum = 0.0;
+        for elements in pieces(self.elements, Lanes::<S>::COUNT) {
+            let count = elements.len();
+            let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
+            let volume = own.batch.volume.to_array();
+            let mut values = [0.0; MOST];
+            for (q, weight) in own.points() {
+                let densities = own.at(q).2[0].to_array();
+                for l in 0..Lanes::<S>::COUNT {
+                    values[l] += weight * volume[l] * densities[l];
+                }
+            }
+            // element by element, so that the sum is the same for any number of lanes
+            values.iter().take(count).for_each(|value| sum += value);
+        }
+        sum
+    }
+}
+
+/// Writes the gradients of elements, N values each.
+pub struct Gradients<'a, const N: usize> {
+    pub fibres: &'a Fibres,
+    pub iterate: &'a Iterate<'a>,
+    pub elements: Range<usize>,
+    pub out: &'a mut [Vec3],
+}
+
+impl<const N: usize> WithSimd for Gradients<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let zero = Lanes::splat(simd, 0.0);
+        let out = self.out.chunks_mut(N * Lanes::<S>::COUNT);
+        for (elements, out) in pieces(self.elements, Lanes::<S>::COUNT).zip(out) {
+            let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
+            let mut forces = [[zero; 3]; N];
+            for (q, weight) in own.points() {
+                let (points, g, [_, slope, _]) = own.at(q);
+                let by_strain = scaled(&points.f, slope * own.batch.volume * (2.0 * weight));
+                for (force, g) in forces.iter_mut().zip(&g) {
+                    let pulled = apply(&by_strain, &points.structured(g));
+                    for i in 0..3 {
+                        force[i] += pulled[i];
+                    }
+                }
+            }
+            for (a, force) in forces.iter().enumerate() {
+                for i in 0..3 {
+                    let values = force[i].to_array();
+                    for (element, value) in out.chunks_exact_mut(N).zip(values) {
+                        element[a][i] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Writes the lower blocks of the Hessians of elements in the order of [`pair_index`].
+pub struct Hessians<'a, const N: usize> {
+    pub fibres: &'a Fibres,
+    pub iterate: &'a Iterate<'a>,
+    pub kind: Hessian,
+    pub elements: Range<usize>,
+    pub blocks: &'a mut [[f64; 9]],
+}
+
+impl<const N: usize> WithSimd for Hessians<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (pairs, zero) = (pair_count(N), Lanes::splat(simd, 0.0));
+        let mut factors: Vec<Factors<S, N>> = Vec::new();
+        let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
+        for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
+            let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
+            factors.clear();
+            for (q, weight) in own.points() {
+                let (points, g, [_, slope, curvature]) = own.at(q);
+                let slope = match self.kind {
+                    Hessian::Exact => slope,
+                    Hessian::Projected => slope.if_positive(slope, zero),
+                };
+                let weight = own.batch.volume * weight;
+                factors.push(Factors::new(&points, &g, [weight * slope, weight * curvature]));
+            }
+            for a in 0..N {
+                for b in 0..=a {
+                    let pair = pair_index(a, b);
+                    for (entry, value) in block(&factors, a, b, zero).iter().enumerate() {
+                        let values = value.to_array();
+                        for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
+                            element[pair][entry] = value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What the blocks of a quadrature point are made of. All points are kept, so that each block is summed
+/// in registers and written once: else memory would take most of the time.
+struct Factors<S: Simd, const N: usize> {
+    /// 2 √(w ψ″) F H ∇φ_a.
+    strains: Nodal<S, N>,
+    /// ∇φ_a.
+    gradients: Nodal<S, N>,
+    /// 2 w ψ′ H ∇φ_a.
+    structured: Nodal<S, N>,
+}
+
+impl<S: Simd, const N: usize> Factors<S, N> {
+    #[inline(always)]
+    fn new(points: &Points<S>, g: &Nodal<S, N>, [slope, curvature]: [Lanes<S>; 2]) -> Self {
+        let (mut strains, mut structured) = (*g, *g);
+        let (root, twice) = (curvature.sqrt() * 2.0, slope * 2.0);
+        for a in 0..N {
+            let h = points.structured(&g[a]);
+            let strain = apply(&points.f, &h);
+            for i in 0..3 {
+                strains[a][i] = strain[i] * root;
+                structured[a][i] = h[i] * twice;
+            }
+        }
+        Self { strains, gradients: *g, structured }
+    }
+}
+
+/// Σ 4 w ψ″ (F H ∇φ_a) ⊗ (F H ∇φ_b) + 2 w ψ′ (∇φ_a · H ∇φ_b) I; entry (i, j) at 3 i + j.
+#[inline(always)]
+fn block<S: Simd, const N: usize>(
+    factors: &[Factors<S, N>],
+    a: usize,
+    b: usize,
+    zero: Lanes<S>,
+) -> [Lanes<S>; 9] {
+    let mut sum = [zero; 9];
+    for point in factors {
+        let (row, column) = (&point.strains[a], &point.strains[b]);
+        let geometric = dot(&point.gradients[a], &point.structured[b]);
+        for i in 0..3 {
+            for j in 0..3 {
+                sum[3 * i + j] = row[i].mul_add(column[j], sum[3 * i + j]);
+            }
+            sum[4 * i] += geometric;
+        }
+    }
+    sum
+}

@@ -1,0 +1,360 @@
+//! Families of fibres in a volume, beside the law of the matrix.
+//!
+//! E(u; X) = ∫ ψ(ε) dX      ε = H : C − 1 = 2 H : G      H = κ I + (1 − 3κ) a₀ ⊗ a₀
+//! P = 2ψ′ F H              ∂P/∂F : δF = 4ψ″ (F H : δF) F H + 2ψ′ δF H
+//!
+//! G  Green–Lagrange strain ½ (FᵀF − I), formed from ∇u
+//! a₀ direction at the rest position of a quadrature point, [`Direction`]
+//! ψ  law of the family, [`Fibre`]
+//!
+//! The Hessian of a node pair is 4ψ″ (F H ∇φ_a) ⊗ (F H ∇φ_b) + 2ψ′ (∇φ_a · H ∇φ_b) I. H and ψ″ are positive
+//! semidefinite, so with ψ′ ≥ 0 the whole is: fibres that carry tension only never need projecting. Else the
+//! projected Hessian has max(ψ′, 0).
+//!
+//! Shape derivative of L = λ · ∂E/∂u with nodal u fixed, for a velocity V of the rest vertices: that of an elastic
+//! body, and with Λ = ∇λ the change of a₀ by its formula,
+//!
+//! δL = … + ∫ 2 (1 − 3κ) (M a₀) · (∂a₀/∂X V) dX      M = ∂L/∂H = ψ″ B 2G + 2ψ′ sym(FᵀΛ)      B = 2 F H : Λ
+//!
+//! Its parameters are k₁, k₂, κ, and the angle α [rad] of a helical direction, else 0.
+
+mod batch;
+mod direction;
+
+use std::ops::Range;
+
+use mesh::Vec3;
+
+use super::elastic::{Element, corner_gradients, with_nodes};
+use super::{Energy, Hessian, Iterate};
+use crate::element::{add_at, at};
+use crate::material::Kinematics;
+use crate::material::fibre::{Fibre, Response};
+use crate::math::lanes::widest;
+use crate::math::pool::Pool;
+use crate::math::sparse::{BlockMatrix, pair_count};
+use crate::math::tensor::Mat3;
+use crate::parallel::{fill, map_merge, map_merge_waves};
+use batch::{Gradients, Hessians, Values};
+
+pub use direction::{Axis, Direction};
+
+#[cfg(test)]
+mod tests;
+
+/// Number of its parameters.
+const PARAMETERS: usize = 4;
+
+/// A family of fibres in consecutive elements.
+#[derive(Clone, Debug)]
+pub struct Fibres {
+    /// What the user calls it.
+    pub name: String,
+    /// The law.
+    pub law: Fibre,
+    /// Where they lead.
+    pub direction: Direction,
+    elements: Range<usize>,
+}
+
+/// Measures of a family at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibreSummary {
+    /// Rest volume that it is in [m³].
+    pub volume: f64,
+    /// E [J].
+    pub energy: f64,
+    /// Smallest and largest stretch along the fibres, √I₄.
+    pub stretch: [f64; 2],
+    /// Largest force of the fibres per rest area across them [Pa].
+    pub stress: f64,
+    /// Share of the volume in which they are in tension.
+    pub taut: f64,
+}
+
+/// What the fibres of an element do, as a mean over its rest volume.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FibreMean {
+    /// a₀, not of unit length where it varies.
+    pub direction: Vec3,
+    /// √I₄.
+    pub stretch: f64,
+    /// Force per rest area across the fibres, along them [Pa].
+    pub stress: f64,
+}
+
+/// A quadrature point of an element.
+struct Point {
+    /// Barycentric coordinates.
+    lambda: [f64; 4],
+    /// Rest position [m].
+    place: Vec3,
+    /// Volume that it stands for [m³].
+    weight: f64,
+    /// a₀.
+    along: Vec3,
+    /// H.
+    structure: Mat3,
+    k: Kinematics,
+    /// ψ and its derivatives.
+    response: Response,
+}
+
+impl Point {
+    /// √I₄.
+    fn stretch(&self) -> f64 {
+        (self.k.f * self.along).norm()
+    }
+
+    /// P a₀ along the deformed fibres [Pa].
+    fn stress(&self) -> f64 {
+        let pull = 2.0 * self.response.slope * self.k.f * self.structure * self.along;
+        pull.dot(&(self.k.f * self.along)) / self.stretch()
+    }
+
+    /// B = 2 F H : Λ.
+    fn strain_along(&self, grad_l: &Mat3) -> f64 {
+        2.0 * (self.k.f * self.structure).dot(grad_l)
+    }
+
+    /// M.
+    fn by_structure(&self, grad_l: &Mat3) -> Mat3 {
+        let product = self.k.f.transpose() * grad_l;
+        2.0 * self.response.curvature * self.strain_along(grad_l) * self.k.green
+            + self.response.slope * (product + product.transpose())
+    }
+}
+
+/// ∇w of nodal values of an element, by the gradients of its basis.
+fn gradient(nodes: &[usize], gradients: &[Vec3], w: &[f64]) -> Mat3 {
+    nodes.iter().zip(gradients).map(|(&node, g)| at(w, node) * g.transpose()).sum()
+}
+
+impl Fibres {
+    /// A family in consecutive elements.
+    #[must_use]
+    pub fn new(law: Fibre, direction: Direction, elements: Range<usize>) -> Self {
+        Self { name: String::new(), law, direction, elements }
+    }
+
+    /// This family with a name.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
+    }
+
+    /// The elements that it is in.
+    #[must_use]
+    pub fn elements(&self) -> Range<usize> {
+        self.elements.clone()
+    }
+
+    /// H at a direction.
+    fn structure(&self, along: &Vec3) -> Mat3 {
+        let own = 1.0 - 3.0 * self.law.dispersion;
+        self.law.dispersion * Mat3::identity() + own * along * along.transpose()
+    }
+
+    /// Calls `f` with each quadrature point of an element and the gradients of its basis there [1/m].
+    fn for_each_point(&self, iterate: &Iterate, e: usize, mut f: impl FnMut(&Point, &[Vec3])) {
+        let (space, table) = (iterate.space, iterate.space.volume_table());
+        let element = Element::new(space, iterate.rest, e);
+        let corners = space.tets()[e].map(|v| iterate.rest[v]);
+        let mut gradients = vec![Vec3::zeros(); element.nodes.len()];
+        for ((reference, lambda), weight) in
+            table.gradients.iter().zip(&table.points).zip(&table.weights)
+        {
+            for (g, reference) in gradients.iter_mut().zip(reference) {
+                *g = element.to_rest * Vec3::from(*reference);
+            }
+            let lambda = [lambda[0], lambda[1], lambda[2], lambda[3]];
+            let place = corners.iter().zip(lambda).map(|(x, l)| l * x).sum();
+            let along = self.direction.at(place);
+            let structure = self.structure(&along);
+            let k = Kinematics::new(&gradient(element.nodes, &gradients, iterate.u));
+            let response = self.law.response(2.0 * structure.dot(&k.green));
+            let weight = weight * element.volume;
+            f(&Point { lambda, place, weight, along, structure, k, response }, &gradients);
+        }
+    }
+
+    /// Measures of the family at a state.
+    #[must_use]
+    pub fn summary(&self, iterate: &Iterate) -> FibreSummary {
+        let stretch = [f64::INFINITY, 0.0];
+        let mut all = FibreSummary { volume: 0.0, energy: 0.0, stretch, stress: 0.0, taut: 0.0 };
+        for e in self.elements() {
+            self.for_each_point(iterate, e, |p, _| {
+                let stretch = p.stretch();
+                all.stretch = [all.stretch[0].min(stretch), all.stretch[1].max(stretch)];
+                all.volume += p.weight;
+                all.energy += p.weight * p.response.energy;
+                all.stress = all.stress.max(p.stress());
+                all.taut += if p.response.slope > 0.0 { p.weight } else { 0.0 };
+            });
+        }
+        all.taut /= all.volume;
+        all
+    }
+
+    /// What the fibres of each of its elements do.
+    #[must_use]
+    pub fn means(&self, iterate: &Iterate) -> Vec<FibreMean> {
+        let one = |e: usize| {
+            let (mut mean, mut volume) = (FibreMean::default(), 0.0);
+            self.for_each_point(iterate, e, |p, _| {
+                mean.direction += p.weight * p.along;
+                mean.stretch += p.weight * p.stretch();
+                mean.stress += p.weight * p.stress();
+                volume += p.weight;
+            });
+            let FibreMean { direction, stretch, stress } = mean;
+            FibreMean {
+                direction: direction / volume,
+                stretch: stretch / volume,
+                stress: stress / volume,
+            }
+        };
+        self.elements().map(one).collect()
+    }
+
+    /// λᵀ ∂²E/∂u∂(k₁, k₂, κ, α) of an element.
+    fn element_parameters(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> [f64; PARAMETERS] {
+        let mut sum = [0.0; PARAMETERS];
+        let nodes = Element::new(iterate.space, iterate.rest, e).nodes;
+        self.for_each_point(iterate, e, |p, gradients| {
+            let grad_l = p.weight * gradient(nodes, gradients, lambda);
+            let strain = 2.0 * p.structure.dot(&p.k.green);
+            let [by_k1, by_k2] = self.law.slope_by_parameters(strain);
+            let (along, by_structure) = (p.strain_along(&grad_l), p.by_structure(&grad_l));
+            let own = 1.0 - 3.0 * self.law.dispersion;
+            sum[0] += by_k1 * along;
+            sum[1] += by_k2 * along;
+            let fan = Mat3::identity() - 3.0 * p.along * p.along.transpose();
+            sum[2] += by_structure.dot(&fan);
+            let turned = self.direction.by_angle(p.place);
+            sum[3] += 2.0 * own * turned.dot(&(by_structure * p.along));
+        });
+        sum
+    }
+
+    fn element_mixed(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> [Vec3; 4] {
+        let element = Element::new(iterate.space, iterate.rest, e);
+        let corner = corner_gradients(&element);
+        let mut out = [Vec3::zeros(); 4];
+        self.for_each_point(iterate, e, |p, gradients| {
+            let grad_l = gradient(element.nodes, gradients, lambda);
+            let Response { slope, curvature, .. } = p.response;
+            let by_strain = 2.0 * p.k.f * p.structure;
+            let stress = slope * by_strain;
+            let pushed = curvature * p.strain_along(&grad_l) * by_strain
+                + 2.0 * slope * grad_l * p.structure;
+            let m = Mat3::identity() * stress.dot(&grad_l)
+                - p.k.grad_u.transpose() * pushed
+                - grad_l.transpose() * stress;
+            let own = 2.0 * (1.0 - 3.0 * self.law.dispersion);
+            let by_place = own
+                * self.direction.gradient(p.place).transpose()
+                * (p.by_structure(&grad_l) * p.along);
+            for ((out, c), lambda) in out.iter_mut().zip(&corner).zip(p.lambda) {
+                *out += p.weight * (m * c + lambda * by_place);
+            }
+        });
+        out
+    }
+}
+
+impl Fibres {
+    fn shifted(&self, range: &Range<usize>) -> Range<usize> {
+        self.elements.start + range.start..self.elements.start + range.end
+    }
+
+    fn total<const N: usize>(&self, iterate: &Iterate) -> f64 {
+        let mut sum = 0.0;
+        map_merge(
+            self.elements.len(),
+            |r| widest(Values::<N> { fibres: self, iterate, elements: self.shifted(&r) }),
+            |_, part| sum += part,
+        );
+        if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+
+    fn merge_gradients<const N: usize>(&self, iterate: &Iterate, out: &mut [f64]) {
+        let forces = fill(self.elements.len(), N, Vec3::zeros(), |r, out| {
+            let elements = self.shifted(&r);
+            widest(Gradients::<N> { fibres: self, iterate, elements, out });
+        });
+        let places = N * self.elements.start..N * self.elements.end;
+        iterate.space.incidence().add(places, &forces, out);
+    }
+
+    fn merge_hessians<const N: usize>(
+        &self,
+        iterate: &Iterate,
+        kind: Hessian,
+        out: &mut BlockMatrix,
+    ) {
+        let memory = Pool::default();
+        map_merge_waves(
+            self.elements.len(),
+            |r| {
+                let elements = self.shifted(&r);
+                let mut blocks = memory.overwritable(pair_count(N) * elements.len(), [0.0; 9]);
+                let out = &mut blocks;
+                widest(Hessians::<N> { fibres: self, iterate, kind, elements, blocks: out });
+                blocks
+            },
+            |r, parts| {
+                let blocks: Vec<&[[f64; 9]]> = parts.iter().map(|part| &part[..]).collect();
+                out.add_elements(self.shifted(&r), &blocks);
+                parts.into_iter().for_each(|part| memory.give(part));
+            },
+        );
+    }
+}
+
+impl Energy for Fibres {
+    fn name(&self) -> &'static str {
+        "fibre"
+    }
+
+    fn value(&self, iterate: &Iterate) -> f64 {
+        with_nodes!(iterate.space, self.total(iterate))
+    }
+
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        with_nodes!(iterate.space, self.merge_gradients(iterate, out));
+    }
+
+    fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+        with_nodes!(iterate.space, self.merge_hessians(iterate, kind, out));
+    }
+
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        map_merge(
+            self.elements.len(),
+            |r| -> Vec<[Vec3; 4]> {
+                self.shifted(&r).map(|e| self.element_mixed(iterate, lambda, e)).collect()
+            },
+            |r, parts| {
+                for (e, part) in self.shifted(&r).zip(parts) {
+                    let vertices = iterate.space.tets()[e].iter().zip(&part);
+                    vertices.for_each(|(&v, part)| add_at(out, v, part));
+                }
+            },
+        );
+    }
+
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; PARAMETERS];
+        let mut add = |part: &[f64]| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
+        map_merge(
+            self.elements.len(),
+            |r| -> Vec<[f64; PARAMETERS]> {
+                self.shifted(&r).map(|e| self.element_parameters(iterate, lambda, e)).collect()
+            },
+            |_, parts| parts.iter().for_each(|part| add(part)),
+        );
+        sum
+    }
+}

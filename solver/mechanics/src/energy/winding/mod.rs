@@ -1,0 +1,354 @@
+//! Threads that are wound on facets: embedded bars, whose nodes are those of the elements.
+//!
+//! W(u; X) = Σ ∫ ½ EA q(ε + N₀/EA) dS      ε = l/L − 1      l = |D + u′|, D = X_b − X_a, L = |D|
+//! N = ½ EA q′      t = (D + u′)/l      m = λ′
+//! ∂W/∂u_a = Σ w N t φ′_a
+//! ∂²W/∂u_a∂u_b = Σ w [½ EA q″/L t⊗t + N/l (I − t⊗t)] φ′_a φ′_b
+//!
+//! EA  stiffness of the thread [N]
+//! N₀  pretension [N]: the force of a thread that is as long as at rest
+//! q   the square of a strain that counts in tension only, [`square`]
+//!
+//! A segment lies in a facet. Its ends have fixed barycentric coordinates there: they are points of the
+//! material, which move with the surface and with a designed rest shape, and the length of the thread without
+//! force is that of the rest shape. ′ is the derivative along a segment from its first end to its other, which
+//! for the basis is a number of the facet's reference, so that D and φ′ are all that is known of the rest
+//! shape. As N ≥ 0 and q″ ≥ 0, the Hessian is positive semidefinite at any state.
+//!
+//! Derivative by the rest shape: λ · ∂W/∂u = Σ w N t·m, by D
+//!
+//! w [½ EA q″ (t·m) (t/L − l D/L³) + N (m − (t·m) t)/l]
+//!
+//! Its parameters are EA and N₀.
+
+mod lay;
+
+use mesh::Vec3;
+
+use super::{Energy, Hessian, Iterate};
+use crate::element::quadrature::Rule;
+use crate::element::{FunctionSpace, add_at, at, tabulate};
+use crate::material::slack::square;
+use crate::math::sparse::BlockMatrix;
+use crate::math::tensor::Mat3;
+use crate::parallel::map_merge;
+
+pub use lay::{Helix, LayError, Piece, helix, polyline};
+
+#[cfg(test)]
+mod tests;
+
+/// Threads with one stiffness on the facets of a tag.
+#[derive(Clone)]
+pub struct Winding {
+    /// EA [N].
+    pub stiffness: f64,
+    /// N₀ [N].
+    pub pretension: f64,
+    /// Strain over which the thread becomes taut [1].
+    pub slack: f64,
+    /// Sum of t over all pieces.
+    course: f64,
+    segments: Vec<Segment>,
+}
+
+/// A straight piece of a thread in a facet.
+#[derive(Clone)]
+struct Segment {
+    vertices: [usize; 3],
+    nodes: Vec<usize>,
+    /// Barycentric coordinates of its ends.
+    ends: [[f64; 3]; 2],
+    /// Weight and φ′ of each quadrature point.
+    points: Vec<(f64, Vec<f64>)>,
+}
+
+/// A quadrature point of a segment.
+struct Point<'a> {
+    weight: f64,
+    /// φ′ of the nodes.
+    slopes: &'a [f64],
+    /// D [m].
+    rest: Vec3,
+    /// L [m].
+    long: f64,
+    /// l [m].
+    stretched: f64,
+    /// t.
+    along: Vec3,
+    /// q, q′ and q″.
+    square: [f64; 3],
+}
+
+/// Measures of a winding at a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WindingSummary {
+    /// Rest length [m].
+    pub length: f64,
+    /// W [J].
+    pub energy: f64,
+    /// Smallest and largest force along it [N].
+    pub force: [f64; 2],
+    /// Mean force along it [N].
+    pub mean_force: f64,
+    /// Share of the length that is in tension.
+    pub taut: f64,
+}
+
+/// A piece of the thread at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strand {
+    /// Its ends at rest [m].
+    pub rest: [Vec3; 2],
+    /// Their displacement [m].
+    pub moved: [Vec3; 2],
+    /// Mean force along it [N].
+    pub force: f64,
+}
+
+/// Gauss–Legendre rules on [0, 1] of one, two and three points: places and weights.
+fn rule(points: usize) -> Vec<(f64, f64)> {
+    let pair = |root: f64, weight: f64| [(0.5 - root, weight), (0.5 + root, weight)];
+    match points {
+        1 => vec![(0.5, 1.0)],
+        2 => pair(0.5 / 3.0_f64.sqrt(), 0.5).to_vec(),
+        _ => {
+            let [low, high] = pair(0.5 * 0.6_f64.sqrt(), 5.0 / 18.0);
+            vec![low, (0.5, 4.0 / 9.0), high]
+        }
+    }
+}
+
+impl Segment {
+    fn new(space: &FunctionSpace, piece: &Piece) -> Self {
+        let Piece { facet: vertices, ends, .. } = *piece;
+        let by: [f64; 3] = std::array::from_fn(|k| ends[1][k] - ends[0][k]);
+        let rule = rule(space.degree());
+        let place = |s: f64| (0..3).map(|k| ends[0][k] + s * by[k]).collect();
+        let weights: Vec<f64> = rule.iter().map(|(_, weight)| *weight).collect();
+        let places = rule.iter().map(|(s, _)| place(*s)).collect();
+        let table = tabulate(space.degree(), &Rule { weights: weights.clone(), points: places });
+        let slopes = |gradients: &Vec<[f64; 3]>| {
+            gradients.iter().map(|g| g[0] * by[1] + g[1] * by[2]).collect()
+        };
+        let points = weights.into_iter().zip(table.gradients.iter().map(slopes)).collect();
+        Self { vertices, nodes: space.facet_nodes(vertices), ends, points }
+    }
+
+    /// Σ δ_k X_k over the corners, δ from one end to the other.
+    fn difference(&self, rest: &[Vec3]) -> Vec3 {
+        let [a, b] = &self.ends;
+        self.vertices.iter().zip(a.iter().zip(b)).map(|(&v, (a, b))| (b - a) * rest[v]).sum()
+    }
+
+    /// w′ of a nodal field.
+    fn slope(&self, slopes: &[f64], w: &[f64]) -> Vec3 {
+        self.nodes.iter().zip(slopes).map(|(&node, slope)| *slope * at(w, node)).sum()
+    }
+}
+
+impl Point<'_> {
+    /// The Hessian by the slope u′, but for the weight.
+    fn stiffness(&self, own: &Winding) -> Mat3 {
+        let dyad = self.along * self.along.transpose();
+        let axial = 0.5 * own.stiffness * self.square[2] / self.long;
+        let lateral = self.force(own) / self.stretched;
+        lateral * Mat3::identity() + (axial - lateral) * dyad
+    }
+
+    /// N [N].
+    fn force(&self, own: &Winding) -> f64 {
+        0.5 * own.stiffness * self.square[1]
+    }
+}
+
+impl Winding {
+    /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them.
+    ///
+    /// # Panics
+    /// When one is in no facet of the mesh and the degree is above 1.
+    #[must_use]
+    pub fn new(
+        space: &FunctionSpace,
+        pieces: &[Piece],
+        [stiffness, pretension, slack]: [f64; 3],
+    ) -> Self {
+        let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();
+        let course = pieces.iter().map(|piece| piece.range[1] - piece.range[0]).sum();
+        Self { stiffness, pretension, slack, course, segments }
+    }
+
+    /// How long it is in the unit in which it was laid: turns of helices, legs of polylines.
+    #[must_use]
+    pub fn course(&self) -> f64 {
+        self.course
+    }
+
+    /// Number of its segments.
+    #[must_use]
+    pub fn segments(&self) -> usize {
+        self.segments.len()
+    }
+
+    fn for_each_point(&self, iterate: &Iterate, segment: &Segment, mut f: impl FnMut(&Point)) {
+        let rest = segment.difference(iterate.rest);
+        let long = rest.norm();
+        for (weight, slopes) in &segment.points {
+            let moved = segment.slope(slopes, iterate.u);
+            let stretched = (rest + moved).norm();
+            // without the digits of 1
+            let strain =
+                (2.0 * rest.dot(&moved) + moved.norm_squared()) / (long * (stretched + long));
+            let square = square(strain + self.pretension / self.stiffness, Some(self.slack));
+            let along = (rest + moved) / stretched;
+            f(&Point { weight: *weight, slopes, rest, long, stretched, along, square });
+        }
+    }
+
+    /// Calls `of_point` with each segment's points, in parallel, which changes a value that begins as
+    /// `T::default()`, and `merge` with each segment and its value, in their order.
+    fn for_each_segment<T: Default + Send>(
+        &self,
+        iterate: &Iterate,
+        of_point: impl Fn(&Segment, &Point, &mut T) + Sync,
+        mut merge: impl FnMut(&Segment, T),
+    ) {
+        let one = |segment: &Segment| {
+            let mut value = T::default();
+            self.for_each_point(iterate, segment, |p| of_point(segment, p, &mut value));
+            value
+        };
+        map_merge(
+            self.segments.len(),
+            |range| self.segments[range].iter().map(one).collect::<Vec<T>>(),
+            |range, parts| {
+                self.segments[range].iter().zip(parts).for_each(|(own, part)| merge(own, part));
+            },
+        );
+    }
+
+    /// Measures of the thread at a state.
+    #[must_use]
+    pub fn summary(&self, iterate: &Iterate) -> WindingSummary {
+        let mut all = WindingSummary { force: [f64::INFINITY, 0.0], ..Default::default() };
+        for segment in &self.segments {
+            self.for_each_point(iterate, segment, |p| {
+                let (force, share) = (p.force(self), p.weight * p.long);
+                all.length += share;
+                all.energy += 0.5 * share * self.stiffness * p.square[0];
+                all.force = [all.force[0].min(force), all.force[1].max(force)];
+                all.mean_force += share * force;
+                all.taut += if force > 0.0 { share } else { 0.0 };
+            });
+        }
+        all.mean_force /= all.length;
+        all.taut /= all.length;
+        all
+    }
+
+    /// All pieces of the thread at a state, in its order.
+    #[must_use]
+    pub fn strands(&self, iterate: &Iterate) -> Vec<Strand> {
+        let one = |segment: &Segment| {
+            let rest = segment.ends.map(|end| {
+                segment.vertices.iter().zip(end).map(|(&v, l)| l * iterate.rest[v]).sum()
+            });
+            let moved = segment.ends.map(|end| {
+                let values = iterate.space.facet_values(&end);
+                segment.nodes.iter().zip(values).map(|(&n, v)| v * at(iterate.u, n)).sum()
+            });
+            let mut force = 0.0;
+            self.for_each_point(iterate, segment, |p| force += p.weight * p.force(self));
+            Strand { rest, moved, force }
+        };
+        self.segments.iter().map(one).collect()
+    }
+}
+
+impl Energy for Winding {
+    fn name(&self) -> &'static str {
+        "winding"
+    }
+
+    fn value(&self, iterate: &Iterate) -> f64 {
+        let mut sum = 0.0;
+        self.for_each_segment(
+            iterate,
+            |_, p, value: &mut f64| *value += p.weight * p.long * p.square[0],
+            |_, part| sum += part,
+        );
+        0.5 * self.stiffness * sum
+    }
+
+    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+        self.for_each_segment(
+            iterate,
+            |_, p, forces: &mut Vec<Vec3>| {
+                forces.resize(p.slopes.len(), Vec3::zeros());
+                let pull = p.weight * p.force(self) * p.along;
+                forces.iter_mut().zip(p.slopes).for_each(|(force, slope)| *force += pull * *slope);
+            },
+            |segment, forces| {
+                segment.nodes.iter().zip(&forces).for_each(|(&node, f)| add_at(out, node, f));
+            },
+        );
+    }
+
+    fn add_hessian(&self, iterate: &Iterate, _: Hessian, out: &mut BlockMatrix) {
+        self.for_each_segment(
+            iterate,
+            |_, p, blocks: &mut Vec<Mat3>| {
+                let n = p.slopes.len();
+                blocks.resize(n * n, Mat3::zeros());
+                let stiffness = p.weight * p.stiffness(self);
+                for (a, blocks) in p.slopes.iter().zip(blocks.chunks_exact_mut(n)) {
+                    let pairs = p.slopes.iter().zip(blocks);
+                    pairs.for_each(|(b, block)| *block += a * b * stiffness);
+                }
+            },
+            |segment, blocks| {
+                let rows = blocks.chunks_exact(segment.nodes.len());
+                for (&a, blocks) in segment.nodes.iter().zip(rows) {
+                    let pairs = segment.nodes.iter().zip(blocks);
+                    pairs.for_each(|(&b, block)| out.add_lower(a, b, block));
+                }
+            },
+        );
+    }
+
+    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        self.for_each_segment(
+            iterate,
+            |segment, p, by: &mut Vec3| {
+                let m = segment.slope(p.slopes, lambda);
+                let along = p.along.dot(&m);
+                let by_strain = 0.5 * self.stiffness * p.square[2] * along;
+                let strained = p.along / p.long - (p.stretched / p.long.powi(3)) * p.rest;
+                let turned = p.force(self) / p.stretched * (m - along * p.along);
+                *by += p.weight * (by_strain * strained + turned);
+            },
+            |segment, by| {
+                let [a, b] = &segment.ends;
+                for (k, &vertex) in segment.vertices.iter().enumerate() {
+                    add_at(out, vertex, &((b[k] - a[k]) * by));
+                }
+            },
+        );
+    }
+
+    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; 2];
+        let pretension = self.pretension / self.stiffness;
+        self.for_each_segment(
+            iterate,
+            |segment, p, by: &mut [f64; 2]| {
+                let along = p.weight * p.along.dot(&segment.slope(p.slopes, lambda));
+                let [_, first, second] = p.square;
+                by[0] += 0.5 * along * (first - pretension * second);
+                by[1] += 0.5 * along * second;
+            },
+            |_, part| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p),
+        );
+        sum
+    }
+}

@@ -1,0 +1,213 @@
+//! Threads on cubes and tubes: derivatives, lengths, and what cannot be laid.
+
+use super::*;
+use crate::energy::Axis;
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::math::sparse::Pattern;
+use crate::testing::{check_gradient, cube, flat, points};
+
+/// A cube of a degree with random displacements, and a thread across its top and one of its sides.
+struct Case {
+    space: FunctionSpace,
+    rest: Vec<Vec3>,
+    u: Vec<f64>,
+    pieces: Vec<Piece>,
+}
+
+impl Case {
+    fn new(degree: usize, size: f64) -> Self {
+        let mesh = cube(3, 0.2);
+        let boundary = mesh::topology::boundary(&mesh).facets;
+        let top = |f: &[usize; 3]| f.iter().all(|&v| mesh.vertices[v].z > 1.0 - 1e-9);
+        let facets: Vec<_> = boundary.into_iter().filter(top).collect();
+        let path = [[0.1, 0.2, 1.0], [0.8, 0.35, 1.1], [0.4, 0.9, 1.0]].map(Vec3::from);
+        let pieces = polyline(&facets, &mesh.vertices, &path).expect("it lies on the top");
+        let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
+        let numbers = Random::new(43).numbers(3 * space.node_count());
+        let u = numbers.iter().map(|x| size * x).collect();
+        Self { space, rest: mesh.vertices, u, pieces }
+    }
+
+    /// A thread of which a part is slack; the slack is wide, so that its curvature is seen by steps of the
+    /// Taylor test.
+    fn thread(&self, [stiffness, pretension]: [f64; 2]) -> Winding {
+        Winding::new(&self.space, &self.pieces, [stiffness, pretension, 0.3])
+    }
+
+    fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
+        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step: None }
+    }
+
+    fn gradient(&self, thread: &Winding, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
+        let mut gradient = vec![0.0; u.len()];
+        thread.add_gradient(&self.at(u, rest), &mut gradient);
+        gradient
+    }
+}
+
+const NUMBERS: [f64; 2] = [40.0, 2.0];
+
+#[test]
+fn derivatives_pass_the_taylor_test() {
+    for degree in [1, 2, 3] {
+        let case = Case::new(degree, 0.03);
+        let (u, rest) = (&case.u, &case.rest);
+        let weights = Random::new(33).numbers(u.len());
+        let thread = case.thread(NUMBERS);
+        let gradient = case.gradient(&thread, u, rest);
+        check_gradient(u, &gradient, 3e-4, |u| thread.value(&case.at(u, rest)));
+        let n = case.space.nodes_per_element();
+        let pattern = Pattern::new(case.space.node_count(), case.space.element_nodes(), n, &[]);
+        let mut hessian = BlockMatrix::zeros(&pattern);
+        thread.add_hessian(&case.at(u, rest), Hessian::Exact, &mut hessian);
+        let weighed = |u: &[f64], rest: &[Vec3]| dot(&weights, &case.gradient(&thread, u, rest));
+        check_gradient(u, &hessian.multiply(&weights), 3e-4, |u| weighed(u, rest));
+        let mut mixed = vec![0.0; 3 * rest.len()];
+        thread.add_mixed_vjp(&case.at(u, rest), &weights, &mut mixed);
+        check_gradient(&flat(rest), &mixed, 3e-4, |x| weighed(u, &points(x)));
+        let by = thread.parameter_vjp(&case.at(u, rest), &weights);
+        let scaled: Vec<f64> = by.iter().zip(NUMBERS).map(|(by, value)| by * value).collect();
+        check_gradient(&[1.0; 2], &scaled, 1e-2, |x| {
+            let other = case.thread([NUMBERS[0] * x[0], NUMBERS[1] * x[1]]);
+            dot(&weights, &case.gradient(&other, u, rest))
+        });
+    }
+}
+
+/// Pulled by λ in all directions, a thread has the force EA (λ − 1), and with pretension as much more.
+#[test]
+fn a_stretched_thread_has_its_force() {
+    for degree in [1, 2, 3] {
+        let mut case = Case::new(degree, 0.0);
+        let places = case.space.node_positions(&case.rest);
+        case.u = places.iter().flat_map(|x| [0.4 * x.x, 0.4 * x.y, 0.4 * x.z]).collect();
+        let at = case.at(&case.u, &case.rest);
+        for pretension in [0.0, 3.0] {
+            let found = case.thread([40.0, pretension]).summary(&at);
+            let force = 16.0 + pretension;
+            for force_found in found.force.into_iter().chain([found.mean_force]) {
+                assert!((force_found / force - 1.0).abs() < 1e-12, "{degree}: {found:?}");
+            }
+            let legs = (0.7_f64.powi(2) + 0.15_f64.powi(2)).sqrt()
+                + (0.4_f64.powi(2) + 0.55_f64.powi(2)).sqrt();
+            assert!((found.length / legs - 1.0).abs() < 1e-12 && found.taut == 1.0, "{found:?}");
+        }
+        let strands = case.thread([40.0, 0.0]).strands(&at);
+        for pair in strands.windows(2) {
+            assert!((pair[0].rest[1] - pair[1].rest[0]).norm() < 1e-12);
+        }
+        let strand = strands[1];
+        assert!((strand.moved[0] - 0.4 * strand.rest[0]).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn a_slack_thread_does_nothing() {
+    let mut case = Case::new(2, 0.0);
+    let places = case.space.node_positions(&case.rest);
+    case.u = places.iter().flat_map(|x| [-0.1 * x.x, -0.1 * x.y, 0.0]).collect();
+    let thread = case.thread([40.0, 0.0]);
+    let at = case.at(&case.u, &case.rest);
+    assert_eq!((thread.value(&at), thread.summary(&at).taut), (0.0, 0.0));
+    assert!(case.gradient(&thread, &case.u, &case.rest).iter().all(|g| *g == 0.0));
+}
+
+/// A tube about z of radius 1 and height 4, facets of a number of cells around and along.
+fn tube(around: usize, along: usize, radius: f64) -> (Vec<[usize; 3]>, Vec<Vec3>) {
+    let place = |i: usize, k: usize| {
+        let angle = std::f64::consts::TAU * i as f64 / around as f64;
+        Vec3::new(radius * angle.cos(), radius * angle.sin(), 4.0 * k as f64 / along as f64)
+    };
+    let x = (0..=along).flat_map(|k| (0..around).map(move |i| place(i, k))).collect();
+    let cell = |n: usize| {
+        let (i, k) = (n % around, n / around);
+        let id = |i: usize, k: usize| k * around + i % around;
+        [[id(i, k), id(i + 1, k), id(i + 1, k + 1)], [id(i, k), id(i + 1, k + 1), id(i, k + 1)]]
+    };
+    ((0..around * along).flat_map(cell).collect(), x)
+}
+
+fn screw(pitch: f64, phase: f64) -> Helix {
+    let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
+    Helix { axis, pitch, heights: [0.5, 3.5], phase }
+}
+
+fn length(pieces: &[Piece], x: &[Vec3]) -> f64 {
+    pieces.iter().map(|p| (p.place(x, 1) - p.place(x, 0)).norm()).sum()
+}
+
+/// Also where it passes through vertices and along diagonals, of which every one is found twice.
+#[test]
+fn helices_have_their_length_and_their_hand() {
+    for around in [24, 48] {
+        let (facets, x) = tube(around, 16, 1.0);
+        for (pitch, phase) in
+            [(0.5, 0.0), (-0.5, 0.3), (4.0 / 16.0 * around as f64, 0.0), (0.1, 1.0)]
+        {
+            let own = screw(pitch, phase);
+            let pieces = helix(&facets, &x, &own).expect("it lies on the tube");
+            // the facets are a prism, which can be unrolled
+            let side = (std::f64::consts::PI / around as f64).sin();
+            let exact = 3.0 / pitch.abs() * (2.0 * around as f64 * side).hypot(pitch);
+            let found = length(&pieces, &x);
+            let turns: f64 = pieces.iter().map(|p| p.range[1] - p.range[0]).sum();
+            assert!((turns - 3.0 / pitch.abs()).abs() < 1e-9, "{turns}");
+            assert!((found / exact - 1.0).abs() < 1e-9, "{around} {pitch}: {found} {exact}");
+            for pair in pieces.windows(2) {
+                assert!((pair[0].place(&x, 1) - pair[1].place(&x, 0)).norm() < 1e-9);
+            }
+            let start = pieces[0].place(&x, 0);
+            let (angle, step) = (start.y.atan2(start.x), pieces[0].place(&x, 1) - start);
+            assert!((angle - phase).abs() < 1e-2 && (start.z - 0.5).abs() < 1e-12, "{start}");
+            let turns = start.cross(&step).z.signum() * step.z.signum();
+            assert_eq!(turns, pitch.signum());
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_laid_is_said_with_its_place() {
+    let (facets, x) = tube(24, 16, 1.0);
+    let shorter: Vec<_> =
+        facets.iter().filter(|f| f.iter().all(|&v| x[v].z < 2.6)).copied().collect();
+    let Err(LayError::Leaves { at, part }) = helix(&shorter, &x, &screw(0.5, 0.0)) else {
+        panic!("it leaves the tube")
+    };
+    assert!((at[2] - 2.5).abs() < 1e-9 && (part - 200.0 / 3.0).abs() < 1e-6, "{at:?} {part}");
+    let elsewhere = Helix { heights: [5.0, 6.0], ..screw(0.5, 0.0) };
+    assert_eq!(helix(&facets, &x, &elsewhere), Err(LayError::Misses));
+    // a narrow band, 100 turns over 24 columns of facets that are far higher than the pitch
+    let narrow = Helix { heights: [1.0, 1.0 + 1e-4], ..screw(1e-6, 0.0) };
+    let found = helix(&facets, &x, &narrow).map(|pieces| pieces.len());
+    assert!(found.is_ok_and(|pieces| pieces >= 2400), "{found:?}");
+    // a tube within the tube
+    let (mut both, mut all) = (facets.clone(), x.clone());
+    let (inner, more) = tube(24, 16, 0.8);
+    both.extend(inner.iter().map(|f| f.map(|v| v + x.len())));
+    all.extend(more);
+    let found = helix(&both, &all, &screw(0.5, 0.1));
+    assert!(matches!(found, Err(LayError::Layers { .. })), "{found:?}");
+    let (sheet, flat) = ([[0, 1, 2]], [Vec3::x(), -Vec3::x() + Vec3::y(), -Vec3::x() - Vec3::y()]);
+    let found = helix(&sheet, &flat, &screw(0.5, 0.0));
+    assert!(matches!(found, Err(LayError::AxisInside { .. })), "{found:?}");
+}
+
+/// Along a circle of points, as a hand would give them.
+#[test]
+fn a_polyline_follows_the_surface() {
+    let (facets, x) = tube(48, 16, 1.0);
+    let point = |i: i32| {
+        let angle = 0.3 * f64::from(i);
+        Vec3::new(1.02 * angle.cos(), 1.02 * angle.sin(), 1.03)
+    };
+    let path: Vec<Vec3> = (0..10).map(point).collect();
+    let pieces = polyline(&facets, &x, &path).expect("it lies on the tube");
+    let found = length(&pieces, &x);
+    assert!((found / 2.7 - 1.0).abs() < 2e-3, "{found}");
+    let gone: Vec<_> =
+        facets.iter().filter(|f| f.iter().any(|&v| x[v].y > -0.5)).copied().collect();
+    let path = [Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.0, -1.0, 1.0)];
+    let found = polyline(&gone, &x, &path);
+    assert!(matches!(found, Err(LayError::Leaves { .. } | LayError::Misses)), "{found:?}");
+}

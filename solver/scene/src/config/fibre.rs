@@ -1,0 +1,244 @@
+//! `[[fibre]]`: a family of fibres in a body or volume, beside its law.
+
+use anyhow::{Result, ensure};
+use mechanics::energy::{Axis, Direction};
+use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
+use mechanics::material::slack::DEFAULT_SLACK;
+use mesh::Vec3;
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SimConfig;
+
+/// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
+/// beside that of the law. Several tables make several families. Stresses of result files are those of the law.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FibreConfig {
+    /// What numbers, reports and result files call it.
+    pub name: String,
+    /// The body or volume, which has a law of its own; all of them if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// The same direction everywhere, a vector of any length; or `around`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// An axis, with `angle` or `radial`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub around: Option<AroundConfig>,
+    /// Angle between fibres and the axis [°]: 0 along it, 90 around it; positive for a right-handed screw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Whether fibres lead away from the axis.
+    #[serde(default)]
+    pub radial: bool,
+    /// Stiffness k1 [Pa]. At small strain, fibres add 4 k1 to Young's modulus along them.
+    pub k1: f64,
+    /// By how much the stiffness grows with strain [1]; 0 is the standard reinforcing model, ½ k1 E².
+    #[serde(default)]
+    pub k2: f64,
+    /// Dispersion κ [1], from 0 (all along the direction) to 1/3 (none preferred).
+    #[serde(default)]
+    pub dispersion: f64,
+    /// Whether fibres carry compression, too.
+    #[serde(default)]
+    pub compression: bool,
+    /// Strain E over which fibres become taut, where they carry tension only [1]: 1e-3 if not given, an
+    /// elongation of 0.05 %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slack: Option<f64>,
+}
+
+/// A line in space.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AroundConfig {
+    /// A point on it [m].
+    pub point: [f64; 3],
+    /// A vector along it, of any length.
+    pub axis: [f64; 3],
+}
+
+impl AroundConfig {
+    /// The line.
+    ///
+    /// # Errors
+    /// When it has no direction.
+    pub fn line(&self, title: &KeyPath) -> Result<Axis> {
+        let along = unit(self.axis, &title.clone().key("around").key("axis"))?;
+        ensure!(
+            self.point.iter().all(|x| x.is_finite()),
+            misfit!(
+                title.clone().key("around").key("point"),
+                " = {:?} m: must be finite",
+                self.point
+            )
+        );
+        Ok(Axis { point: self.point.into(), along })
+    }
+}
+
+/// The unit vector along a vector.
+fn unit(vector: [f64; 3], key: &KeyPath) -> Result<Vec3> {
+    let length = Vec3::from(vector).norm();
+    ensure!(
+        length > 0.0 && length.is_finite(),
+        misfit!(
+            key.clone(),
+            " = {vector:?}: no direction; expected a vector of a positive, finite length"
+        )
+    );
+    Ok(Vec3::from(vector) / length)
+}
+
+impl FibreConfig {
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("fibre").named(&self.name)
+    }
+
+    /// What reports and messages call it.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Self { name, on, angle, k1, k2, dispersion, .. } = self;
+        let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
+        let leads = match (self.direction, angle) {
+            (Some([x, y, z]), _) => format!("along ({x}, {y}, {z})"),
+            (None, Some(angle)) => format!("at {angle}° to an axis"),
+            (None, None) => "away from an axis".to_owned(),
+        };
+        let senses = if self.compression { ", in both senses" } else { ", in tension only" };
+        format!(
+            "fibre {name}{on}: {leads}, k1 {k1:.3e} Pa, k2 {k2}, dispersion {dispersion}{senses}"
+        )
+    }
+
+    /// The law.
+    #[must_use]
+    pub fn law(&self) -> Fibre {
+        let Self { k1, k2, dispersion, compression, slack, .. } = *self;
+        let slack = (!compression).then(|| slack.unwrap_or(DEFAULT_SLACK));
+        Fibre { k1, k2, dispersion, slack }
+    }
+
+    /// Where the fibres lead.
+    ///
+    /// # Errors
+    /// When it is given in two ways, or in none.
+    pub fn leads(&self) -> Result<Direction> {
+        let title = self.title();
+        let key = |key: &str| title.clone().key(key);
+        match (self.direction, &self.around) {
+            (Some(direction), None) => {
+                ensure!(
+                    self.angle.is_none(),
+                    misfit!(key("angle"), " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}")
+                );
+                ensure!(!self.radial, misfit!(key("radial"), " without an axis: expected around, not direction"));
+                Ok(Direction::Constant(unit(direction, &key("direction"))?))
+            }
+            (None, Some(around)) => {
+                let axis = around.line(&title)?;
+                match (self.angle, self.radial) {
+                    (Some(angle), false) => {
+                        ensure!(
+                            angle.is_finite() && angle.abs() <= 360.0,
+                            misfit!(key("angle"), " = {angle}°: must be from -360 to 360")
+                        );
+                        Ok(Direction::Helical(axis, angle.to_radians()))
+                    }
+                    (None, true) => Ok(Direction::Radial(axis)),
+                    (Some(_), true) => Err(misfit!(key("radial"), " beside angle: expected one of both").into()),
+                    (None, false) => Err(misfit!(
+                        key("around"),
+                        " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
+                    )
+                    .into()),
+                }
+            }
+            (Some(_), Some(_)) => Err(misfit!(key("direction"), " beside around: expected one of both").into()),
+            (None, None) if self.angle.is_some() => Err(misfit!(
+                key("angle"),
+                " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
+            )
+            .into()),
+            (None, None) => Err(misfit!(
+                title,
+                " has no direction: expected direction = [x, y, z], or around = {{ point = …, axis = … }} with angle"
+            )
+            .into()),
+        }
+    }
+
+    /// Whether the numbers of the law are admissible.
+    fn check_law(&self) -> Result<()> {
+        let key = |key: &str| self.title().key(key);
+        let Self { k1, k2, dispersion, .. } = *self;
+        ensure!(
+            k1 > 0.0 && k1.is_finite(),
+            misfit!(key("k1"), " = {k1} Pa: must be positive and finite")
+        );
+        ensure!(
+            k2 >= 0.0 && k2.is_finite(),
+            misfit!(
+                key("k2"),
+                " = {k2}: must not be negative; 0 is a stiffness that does not grow"
+            )
+        );
+        ensure!(
+            (0.0..=LARGEST_DISPERSION + 1e-12).contains(&dispersion),
+            misfit!(
+                key("dispersion"),
+                " = {dispersion}: must be from 0 (all fibres along the direction) to 1/3 (none preferred)"
+            )
+        );
+        ensure!(
+            self.slack.is_none_or(|slack| slack > 0.0 && slack <= 1.0),
+            misfit!(
+                key("slack"),
+                " = {}: must be above 0 and at most 1; the strain over which fibres become taut, such as 1e-3",
+                self.slack.unwrap_or_default()
+            )
+        );
+        ensure!(
+            self.slack.is_none() || !self.compression,
+            misfit!(key("slack"), " beside compression = true: such fibres are never slack")
+        );
+        Ok(())
+    }
+}
+
+/// Refuses names that are empty, given twice, or would split the path of a number.
+///
+/// # Errors
+/// With the name and the list.
+pub(super) fn check_names<'a>(list: &str, names: impl Iterator<Item = &'a String>) -> Result<()> {
+    let mut known: Vec<&String> = Vec::new();
+    for name in names {
+        let key = KeyPath::list(list).named(name).key("name");
+        ensure!(
+            !name.is_empty() && !name.contains('.'),
+            misfit!(key, " = \"{name}\": a name has one letter or more, and no dot")
+        );
+        ensure!(!known.contains(&name), misfit!(key, ": two [[{list}]] are called \"{name}\""));
+        known.push(name);
+    }
+    Ok(())
+}
+
+impl SimConfig {
+    /// Checks what can be checked of fibres without a body.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check_fibres(&self) -> Result<()> {
+        check_names("fibre", self.fibre.iter().map(|fibre| &fibre.name))?;
+        for fibre in &self.fibre {
+            fibre.check_law()?;
+            fibre.leads()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,259 @@
+//! `[[winding]]`: a thread that is wound on a tag.
+
+use anyhow::{Result, ensure};
+use mechanics::material::slack::DEFAULT_SLACK;
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SimConfig;
+use super::fibre::{AroundConfig, check_names};
+
+/// Most turns of a helix.
+const MOST_TURNS: f64 = 10_000.0;
+
+/// A thread that is bonded to a tag: a helix about an axis, or a line through points. It carries tension only,
+/// and has no stiffness against bending and no mass.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WindingConfig {
+    /// What numbers and reports call it.
+    pub name: String,
+    /// Tag of the facets, on the boundary or inside, in one layer around the axis.
+    pub on: String,
+    /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread.
+    pub stiffness: f64,
+    /// The axis of a helix; or `points`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub around: Option<AroundConfig>,
+    /// Height that a turn climbs along the axis [m]; negative for a left-handed screw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch: Option<f64>,
+    /// Angle between the thread and the axis [°], in place of `pitch`, at the mean distance of the tag from the
+    /// axis; negative for a left-handed screw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Height of the start along the axis, from its point [m]; that of the lowest vertex of the tag if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
+    /// Height of the end [m]; that of the highest vertex of the tag if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+    /// Angle of the start around the axis [°], from the x axis; from the y axis where the axis is along x.
+    #[serde(default)]
+    pub phase: f64,
+    /// Whether a second thread of the other hand crosses it, from the same start.
+    #[serde(default)]
+    pub double: bool,
+    /// Points of a line [m], which are moved to the nearest ones of the tag.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<[f64; 3]>,
+    /// Force of the thread while the body has its shape at rest [N].
+    #[serde(default)]
+    pub pretension: f64,
+    /// Force at which the thread breaks [N]: the report has the margin, and a run warns where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<f64>,
+    /// Elongation over which the thread becomes taut [1].
+    #[serde(default = "default_slack")]
+    pub slack: f64,
+}
+
+fn default_slack() -> f64 {
+    DEFAULT_SLACK
+}
+
+/// How a helix climbs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Climb {
+    /// By a height a turn [m].
+    Pitch(f64),
+    /// At an angle to the axis [°].
+    Angle(f64),
+}
+
+impl WindingConfig {
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("winding").named(&self.name)
+    }
+
+    /// What reports and messages call it.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
+        let course = match (pitch, angle) {
+            (Some(pitch), _) => format!("helix of pitch {:.3} mm", 1e3 * pitch),
+            (None, Some(angle)) => format!("helix at {angle}°"),
+            (None, None) => format!("line through {} points", points.len()),
+        };
+        let double = if *double { ", double" } else { "" };
+        format!("winding {name} on {on}: {course}{double}, EA {stiffness:.3e} N")
+    }
+
+    /// How a helix climbs; none of a line through points.
+    ///
+    /// # Errors
+    /// When it is given in two ways, or in none.
+    pub fn climb(&self) -> Result<Option<Climb>> {
+        let key = |key: &str| self.title().key(key);
+        if !self.points.is_empty() {
+            return Ok(None);
+        }
+        match (self.pitch, self.angle) {
+            (Some(pitch), None) => {
+                ensure!(
+                    pitch != 0.0 && pitch.is_finite(),
+                    misfit!(
+                        key("pitch"),
+                        " = {pitch} m: must be finite and not 0, such as 3e-3; negative for a left-handed screw"
+                    )
+                );
+                Ok(Some(Climb::Pitch(pitch)))
+            }
+            (None, Some(angle)) => {
+                ensure!(
+                    angle.abs() > 0.0 && angle.abs() < 90.0,
+                    misfit!(
+                        key("angle"),
+                        " = {angle}°: a helix is between 0 (along the axis) and 90 (around it), or their negatives; expected pitch for a narrow one"
+                    )
+                );
+                Ok(Some(Climb::Angle(angle)))
+            }
+            (Some(_), Some(_)) => {
+                Err(misfit!(key("angle"), " beside pitch: expected one of both").into())
+            }
+            (None, None) => Err(misfit!(
+                self.title(),
+                " has no course: expected around with pitch or angle, or points = [[x, y, z], …]"
+            )
+            .into()),
+        }
+    }
+
+    /// Heights of the ends of a helix, on a tag between two heights [m].
+    ///
+    /// # Errors
+    /// When it ends below its start, or has too many turns of a pitch [m].
+    pub fn heights(&self, [low, high]: [f64; 2], pitch: f64) -> Result<[f64; 2]> {
+        let (start, end) = (self.start.unwrap_or(low), self.end.unwrap_or(high));
+        ensure!(
+            end > start && (end - start).is_finite(),
+            misfit!(self.title().key("end"), " = {end} m: must be above start = {start} m")
+        );
+        let turns = (end - start) / pitch.abs();
+        ensure!(
+            turns <= MOST_TURNS,
+            misfit!(
+                self.title(),
+                ": a pitch of {pitch} m makes {turns:.0} turns; expected at most {MOST_TURNS}"
+            )
+        );
+        Ok([start, end])
+    }
+
+    /// Whether its numbers are admissible.
+    fn check(&self) -> Result<()> {
+        let key = |key: &str| self.title().key(key);
+        let Self { stiffness, pretension, slack, phase, .. } = *self;
+        ensure!(
+            stiffness > 0.0 && stiffness.is_finite(),
+            misfit!(
+                key("stiffness"),
+                " = {stiffness} N: must be positive and finite; expected E π d²/4, as 212 N of E = 3e9 Pa and d = 0.3e-3 m"
+            )
+        );
+        ensure!(
+            pretension >= 0.0 && pretension.is_finite(),
+            misfit!(
+                key("pretension"),
+                " = {pretension} N: must be finite and not negative: a thread only pulls"
+            )
+        );
+        ensure!(
+            slack > 0.0 && slack <= 1.0,
+            misfit!(
+                key("slack"),
+                " = {slack}: must be above 0 and at most 1; the elongation over which the thread becomes taut, such as 1e-3"
+            )
+        );
+        ensure!(
+            self.strength.is_none_or(|strength| strength > 0.0 && strength.is_finite()),
+            misfit!(
+                key("strength"),
+                " = {} N: must be positive and finite; the force at which the thread breaks",
+                self.strength.unwrap_or_default()
+            )
+        );
+        ensure!(phase.is_finite(), misfit!(key("phase"), " = {phase}°: must be finite"));
+        let Some(_) = self.climb()? else { return self.check_points() };
+        let around = self.around.as_ref().ok_or_else(|| {
+            misfit!(
+                self.title(),
+                ": a helix without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
+            )
+        })?;
+        around.line(&self.title())?;
+        let ends = [("start", self.start), ("end", self.end)];
+        for (end, height) in ends {
+            ensure!(
+                height.is_none_or(f64::is_finite),
+                misfit!(key(end), " = {} m: must be finite", height.unwrap_or_default())
+            );
+        }
+        Ok(())
+    }
+
+    fn check_points(&self) -> Result<()> {
+        let key = |key: &str| self.title().key(key);
+        let keys = [
+            ("around", self.around.is_some()),
+            ("pitch", self.pitch.is_some()),
+            ("angle", self.angle.is_some()),
+            ("start", self.start.is_some()),
+            ("end", self.end.is_some()),
+            ("phase", self.phase != 0.0),
+            ("double", self.double),
+        ];
+        if let Some((found, _)) = keys.into_iter().find(|(_, has)| *has) {
+            return Err(misfit!(
+                key(found),
+                " beside points: it is for a helix; expected one of both"
+            )
+            .into());
+        }
+        let legs = self.points.windows(2);
+        let good = self.points.len() > 1 && legs.clone().all(|leg| leg[0] != leg[1]);
+        ensure!(
+            good && self.points.iter().flatten().all(|x| x.is_finite()),
+            misfit!(
+                key("points"),
+                ": {} points; expected two or more, finite, each other than the one before",
+                self.points.len()
+            )
+        );
+        Ok(())
+    }
+}
+
+impl SimConfig {
+    /// Checks what can be checked of threads without a body.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check_windings(&self) -> Result<()> {
+        check_names("winding", self.winding.iter().map(|winding| &winding.name))?;
+        self.winding.iter().try_for_each(WindingConfig::check)?;
+        if let (Some(winding), false) = (self.winding.first(), self.symmetry.is_empty()) {
+            return Err(misfit!(
+                winding.title(),
+                " beside [[symmetry]]: a helix is not its own mirror image, and would leave the part at the cut; \
+                 expected the whole body (solver mirror)"
+            )
+            .into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,174 @@
+//! The fibres and threads of a scene, on a body.
+
+use std::ops::Range;
+
+use anyhow::{Context, Result, ensure};
+use mechanics::body::Body;
+use mechanics::element::FunctionSpace;
+use mechanics::energy::{self, Direction, Fibres, Helix, LayError, Piece, Winding};
+use mechanics::symmetry::Plane;
+use mesh::Vec3;
+use program::{misfit, unknown};
+
+use super::{Scene, SceneLaw};
+use crate::config::{Climb, FibreConfig, WindingConfig};
+
+/// Vertices at which it is tested whether fibres are symmetric, at most.
+const TESTED: usize = 200;
+/// Sine of the angle between fibres that are mirror images of each other, at most.
+const PARALLEL: f64 = 1e-6;
+
+impl Scene {
+    /// The families of fibres of a body, in the order of the scene.
+    ///
+    /// # Errors
+    /// When there is no such volume, a direction is undefined inside, or a part of a symmetric body has fibres
+    /// that have no mirror image.
+    pub(super) fn fibres(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Fibres>> {
+        let one = |fibre: &FibreConfig| {
+            let (direction, elements) = (fibre.leads()?, self.elements_of(fibre, body)?);
+            let inside = direction
+                .axis()
+                .and_then(|axis| axis.point_inside(space, &body.mesh.vertices, elements.clone()));
+            if let Some(place) = inside {
+                return Err(misfit!(
+                    fibre.title().key("around"),
+                    ": the axis passes through the material at ({:.6}, {:.6}, {:.6}) m, where fibres have no \
+                     direction; expected an axis in a hole or outside, or a volume without it",
+                    place.x,
+                    place.y,
+                    place.z
+                )
+                .into());
+            }
+            let mut vertices = body.mesh.tets[elements.clone()].iter().flatten();
+            let defined = |v: &usize| direction.at(body.mesh.vertices[*v]).norm_squared() < 2.0;
+            ensure!(
+                vertices.all(defined),
+                misfit!(
+                    fibre.title().key("around"),
+                    ": fibres have no direction at some vertex; expected an axis near the body"
+                )
+            );
+            Ok(Fibres::new(fibre.law(), direction, elements).named(&fibre.name))
+        };
+        let fibres = self.config.fibre.iter().map(one).collect::<Result<Vec<_>>>()?;
+        for plane in &body.planes {
+            self.check_mirrored(&fibres, plane, body)?;
+        }
+        Ok(fibres)
+    }
+
+    /// The elements that a family is in, which follow each other.
+    fn elements_of(&self, fibre: &FibreConfig, body: &Body) -> Result<Range<usize>> {
+        let Some(on) = &fibre.on else { return Ok(0..body.mesh.tets.len()) };
+        let own = self.laws.iter().filter(|law| self.is_law_of(law, on));
+        let own: Vec<Range<usize>> = own.map(|law| law.elements(body)).collect();
+        let names: Vec<String> =
+            self.laws.iter().map(|law: &SceneLaw| self.law_name(law)).collect();
+        let (Some(first), Some(last)) = (own.first(), own.last()) else {
+            let known = names.iter().map(String::as_str);
+            let has = format!(
+                "there are: {}; a volume needs a [[material]] of its own",
+                names.join(", ")
+            );
+            let what = unknown("unknown body or volume", on, known, ';', &has);
+            return Err(misfit!(fibre.title().key("on"), ": {what}").into());
+        };
+        Ok(first.start..last.end)
+    }
+
+    /// Whether the mirror images of all fibres in a plane are fibres.
+    fn check_mirrored(&self, fibres: &[Fibres], plane: &Plane, body: &Body) -> Result<()> {
+        for (fibre, own) in self.config.fibre.iter().zip(fibres) {
+            let tets = &body.mesh.tets[own.elements()];
+            let step = tets.len().div_ceil(TESTED).max(1);
+            let places = tets.iter().step_by(step).map(|t| body.mesh.vertices[t[0]]);
+            let places: Vec<Vec3> = places.collect();
+            let mirrors = |other: &&Fibres| {
+                other.law == own.law
+                    && other.elements() == own.elements()
+                    && places.iter().all(|&x| is_image(&own.direction, &other.direction, plane, x))
+            };
+            ensure!(
+                fibres.iter().any(|other| mirrors(&other)),
+                misfit!(
+                    fibre.title(),
+                    ": its mirror image in {} is no family of the scene, so the body is not symmetric; expected \
+                     another [[fibre]] with the same numbers and the opposite angle, or the whole body (solver \
+                     mirror)",
+                    plane.equation()
+                )
+            );
+        }
+        Ok(())
+    }
+
+    /// The threads of a body, in the order of the scene.
+    ///
+    /// # Errors
+    /// When a tag is missing, or a thread leaves it.
+    pub(super) fn windings(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Winding>> {
+        let one = |winding: &WindingConfig| {
+            let WindingConfig { on, stiffness, pretension, slack, .. } = winding;
+            let facets = body.tagged(on).with_context(|| winding.title())?;
+            let pieces = lay(winding, &facets, &body.mesh.vertices)?;
+            Ok(Winding::new(space, &pieces, [*stiffness, *pretension, *slack]))
+        };
+        self.config.winding.iter().map(one).collect()
+    }
+}
+
+/// Whether fibres at the mirror image of a point lead along the mirror image of others.
+fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
+    let (mut place, mut along) = (x, own.at(x));
+    place[plane.axis] = 2.0 * plane.level - x[plane.axis];
+    along[plane.axis] = -along[plane.axis];
+    along.cross(&other.at(place)).norm() < PARALLEL
+}
+
+/// The pieces of a thread on facets at rest.
+fn lay(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Vec<Piece>> {
+    let cannot = |error: LayError| {
+        misfit!(
+            winding.title(),
+            ": the thread cannot be laid on \"{}\": {error}\n  {}",
+            winding.on,
+            advice(&error)
+        )
+    };
+    let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else {
+        let points: Vec<Vec3> = winding.points.iter().map(|&point| point.into()).collect();
+        return Ok(energy::polyline(facets, x, &points).map_err(cannot)?);
+    };
+    let axis = around.line(&winding.title())?;
+    let pitch = match climb {
+        Climb::Pitch(pitch) => pitch,
+        Climb::Angle(angle) => {
+            std::f64::consts::TAU * axis.mean_distance(facets, x) / angle.to_radians().tan()
+        }
+    };
+    let heights = winding.heights(axis.heights(facets, x), pitch)?;
+    let phase = winding.phase.to_radians();
+    let one = Helix { axis, pitch, heights, phase };
+    let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
+    if winding.double {
+        let other = Helix { pitch: -pitch, ..one };
+        pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
+    }
+    Ok(pieces)
+}
+
+/// What may be done where a thread cannot be laid.
+fn advice(error: &LayError) -> &'static str {
+    match error {
+        LayError::Misses => "expected an axis and heights of the tag, or points near it",
+        LayError::Leaves { .. } => {
+            "expected a tag all around the axis between start and end, or a shorter thread"
+        }
+        LayError::Layers { .. } => {
+            "expected a tag with one layer around the axis, as the outer wall alone, or points that are closer"
+        }
+        LayError::AxisInside { .. } => "expected a tag around the axis, without end faces",
+    }
+}

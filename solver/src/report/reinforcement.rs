@@ -1,0 +1,122 @@
+//! What is reported of fibres and threads, and their fields for ParaView.
+//!
+//! | name of a cell field | is | unit |
+//! |-|-|-|
+//! | `fibre_NAME_direction` | mean of a₀ at rest, zero where the family is not | 1 |
+//! | `fibre_NAME_stretch` | mean of √I₄, 1 where the family is not | 1 |
+//! | `fibre_NAME_stress` | mean of the force of the fibres per rest area across them | Pa |
+//!
+//! `windings.csv` has a row for each segment of each thread, in its order: both of its ends at rest, where
+//! they are, and the mean force along it.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use mechanics::energy::{self, Energies, FibreMean, FibreSummary, Fibres, Iterate, WindingSummary};
+use mesh::Vec3;
+use mesh::io::vtu::Field;
+use reports::{Fibre, Winding};
+use scene::Scene;
+use scene::config::WindingConfig;
+
+/// Forces along the threads.
+pub const THREADS: &str = "windings.csv";
+
+/// Measures of every family of fibres.
+#[must_use]
+pub fn fibres(energies: &Energies, at: &Iterate) -> Vec<Fibre> {
+    let one = |family: &Fibres| {
+        let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
+        Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
+    };
+    energies.fibres.iter().map(one).collect()
+}
+
+/// Measures of every thread, in the order of the scene.
+#[must_use]
+pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding> {
+    let one = |(winding, thread): (&WindingConfig, &energy::Winding)| {
+        let WindingSummary { length, energy, force, mean_force, taut } = thread.summary(at);
+        let WindingConfig { name, on, points, strength, .. } = winding;
+        let margin = strength.filter(|_| force[1] > 0.0).map(|strength| strength / force[1]);
+        if margin.is_some_and(|margin| margin <= 1.0) {
+            log::warn!(
+                "winding {name}: its largest force, {:.3} N, is above its strength, {:.3} N: it breaks\n  lower \
+                 the load, or take more turns or a stronger thread",
+                force[1],
+                strength.unwrap_or_default()
+            );
+        }
+        Winding {
+            name: name.clone(),
+            on: on.clone(),
+            length,
+            turns: points.is_empty().then(|| thread.course()),
+            segments: thread.segments(),
+            energy,
+            force,
+            mean_force,
+            margin,
+            taut,
+        }
+    };
+    scene.config.winding.iter().zip(&energies.windings).map(one).collect()
+}
+
+/// Writes the threads of a state to a folder, if there are any.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_threads(
+    folder: &Path,
+    scene: &Scene,
+    energies: &Energies,
+    at: &Iterate,
+) -> Result<()> {
+    if energies.windings.is_empty() {
+        return Ok(());
+    }
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let places = ["start", "end"].into_iter().flat_map(|end| {
+        ["at rest", "now"].into_iter().flat_map(move |when| {
+            ["x", "y", "z"].map(move |axis| format!("{end} {when} {axis} [m]"))
+        })
+    });
+    let title = ["winding".to_owned()].into_iter().chain(places);
+    table.write_record(title.chain(["force [N]".to_owned()]))?;
+    for (winding, thread) in scene.config.winding.iter().zip(&energies.windings) {
+        for strand in thread.strands(at) {
+            let ends = strand.rest.into_iter().zip(strand.moved);
+            let places = ends.flat_map(|(rest, moved)| [rest, rest + moved]);
+            let numbers = places.flat_map(<[f64; 3]>::from).chain([strand.force]);
+            let name = [winding.name.clone()].into_iter();
+            table.write_record(name.chain(numbers.map(|number| number.to_string())))?;
+        }
+    }
+    let text = table.into_inner().context("a table in memory")?;
+    Ok(mesh::io::write_atomic(&folder.join(THREADS), |out| out.write_all(&text))?)
+}
+
+/// Fields of the cells.
+#[must_use]
+pub fn fibre_fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
+    energies.fibres.iter().flat_map(|family| of_family(family, at)).collect()
+}
+
+fn of_family(family: &Fibres, at: &Iterate) -> [Field; 3] {
+    let elsewhere = FibreMean { direction: Vec3::zeros(), stretch: 1.0, stress: 0.0 };
+    let mut means = vec![elsewhere; at.space.tets().len()];
+    means[family.elements()].copy_from_slice(&family.means(at));
+    let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
+        name: format!("fibre_{}_{name}", family.name),
+        unit: unit.to_owned(),
+        components,
+        values,
+    };
+    let directions = means.iter().flat_map(|mean| <[f64; 3]>::from(mean.direction)).collect();
+    [
+        field("direction", "1", 3, directions),
+        field("stretch", "1", 1, means.iter().map(|mean| mean.stretch).collect()),
+        field("stress", "Pa", 1, means.iter().map(|mean| mean.stress).collect()),
+    ]
+}

@@ -1,0 +1,269 @@
+//! `[[fibre]]` and `[[winding]]` in scenes and design problems: reports, fields, derivatives by their
+//! numbers, and what is refused.
+
+use mesh::io::vtu::read_vtu;
+use mesh::io::write_tets;
+use tests::chamber;
+use tests::workdir::Workdir;
+use tests::{block, tag};
+
+const FIBRE: &str = r#"
+[[fibre]]
+name = "weave"
+around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }
+angle = 40
+k1 = 2e5
+k2 = 1.0
+dispersion = 0.1
+"#;
+
+const WINDING: &str = r#"
+[[winding]]
+name = "thread"
+on = "side"
+around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }
+pitch = 0.02
+start = 0.004
+end = 0.046
+double = true
+stiffness = 50
+"#;
+
+/// The chamber, whose long outer faces are one tag, with linear elements and these tables.
+fn workdir(tables: &str) -> Workdir {
+    let dir = chamber::workdir();
+    let middle = |i: usize| (1..3).contains(&i);
+    let hollow = |c: [usize; 3]| c[0] < 4 && middle(c[1]) && middle(c[2]);
+    let mesh = block([5, 4, 4], 0.01, hollow, |p| p);
+    let inner = |x: f64| x > 0.009 && x < 0.031;
+    let body = tag(
+        mesh,
+        &[
+            ("seat", &|p| p.x < 1e-6),
+            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
+            ("tip", &|p| p.x > 0.05 - 1e-6),
+            ("side", &|_| true),
+        ],
+    );
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    dir.write("p1.toml", &(dir.text("p1.toml") + PROBES + tables));
+    dir
+}
+
+const PROBES: &str = r#"
+[[probe]]
+name = "air"
+kind = "volume"
+on = "cavity"
+"#;
+
+fn volume(dir: &Workdir, folder: &str) -> f64 {
+    dir.json(&format!("{folder}/report.json"))["probes"]["air"]["value"].as_f64().unwrap()
+}
+
+#[test]
+fn fibres_and_threads_hold_a_chamber_and_are_reported() {
+    let dir = workdir("");
+    dir.solver("simulate p1.toml -o bare").assert_good();
+    let dir_fibre = workdir(FIBRE);
+    let run = dir_fibre.solver("simulate p1.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains("fibre weave: at 40° to an axis"), "{}", run.stderr);
+    let report = dir_fibre.json("out/report.json");
+    let row = &report["fibres"][0];
+    let number = |key: &str| row[key].as_f64().unwrap();
+    // 50 × 40 × 40 mm less 40 × 20 × 20 mm
+    assert!((number("volume") / 6.4e-5 - 1.0).abs() < 1e-9 && number("stress") > 0.0, "{row}");
+    assert!(number("taut") > 0.0 && row["stretch"][1].as_f64().unwrap() > 1.0, "{row}");
+    assert!((number("energy") / report["energies"]["fibre"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    assert!(report["force_balance"]["out_of_balance"].as_f64().unwrap() < 1e-9);
+    let grid = read_vtu(&dir_fibre.path("out/result.vtu")).unwrap();
+    for (name, components) in [("direction", 3), ("stretch", 1), ("stress", 1)] {
+        let name = format!("fibre_weave_{name}");
+        let field = grid.cell_fields.iter().find(|field| field.name == name).unwrap();
+        assert_eq!(field.components, components);
+    }
+    assert!(volume(&dir_fibre, "out") < volume(&dir, "bare"));
+
+    let dir_thread = workdir(WINDING);
+    let run = dir_thread.solver("simulate p1.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains("helix of pitch 20.000 mm, double"), "{}", run.stderr);
+    let report = dir_thread.json("out/report.json");
+    let row = &report["windings"][0];
+    let number = |key: &str| row[key].as_f64().unwrap();
+    // 2.1 turns of each hand around a square of 40 mm
+    assert!((number("turns") - 4.2).abs() < 1e-9, "{row}");
+    let round = 4.2 * 0.16_f64.hypot(0.02);
+    assert!((number("length") / round - 1.0).abs() < 0.02, "{row} {round}");
+    assert!(row["force"][1].as_f64().unwrap() > number("mean_force") && number("mean_force") > 0.0);
+    assert!(
+        (number("energy") / report["energies"]["winding"].as_f64().unwrap() - 1.0).abs() < 1e-9
+    );
+    // half of what it would bear, and twice
+    let largest = row["force"][1].as_f64().unwrap();
+    for (part, breaks) in [(2.0, false), (0.5, true)] {
+        let strength = format!("stiffness = 50\nstrength = {:e}", part * largest);
+        dir_thread
+            .write("p2.toml", &dir_thread.text("p1.toml").replace("stiffness = 50", &strength));
+        let run = dir_thread.solver("simulate p2.toml -o strong");
+        run.assert_good();
+        assert_eq!(run.stderr.contains("it breaks"), breaks, "{}", run.stderr);
+        let margin =
+            dir_thread.json("strong/report.json")["windings"][0]["margin"].as_f64().unwrap();
+        assert!((margin / part - 1.0).abs() < 1e-9, "{margin}");
+    }
+    let table = dir_thread.text("out/windings.csv");
+    let segments = row["segments"].as_u64().unwrap() as usize;
+    assert!(
+        table.starts_with("winding,start at rest x [m],") && table.lines().count() == 1 + segments
+    );
+    assert!(volume(&dir_thread, "out") < volume(&dir, "bare"));
+}
+
+/// The gradients by shape and by all numbers, as a user asks for them.
+#[test]
+fn gradients_by_shape_and_numbers_pass_their_test() {
+    // the slack is wide, so that its curvature is seen by the steps of the test
+    let dir = workdir(
+        &(FIBRE.to_owned() + "slack = 0.1\n" + WINDING + "slack = 0.1\npretension = 0.5\n"),
+    );
+    dir.write("design.toml", DESIGN);
+    let run = dir.solver("check design.toml --handles 1 --random 1");
+    run.assert_good();
+    for path in ["fibre.weave", "winding.thread"] {
+        assert!(run.stdout.contains(path), "{}", run.stdout);
+    }
+}
+
+const DESIGN: &str = r#"
+scene = "p1.toml"
+
+[shape]
+on = "cavity"
+
+[[shape.level]]
+handles = 1
+iterations = 1
+
+[[objective]]
+kind = "volume"
+name = "air"
+weight = 1e6
+on = "cavity"
+volume = 2e-5
+measure = "deformed"
+"#;
+
+#[test]
+fn numbers_are_set_by_their_paths() {
+    let dir = workdir(&(FIBRE.to_owned() + WINDING));
+    let numbers = "\n[numbers]\n\"fibre.weave.angle\" = 80\n\"winding.thread.stiffness\" = 100\n";
+    dir.write("set.toml", &(dir.text("p1.toml") + numbers));
+    dir.solver("simulate set.toml -o set").assert_good();
+    let by_hand = dir.text("p1.toml").replace("angle = 40", "angle = 80");
+    dir.write("hand.toml", &by_hand.replace("stiffness = 50", "stiffness = 100"));
+    dir.solver("simulate hand.toml -o hand").assert_good();
+    assert_eq!(volume(&dir, "set").to_bits(), volume(&dir, "hand").to_bits());
+    let bad = dir.text("p1.toml") + "\n[numbers]\n\"fibre.weave.dispersion\" = 0.5\n";
+    dir.write("bad.toml", &bad);
+    dir.solver("simulate bad.toml -o bad").assert_refused(2, &["dispersion = 0.5", "1/3"]);
+}
+
+#[test]
+fn fibres_that_cannot_be_used_are_refused() {
+    for (from, to, words) in [
+        ("k1 = 2e5", "k1 = 0", &["[[fibre]] \"weave\": k1 = 0 Pa", "positive"][..]),
+        ("k2 = 1.0", "k2 = -1.0", &["k2 = -1"]),
+        ("dispersion = 0.1", "dispersion = 0.4", &["dispersion = 0.4", "1/3"]),
+        ("dispersion = 0.1", "slack = 0", &["slack = 0"]),
+        ("dispersion = 0.1", "slack = 0.1\ncompression = true", &["slack", "never slack"]),
+        ("angle = 40\n", "", &["around without angle", "radial = true"]),
+        ("angle = 40", "angle = 40\nradial = true", &["radial beside angle"]),
+        ("angle = 40", "direction = [1, 0, 0]", &["direction beside around"]),
+        (
+            "around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }\n",
+            "",
+            &["angle without an axis", "add around"],
+        ),
+        ("axis = [1, 0, 0]", "axis = [0, 0, 0]", &["around", "axis", "no direction"]),
+        (
+            "point = [0, 0.02, -0.02]",
+            "point = [0, 0.02, 0.02]",
+            &["the axis passes through the material at (0.0", "0.020000, 0.020000) m"],
+        ),
+        (
+            "angle = 40",
+            "angle = 40\non = \"liner\"",
+            &["\"liner\"", "unknown body or volume", "body"],
+        ),
+        ("name = \"weave\"", "name = \"a.b\"", &["\"a.b\"", "no dot"]),
+        ("angle = 40", "angel = 40", &["unknown field `angel`", "`angle`"]),
+    ] {
+        let dir = workdir(&FIBRE.replace(from, to));
+        let run = dir.solver("simulate p1.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["p1.toml"]);
+    }
+    let dir = workdir(&(FIBRE.to_owned() + FIBRE));
+    dir.solver("simulate p1.toml -o out")
+        .assert_refused(2, &["two [[fibre]] are called \"weave\""]);
+    let dir = workdir(FIBRE);
+    dir.solver("export p1.toml -o out.inp --degree 1").assert_refused(2, &["[[fibre]]", "deck"]);
+}
+
+#[test]
+fn threads_that_cannot_be_used_are_refused() {
+    for (from, to, words) in [
+        ("stiffness = 50", "stiffness = -50", &["[[winding]] \"thread\": stiffness = -50 N"][..]),
+        ("pitch = 0.02\n", "", &["no course", "pitch or angle"]),
+        ("pitch = 0.02", "pitch = 0.0", &["pitch = 0 m"]),
+        ("pitch = 0.02", "pitch = 0.02\nangle = 60", &["angle beside pitch"]),
+        ("pitch = 0.02", "pitch = 1e-7", &["turns", "10000"]),
+        ("pitch = 0.02", "angle = 90", &["angle = 90°"]),
+        ("end = 0.046", "end = 0.001", &["end = 0.001 m", "start = 0.004 m"]),
+        ("end = 0.046", "end = 0.08", &["it leaves the facets at (0.05", "% of its way"]),
+        ("on = \"side\"", "on = \"roof\"", &["unknown tag \"roof\"", "side"]),
+        ("on = \"side\"", "on = \"tip\"", &["the axis passes through a facet"]),
+        ("start = 0.004\nend = 0.046", "start = 0.2\nend = 0.3", &["it meets none of the facets"]),
+        ("double = true", "points = [[0, 0, 0], [0.05, 0, 0]]", &["around beside points"]),
+        ("double = true", "strength = 0", &["strength = 0 N"]),
+        ("double = true", "pretension = -1", &["pretension = -1 N"]),
+        (
+            "around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }\n",
+            "",
+            &["a helix without an axis"],
+        ),
+        ("stiffness = 50", "stiffnes = 50", &["unknown field `stiffnes`", "`stiffness`"]),
+    ] {
+        let dir = workdir(&WINDING.replace(from, to));
+        let run = dir.solver("simulate p1.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["p1.toml"]);
+    }
+}
+
+/// Mirror images: a helix has none, two families of opposite angles have each other.
+#[test]
+fn symmetric_bodies_need_symmetric_fibres() {
+    let half = |tables: &str| {
+        let dir = workdir(&(tables.to_owned() + "\n[[symmetry]]\non = \"cut\"\n"));
+        let mesh =
+            block([5, 2, 4], 0.01, |c| c[0] < 4 && c[1] == 1 && (1..3).contains(&c[2]), |p| p);
+        let body = tag(
+            mesh,
+            &[
+                ("cut", &|p| p.y > 0.02 - 1e-6),
+                ("seat", &|p| p.x < 1e-6),
+                ("cavity", &|p| p.x < 0.041 && p.y > 0.009 && p.z > 0.009 && p.z < 0.031),
+                ("side", &|_| true),
+            ],
+        );
+        write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+        dir.solver("simulate p1.toml -o out")
+    };
+    half(FIBRE).assert_refused(2, &["[[fibre]] \"weave\"", "mirror image", "opposite angle"]);
+    let other = FIBRE.replace("weave", "weft").replace("angle = 40", "angle = -40");
+    half(&(FIBRE.to_owned() + &other)).assert_good();
+    half(WINDING).assert_refused(2, &["[[winding]] \"thread\"", "[[symmetry]]", "solver mirror"]);
+}
