@@ -103,7 +103,7 @@ pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) 
     let factor = solver.path_volume_factor?;
     let beyond = problem.energies.chambers().find_map(|(_, named)| {
         let found = named.chamber.state(at).0 / named.chamber.rest_volume(at);
-        (found > factor).then(|| (&named.name, found))
+        (found > factor).then_some((&named.name, found))
     });
     let (name, found) = beyond?;
     Some(format!("as {name} has {found:.2} times its volume ([solver] path_volume_factor)"))
