@@ -26,7 +26,7 @@ use mechanics::energy::{
     BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
 };
 use mechanics::forward::{
-    Event, Integrator, Newton, Path, Problem, State, Stepping, Watch, Workspace,
+    ArcLength, Event, Integrator, Newton, Problem, State, Stepping, Watch, Workspace,
 };
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
@@ -382,9 +382,9 @@ impl Scene {
 
     /// How to follow the path of equilibria by its arc length, where the scene asks for that.
     #[must_use]
-    pub fn path(&self) -> Option<Path> {
+    pub fn path(&self) -> Option<ArcLength> {
         let solver = &self.config.solver;
-        (!solver.follow.is_load()).then(|| Path {
+        (!solver.follow.is_load()).then(|| ArcLength {
             first: solver.first_load_step(),
             largest: solver.largest_load_step.unwrap_or(f64::INFINITY),
             smallest: solver.smallest_load_step,
