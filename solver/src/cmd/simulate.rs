@@ -10,7 +10,7 @@ use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    LoadStep, PathFollower, Problem, TimeStepper, Trajectory, Unreached, Workspace, about,
+    ArcFollower, LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about,
     predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
@@ -200,7 +200,7 @@ struct Run<'a> {
     workspace: Workspace,
     stepper: TimeStepper,
     /// What follows the path of a static scene by its arc length, if the scene asks for that.
-    follower: Option<PathFollower>,
+    follower: Option<ArcFollower>,
     /// The last state of that path.
     last: Option<LoadStep>,
     /// All states, where error bars need them.
@@ -219,7 +219,7 @@ impl<'a> Run<'a> {
     ) -> Self {
         let integrator = scene.integrator(&scene.body, problem);
         let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-        let mut follower = scene.path().map(PathFollower::new);
+        let mut follower = scene.path().map(ArcFollower::new);
         let done = checkpoint.as_ref().map_or(0, |c| c.steps);
         let timed = scene.config.time.is_some();
         if let Some(checkpoint) = checkpoint {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
 use mechanics::energy::{Iterate, Multiplier};
-use mechanics::forward::{LoadStep, PathProgress, Problem, Progress, Timings};
+use mechanics::forward::{ArcProgress, LoadStep, Problem, Progress, Timings};
 use mechanics::schedule::{Field, Schedule};
 use mesh::Vec3;
 use mesh::io::vtu;
@@ -39,7 +39,7 @@ pub struct Checkpoint {
     pub progress: Progress,
     /// ... of a path that is followed by its arc length, too, ...
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub path: Option<PathProgress>,
+    pub path: Option<ArcProgress>,
     /// ... with the pairs of nodes that contact couples.
     pub couplings: Vec<[usize; 2]>,
     /// Work of the loads so far.

@@ -1,7 +1,7 @@
 //! What reports say of the stability of a state, and of its place on a path that is followed by its arc length.
 
 use mechanics::energy::Iterate;
-use mechanics::forward::{self, Kind, LoadStep, Passed, PathPoint, Problem, Workspace};
+use mechanics::forward::{self, ArcPoint, Kind, LoadStep, Passed, Problem, Workspace};
 use mesh::io::vtu;
 use reports::{PassedPoint, PathState, PointKind, Stability};
 use scene::Scene;
@@ -57,7 +57,7 @@ fn report(found: &forward::Stability, rest_stiffness: f64) -> Stability {
 
 /// A state of a path, as reports have it.
 #[must_use]
-pub fn path_state(point: &PathPoint) -> PathState {
+pub fn path_state(point: &ArcPoint) -> PathState {
     let passed = |passed: &Passed| match *passed {
         Passed::LimitPoint(loads) => PassedPoint { kind: PointKind::LimitPoint, loads },
         Passed::Bifurcation(loads) => PassedPoint { kind: PointKind::Bifurcation, loads },
@@ -103,7 +103,7 @@ pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) 
     let factor = solver.path_volume_factor?;
     let beyond = problem.energies.chambers().find_map(|(_, named)| {
         let found = named.chamber.state(at).0 / named.chamber.rest_volume(at);
-        (found > factor).then(|| (&named.name, found))
+        (found > factor).then_some((&named.name, found))
     });
     let (name, found) = beyond?;
     Some(format!("as {name} has {found:.2} times its volume ([solver] path_volume_factor)"))

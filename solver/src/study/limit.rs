@@ -4,8 +4,8 @@
 use anyhow::Result;
 use mechanics::energy::{ChamberId, Iterate};
 use mechanics::forward::{
-    self, Configuration, Kind, LoadStep, Passed, Path, PathFollower, PathPoint, Problem, Reached,
-    TimeStepper, Workspace,
+    self, ArcFollower, ArcLength, ArcPoint, Configuration, Kind, LoadStep, Passed, Problem,
+    Reached, TimeStepper, Workspace,
 };
 use mechanics::stretch::Stretches;
 use reports::{DirectIterate, Limit, LimitStatus, PointKind};
@@ -43,8 +43,8 @@ pub fn find(
     let integrator = scene.integrator(&scene.body, &held);
     let mut stepper = TimeStepper::within(scene.stepping(), integrator, reached);
     let smallest = scene.config.solver.smallest_load_step;
-    let path = Path { first: FIRST, largest: f64::INFINITY, smallest, end: config.most };
-    let mut follower = PathFollower::new(path);
+    let path = ArcLength { first: FIRST, largest: f64::INFINITY, smallest, end: config.most };
+    let mut follower = ArcFollower::new(path);
     let mut way = Way { last: (end.time, stretch(scene, end)), burst: None };
     if at_break(scene).is_some_and(|limit| way.last.1 >= limit) {
         way.burst = Some(end.time);
@@ -63,6 +63,8 @@ pub fn find(
         }
         if point.passed.is_empty() {
             way.follow(scene, &step.iterate(&held, end.rest));
+            let (factor, stretch) = way.last;
+            log::info!("towards a limit: {factor:.3} × the pressure, largest stretch {stretch:.2}");
             if step.ends_time_step {
                 return Ok((none(LimitStatus::StableTo, &way), None));
             }
@@ -122,7 +124,7 @@ fn sharp(
     scene: &Scene,
     (held, workspace): (&Problem, &mut Workspace),
     end: &Iterate,
-    (step, point): (&LoadStep, &PathPoint),
+    (step, point): (&LoadStep, &ArcPoint),
     mut way: Way,
 ) -> (Limit, Option<Vec<f64>>) {
     let (kind, loads) = match point.passed[0] {

@@ -3,7 +3,7 @@
 //! - [`Problem`]: minimum of the potential energy under [`Dirichlet`] conditions;
 //! - [`Newton`]: Newton's method with Hessian modification and a line search;
 //! - [`Stepping`]: incremental loading, in load steps of adaptive size;
-//! - [`PathFollower`]: paths of equilibria through limit points, by their arc length;
+//! - [`ArcFollower`]: paths of equilibria through limit points, by their arc length;
 //! - [`Limit`]: loads at which an equilibrium loses its stability, by a direct method;
 //! - [`Stability`]: how far an equilibrium is from losing it;
 //! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
@@ -44,12 +44,12 @@ pub use integrator::{Formula, Growth, Integrator, Method, State, Weights};
 pub use limit::{Left, Limit};
 pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Failure, Newton};
-pub use path::{Path, PathFollower, PathProgress};
+pub use path::{ArcFollower, ArcLength, ArcProgress};
 pub use problem::{Configuration, Problem};
 pub use softest_mode::SoftestMode;
 pub use stability::{Kind, Stability};
 pub use stepping::{
-    Attempt, LoadStep, Passed, PathPoint, Solution, Stepping, Unreached, solve, solve_from,
+    ArcPoint, Attempt, LoadStep, Passed, Solution, Stepping, Unreached, solve, solve_from,
     solve_in_time,
 };
 pub use tangent::follow;

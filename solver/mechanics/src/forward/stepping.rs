@@ -70,12 +70,12 @@ pub struct LoadStep {
     pub ends_time_step: bool,
     /// What is known of it as a state of a path, if it is one.
     #[serde(skip)]
-    pub path: Option<Box<PathPoint>>,
+    pub path: Option<Box<ArcPoint>>,
 }
 
 /// A state on a path of equilibria that is followed by its arc length.
 #[derive(Clone, Debug)]
-pub struct PathPoint {
+pub struct ArcPoint {
     /// Arc length from rest [1].
     pub arc: f64,
     /// Change of the load with the arc length [1]; negative where the load falls.

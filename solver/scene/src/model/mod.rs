@@ -28,7 +28,7 @@ use mechanics::energy::{
     BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
 };
 use mechanics::forward::{
-    Event, Growth, Integrator, Newton, Path, Problem, State, Stepping, Watch, Workspace,
+    ArcLength, Event, Growth, Integrator, Newton, Problem, State, Stepping, Watch, Workspace,
 };
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
@@ -407,9 +407,9 @@ impl Scene {
 
     /// How to follow the path of equilibria by its arc length, where the scene asks for that.
     #[must_use]
-    pub fn path(&self) -> Option<Path> {
+    pub fn path(&self) -> Option<ArcLength> {
         let solver = &self.config.solver;
-        (!solver.follow.is_load()).then(|| Path {
+        (!solver.follow.is_load()).then(|| ArcLength {
             first: solver.first_load_step(),
             largest: solver.largest_load_step.unwrap_or(f64::INFINITY),
             smallest: solver.smallest_load_step,

@@ -1,4 +1,4 @@
-//! Paths of equilibria through limit points, by arc length.
+//! Equilibrium paths through limit points, by arc length.
 //!
 //! Where the load of a static scene has a maximum, as the pressure of a balloon has, no load beyond it can be
 //! prescribed. A path goes on: the load t is an unknown like the displacement u and the pressures P̂ of prescribed
@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use self::corrector::{Balanced, Corrector, Ends, Missed};
 use self::direction::Direction;
 use super::stability::{Stability, negative_eigenvalues, softest};
-use super::stepping::{Attempt, Failed, LoadStep, Passed, PathPoint, Unreached, certify};
+use super::stepping::{ArcPoint, Attempt, Failed, LoadStep, Passed, Unreached, certify};
 use super::tangent_system::with_supports;
 use super::tangent_system::{LoadRate, Residual, Row, at_held_load, factor, with_load};
 use super::{Configuration, Failure, Problem, TimeStepper, Workspace};
@@ -56,7 +56,7 @@ const LOADS: usize = 8;
 
 /// How to follow a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Path {
+pub struct ArcLength {
     /// First increment of the load.
     pub first: f64,
     /// Largest arc length, in loads: that of an increment of the load at rest.
@@ -69,7 +69,7 @@ pub struct Path {
 
 /// All that determines the next state of a path, beside the last one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct PathProgress {
+pub struct ArcProgress {
     /// The direction of the path at the last state, of length 1 ...
     direction: Direction,
     /// ... and its change with the arc length before it, if there was a state before.
@@ -89,23 +89,23 @@ pub struct PathProgress {
 }
 
 /// Follows the path of a static scene from rest, state by state.
-pub struct PathFollower {
+pub struct ArcFollower {
     /// How.
-    pub path: Path,
+    pub path: ArcLength,
     /// Where it is; none before the first state.
-    pub progress: Option<PathProgress>,
+    pub progress: Option<ArcProgress>,
 }
 
 /// A state that was found, with what it makes of the progress.
 struct Found {
     step: LoadStep,
-    progress: PathProgress,
+    progress: ArcProgress,
 }
 
-impl PathFollower {
+impl ArcFollower {
     /// Begins at rest.
     #[must_use]
-    pub fn new(path: Path) -> Self {
+    pub fn new(path: ArcLength) -> Self {
         Self { path, progress: None }
     }
 
@@ -155,7 +155,7 @@ impl PathFollower {
         workspace: &mut Workspace,
         rest: &[Vec3],
         step: &Arc<TimeStep>,
-    ) -> Result<PathProgress, Unreached> {
+    ) -> Result<ArcProgress, Unreached> {
         let at = Iterate { step: Some(step), ..stepper.iterate(problem, rest) };
         begun(problem, workspace, &at, self.path.first).map_err(|failure| {
             let failed = Failed { failure, u: at.u.to_vec(), residuals: Vec::new() };
@@ -204,7 +204,7 @@ struct From<'a> {
     problem: &'a Problem,
     last: Iterate<'a>,
     step: &'a Arc<TimeStep>,
-    progress: &'a PathProgress,
+    progress: &'a ArcProgress,
     /// The full load.
     end: f64,
 }
@@ -220,7 +220,7 @@ struct Predicted<'a> {
 impl<'a> From<'a> {
     /// A state along the direction of the path, as far as surfaces are free.
     fn predict(&self, workspace: &mut Workspace) -> Result<Predicted<'a>, Failure> {
-        let PathProgress { direction, length, .. } = self.progress;
+        let ArcProgress { direction, length, .. } = self.progress;
         let to_full_load = (self.end - self.last.time) / direction.load;
         let reaches = direction.load > 0.0 && to_full_load <= *length;
         let length = if reaches { to_full_load } else { *length };
@@ -246,7 +246,7 @@ impl<'a> From<'a> {
 
     /// The last state, moved along the path as far as its direction and its curvature tell.
     fn moved(&self, length: f64) -> Configuration<'a> {
-        let PathProgress { direction, turning, .. } = self.progress;
+        let ArcProgress { direction, turning, .. } = self.progress;
         let mut change = direction.scaled(length);
         if let Some(turning) = turning {
             change = change.plus(&turning.scaled(0.5 * length * length));
@@ -307,7 +307,7 @@ impl<'a> From<'a> {
         let eased = (AIM / balanced.iterations.max(1) as f64).sqrt().clamp(0.5, GROWTH);
         let grown = if cosine < NEARLY_STRAIGHT { eased.min(1.0) } else { eased };
         let turning = direction.plus(&self.progress.direction.scaled(-1.0)).scaled(1.0 / moved);
-        let progress = PathProgress {
+        let progress = ArcProgress {
             turning: Some(turning),
             negative,
             arc: point.arc,
@@ -339,7 +339,7 @@ impl<'a> From<'a> {
 
     /// The direction of the path at a state, and its stability; none where the tangent is singular.
     fn onward(&self, workspace: &mut Workspace, at: &Iterate) -> Option<(Direction, Stability)> {
-        let PathProgress { direction: last, scale, .. } = self.progress;
+        let ArcProgress { direction: last, scale, .. } = self.progress;
         let constraints = self.problem.constraints(at);
         let rate = LoadRate::of(self.problem, workspace, at);
         let factor = factor(self.problem, workspace, at)?;
@@ -360,12 +360,12 @@ impl<'a> From<'a> {
         stability: Stability,
         direction: &Direction,
         (moved, load): (f64, f64),
-    ) -> PathPoint {
-        let PathProgress { negative: before, arc, rest_stiffness, direction: last, .. } =
+    ) -> ArcPoint {
+        let ArcProgress { negative: before, arc, rest_stiffness, direction: last, .. } =
             self.progress;
         let turned = (last.load > 0.0) != (direction.load > 0.0);
         let changed = stability.negative.abs_diff(*before);
-        PathPoint {
+        ArcPoint {
             arc: arc + moved,
             load_rate: direction.load,
             stability,
@@ -381,7 +381,7 @@ fn begun(
     workspace: &mut Workspace,
     at: &Iterate,
     first: f64,
-) -> Result<PathProgress, Failure> {
+) -> Result<ArcProgress, Failure> {
     let constraints = problem.constraints(at);
     let rate = LoadRate::of(problem, workspace, at);
     if rate.vanishes() && !is_loaded(problem, workspace, at) {
@@ -407,7 +407,7 @@ fn begun(
     let direction = direction.unit(scale).ok_or(Failure::Singular)?;
     let (first, arc) = (length, 0.0);
     let turning = None;
-    Ok(PathProgress { direction, turning, scale, length, first, negative, rest_stiffness, arc })
+    Ok(ArcProgress { direction, turning, scale, length, first, negative, rest_stiffness, arc })
 }
 
 /// Whether any load up to the full one moves the body or a volume.

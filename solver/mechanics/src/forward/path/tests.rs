@@ -24,7 +24,7 @@ fn stepper(problem: &Problem) -> TimeStepper {
 }
 
 /// The states of a path, at most `most`.
-fn follow(problem: &Problem, rest: &[Vec3], path: Path, most: usize) -> Vec<LoadStep> {
+fn follow(problem: &Problem, rest: &[Vec3], path: ArcLength, most: usize) -> Vec<LoadStep> {
     follow_to(problem, rest, path, (most, false))
 }
 
@@ -32,11 +32,11 @@ fn follow(problem: &Problem, rest: &[Vec3], path: Path, most: usize) -> Vec<Load
 fn follow_to(
     problem: &Problem,
     rest: &[Vec3],
-    path: Path,
+    path: ArcLength,
     (most, at_first): (usize, bool),
 ) -> Vec<LoadStep> {
     let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
-    let mut follower = PathFollower::new(path);
+    let mut follower = ArcFollower::new(path);
     let mut steps: Vec<LoadStep> = Vec::new();
     let stops =
         |step: &LoadStep| step.ends_time_step || (at_first && !point(step).passed.is_empty());
@@ -87,7 +87,7 @@ fn arch_load(rise: f64, b: f64) -> f64 {
     (rise - b) / 24.0 + (rise * rise - b * b) * b / 32.0
 }
 
-fn point(step: &LoadStep) -> &PathPoint {
+fn point(step: &LoadStep) -> &ArcPoint {
     step.path.as_deref().expect("a path")
 }
 
@@ -105,7 +105,7 @@ fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
     let limits = [arch_load(rise, turn), arch_load(rise, -turn)];
     let full = 1.2 * limits[0];
     let (problem, rest, crown) = arch(rise, full);
-    let path = Path { first: 0.1, largest: 0.2, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.1, largest: 0.2, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 80);
     let last = steps.last().expect("states");
     assert!(last.ends_time_step && last.time == 1.0, "{} states, t = {}", steps.len(), last.time);
@@ -136,7 +136,7 @@ fn a_higher_arch_says_where_an_asymmetrical_branch_leaves() {
     let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
     let full = 1.5 * leaves;
     let (problem, rest, _) = arch(rise, full);
-    let path = Path { first: 0.05, largest: 0.15, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.05, largest: 0.15, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 80);
     assert!(steps.last().is_some_and(|step| step.ends_time_step));
     let passed = passed(&steps);
@@ -205,7 +205,7 @@ fn sphere_pressure(inside: f64) -> f64 {
 fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
     let limit = (100..400).map(|i| sphere_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
     let (problem, rest) = sphere(2, 2, 1.1 * limit);
-    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 14);
     let stretch = |step: &LoadStep| {
         let at = step.iterate(&problem, &rest);
@@ -224,10 +224,10 @@ fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
 #[test]
 fn a_path_without_load_and_a_body_that_floats_are_refused() {
     let (problem, rest, _) = arch(1.1, 0.0);
-    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
     let follow = |problem: &Problem| {
         let mut workspace = Workspace::new(problem);
-        let mut follower = PathFollower::new(path);
+        let mut follower = ArcFollower::new(path);
         let next = follower.next(&mut stepper(problem), problem, &mut workspace, &rest);
         next.err().map(|unreached| unreached.failure)
     };
@@ -235,7 +235,7 @@ fn a_path_without_load_and_a_body_that_floats_are_refused() {
 }
 
 /// The states before the first singular point of a path and after it, and the point by the direct method.
-fn first_limit(problem: &Problem, rest: &[Vec3], path: Path, kind: Kind) -> (Limit, [f64; 2]) {
+fn first_limit(problem: &Problem, rest: &[Vec3], path: ArcLength, kind: Kind) -> (Limit, [f64; 2]) {
     let steps = follow_to(problem, rest, path, (40, true));
     let after = steps.iter().position(|step| !point(step).passed.is_empty()).expect("a point");
     let start = configuration(rest, &steps[after]);
@@ -264,7 +264,7 @@ fn assert_quadratic(limit: &Limit) {
 fn the_direct_method_finds_the_limit_of_a_sphere() {
     let limit = (1000..4000).map(|i| sphere_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
     let (problem, rest) = sphere(2, 2, 1.1 * limit);
-    let path = Path { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
     let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::LimitPoint);
     assert!(found.load >= before.max(after) && found.load < 1.0, "{} {before} {after}", found.load);
     let pressure = 1.1 * limit * found.load;
@@ -278,7 +278,7 @@ fn the_direct_method_finds_where_an_arch_bends_sideways() {
     let rise: f64 = 2.5;
     let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
     let (problem, rest, _) = arch(rise, 1.5 * leaves);
-    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
     let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::Bifurcation);
     assert!(before < found.load && found.load < after, "{before} {} {after}", found.load);
     assert!((1.5 * found.load - 1.0).abs() < 0.02, "{}", found.load);
@@ -296,7 +296,7 @@ fn the_gradient_of_a_limit_is_its_derivative() {
     let (rise, load) = (1.5, 0.15);
     let of = |modulus: f64| arch_of(10, modulus, rise, load);
     let (problem, rest, _) = of(ARCH.2);
-    let path = Path { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
     let (found, _) = first_limit(&problem, &rest, path, Kind::LimitPoint);
     let again = |problem: &Problem, rest: &[Vec3]| {
         let (u, multipliers) = (found.u.clone(), found.multipliers.clone());
