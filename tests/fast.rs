@@ -37,6 +37,8 @@ mod flat_element;
 mod gallery;
 #[path = "fast/hostile_page.rs"]
 mod hostile_page;
+#[path = "fast/limit.rs"]
+mod limit;
 #[path = "fast/locking.rs"]
 mod locking;
 #[path = "fast/keep.rs"]

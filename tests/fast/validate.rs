@@ -48,7 +48,11 @@ fn known_errors_are_found() {
     run.assert_good();
     assert_eq!(dir.files("out"), ["cushion.svg", "errors.json", "errors.md"]);
     assert_eq!(run.stdout.trim_end(), dir.text("out/errors.md").trim_end());
-    assert!(run.stdout.contains("| cushion | ours | 2 of 2 | +10.0 % |"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("| cushion | ours | 2 of 2 | +10.0 %, +25.000 Pa |"),
+        "{}",
+        run.stdout
+    );
     let rows = &dir.json("out/errors.json")["rows"];
     assert_eq!(rows[0]["within"], true);
     let measured = &rows[0]["measured"][1];

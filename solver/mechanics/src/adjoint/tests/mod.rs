@@ -443,10 +443,8 @@ fn bodies_that_hit_and_slide_have_their_gradient() {
     for (method, steps) in [(Euler, 1), (Euler, 2), (Euler, 5), (Newmark, 4), (GeneralizedAlpha, 3)]
     {
         let (degree, dt) = (1, 2e-3);
-        check(
-            &Case { method, degree, steps, dt, body: Shape::Blocks, inside: Inside::Pressure },
-            true,
-        );
+        let (body, inside) = (Shape::Blocks, Inside::Pressure);
+        check(&Case { method, degree, steps, dt, body, inside }, true);
     }
 }
 
