@@ -86,7 +86,7 @@ pub enum LimitStatus {
     Found,
     /// It lies between two states; the direct method did not come to it.
     Bracketed,
-    /// There is none up to the largest factor that was asked for.
+    /// The state is stable up to the largest factor that was asked for.
     StableTo,
     /// The state at the end is not stable itself.
     Unstable,

@@ -341,6 +341,9 @@ impl Energies {
         let tractions = std::mem::take(&mut held.tractions).into_iter();
         loads.extend(tractions.map(|traction| Arc::new(traction) as Arc<dyn Energy>));
         loads.append(&mut held.others);
+        for part in &mut held.rigid {
+            part.load = part.load.held(time);
+        }
         held.others =
             loads.into_iter().map(|energy| Arc::new(Held { energy, time }) as _).collect();
         for (place, named) in held.chambers.iter_mut().enumerate() {

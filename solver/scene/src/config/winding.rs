@@ -33,10 +33,10 @@ pub struct WindingConfig {
     /// axis; negative for a left-handed screw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<f64>,
-    /// Height of the start along the axis, from its point [m]; that of the lowest vertex of the tag if not given.
+    /// Height of the start along the axis, from its point [m]; if not given, the lowest vertex of the tag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<f64>,
-    /// Height of the end [m]; that of the highest vertex of the tag if not given.
+    /// Height of the end [m]; if not given, the highest vertex of the tag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end: Option<f64>,
     /// Angle of the start around the axis [°], from the x axis; from the y axis where the axis is along x.
@@ -51,7 +51,7 @@ pub struct WindingConfig {
     /// Force of the thread while the body has its shape at rest [N].
     #[serde(default)]
     pub pretension: f64,
-    /// Force at which the thread breaks [N]: the report has the margin, and a run warns where there is none.
+    /// Force at which the thread breaks [N]: the report has the margin, and a run warns where the thread would break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<f64>,
     /// Elongation over which the thread becomes taut [1].

@@ -138,6 +138,22 @@ fn a_top_that_cannot_turn_is_that_of_a_moved_support() {
     assert!(off.fold(0.0, f64::max) < 1e-9 * motion.norm());
 }
 
+/// Where pressures alone grow, the force and the weight of a part stay.
+#[test]
+fn the_load_of_a_held_part_does_not_grow() {
+    let case = Topped { degree: 1, method: Method::Quasistatic, steps: 1, moves: Moves::Freely };
+    let (problem, _) = case.problem(0.2, [3.0, 1.0, -2.0], 1.0);
+    let rest = Topped::mesh().vertices;
+    let u: Vec<f64> = Random::new(2).numbers(problem.dofs()).iter().map(|x| 1e-4 * x).collect();
+    let at = |problem: &Problem, time: f64| problem.gradient(&problem.iterate(&rest, &u, time)).0;
+    let mut grows = problem.clone();
+    grows.energies.rigid[0].load.force.0[0] = "3*t".parse().expect("an expression");
+    let held = grows.held(1.0, &[]);
+    assert_eq!(at(&held, 1.0), at(&grows, 1.0));
+    assert_eq!(at(&held, 2.5), at(&held, 1.0));
+    assert_ne!(at(&grows, 2.5), at(&grows, 1.0));
+}
+
 /// By the material, the mass and the force, and by the rest shape of what is not rigid.
 #[test]
 fn runs_with_a_rigid_top_have_their_gradients() {

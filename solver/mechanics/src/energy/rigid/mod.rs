@@ -24,7 +24,7 @@ use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
 use crate::rigid::RigidSet;
-use crate::schedule::Field;
+use crate::schedule::{Field, Schedule};
 
 /// Stiffness of a part against itself, over the shear modulus of what it is bonded to and its size: strains of
 /// the part are this much smaller than those around it. The factor in single precision bears no more.
@@ -271,6 +271,13 @@ impl RigidLoad {
         (gravity, mass): (Field, f64),
     ) -> Self {
         Self { force, gravity, mass, masters: part.masters().to_vec(), weights }
+    }
+
+    /// This load as it is at a time, for all times.
+    #[must_use]
+    pub fn held(&self, time: f64) -> Self {
+        let still = |field: &Field| Field(field.0.each_ref().map(|s| Schedule::held(s.at(time))));
+        Self { force: still(&self.force), gravity: still(&self.gravity), ..self.clone() }
     }
 
     /// Displacement of the point where the force acts [m], or another nodal field there.
