@@ -35,7 +35,7 @@ pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
 pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
-pub use rigid::{Rigid, RigidLoad, RigidMass};
+pub use rigid::{MassPoint, Rigid, RigidLoad, RigidMass};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;

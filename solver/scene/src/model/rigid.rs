@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{Rigid, RigidEnergies, RigidLoad, RigidMass};
+use mechanics::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass};
 use mechanics::rigid::{Moves, RigidSet};
 use mechanics::symmetry::AXES;
 use mesh::Vec3;
@@ -137,15 +137,14 @@ impl Scene {
                     )
                     .into());
                 }
-                for axis in 0..3 {
+                for (axis, name) in AXES.iter().enumerate() {
                     ensure!(
                         !supports.holds(node, axis) || held(axis),
                         misfit!(
                             part.title(),
-                            ": a [[fixed]] tag holds its point {} along {}; a rigid part is held as a whole: by \
+                            ": a [[fixed]] tag holds its point {} along {name}; a rigid part is held as a whole: by \
                              along and turns, or as [[fixed]] in place of [[rigid]]",
-                            point(place),
-                            AXES[axis]
+                            point(place)
                         )
                     );
                 }
@@ -169,8 +168,9 @@ impl Scene {
         let positions = space.node_positions(&body.mesh.vertices);
         let shear = self.rigid_shear_modulus();
         let one = |(part, set): (&RigidConfig, &RigidSet)| {
-            let (middle, points) = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
+            let points = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
                 .with_context(|| part.title())?;
+            let middle = middle(set, &points);
             let gravity = (self.config.gravity.clone(), part.mass);
             let has_mass = part.mass > 0.0 && self.config.method().has_inertia();
             Ok(RigidEnergies {
@@ -198,13 +198,9 @@ impl Scene {
     }
 }
 
-/// Weights of the masters in the middle of some facets, and at points of them with their shares of the area: the
-/// middles of edges, which integrate second moments exactly.
-fn spread(
-    set: &RigidSet,
-    facets: &[[usize; 3]],
-    vertices: &[Vec3],
-) -> Result<(Vec<f64>, Vec<(f64, Vec<f64>)>)> {
+/// Points of some facets with their shares of the area: the middles of edges, which integrate second moments
+/// exactly.
+fn spread(set: &RigidSet, facets: &[[usize; 3]], vertices: &[Vec3]) -> Result<Vec<MassPoint>> {
     let area = |f: &[usize; 3]| {
         let [a, b, c] = f.map(|v| vertices[v]);
         mesh::measure::triangle_area(a, b, c)
@@ -214,14 +210,20 @@ fn spread(
     for facet in facets {
         for k in 0..3 {
             let middle = 0.5 * (vertices[facet[k]] + vertices[facet[(k + 1) % 3]]);
-            points.push((area(facet) / (3.0 * total), set.weights_at(middle)?));
+            let share = area(facet) / (3.0 * total);
+            points.push(MassPoint { share, weights: set.weights_at(middle)? });
         }
     }
+    Ok(points)
+}
+
+/// Weights of the masters in the middle of all points.
+fn middle(set: &RigidSet, points: &[MassPoint]) -> Vec<f64> {
     let mut middle = vec![0.0; set.masters().len()];
-    for (share, weights) in &points {
+    for MassPoint { share, weights } in points {
         middle.iter_mut().zip(weights).for_each(|(m, w)| *m += share * w);
     }
-    Ok((middle, points))
+    middle
 }
 
 fn point(x: Vec3) -> String {

@@ -1,7 +1,7 @@
 //! Blocks with a rigid top: what it bears, how it swings, and gradients of its runs.
 
 use super::*;
-use crate::energy::{Rigid, RigidEnergies, RigidLoad, RigidMass};
+use crate::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass};
 use crate::material::{Lame, NeoHookean};
 use crate::rigid::{Moves, RigidSet};
 
@@ -43,8 +43,10 @@ impl Topped {
         let gravity = Field(["0", "0", "-9.8"].map(|g| g.parse::<Schedule>().expect("a number")));
         let force = Field(force.map(Schedule::from));
         let corners = [[0.0, 0.0], [EDGE, 0.0], [0.0, EDGE], [EDGE, EDGE]];
-        let corner =
-            |[x, y]: [f64; 2]| (0.25, part.weights_at(Vec3::new(x, y, EDGE)).expect("on the top"));
+        let corner = |[x, y]: [f64; 2]| MassPoint {
+            share: 0.25,
+            weights: part.weights_at(Vec3::new(x, y, EDGE)).expect("on the top"),
+        };
         let points: Vec<_> = corners.into_iter().map(corner).collect();
         let law = NeoHookean(Lame::new(YOUNG * factor, 0.45));
         let mut energies = Energies::elastic(Box::new(law));

@@ -149,6 +149,15 @@ impl Energy for Rigid {
     fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {}
 }
 
+/// A point of a part that has a share of its mass.
+#[derive(Clone, Debug)]
+pub struct MassPoint {
+    /// Part of the mass [1].
+    pub share: f64,
+    /// Weights of the masters there [1].
+    pub weights: Vec<f64>,
+}
+
 /// Mass of a part, spread over it.
 #[derive(Clone)]
 pub struct RigidMass {
@@ -160,11 +169,13 @@ pub struct RigidMass {
 }
 
 impl RigidMass {
-    /// A mass [kg] at points with shares of it, each with the weights of the masters there.
+    /// A mass [kg] at some points.
     #[must_use]
-    pub fn new(part: &RigidSet, mass: f64, points: &[(f64, Vec<f64>)]) -> Self {
+    pub fn new(part: &RigidSet, mass: f64, points: &[MassPoint]) -> Self {
         let masters = part.masters().to_vec();
-        let sum = |j: usize, k: usize| points.iter().map(|(share, w)| share * w[j] * w[k]).sum();
+        let sum = |j: usize, k: usize| {
+            points.iter().map(|point| point.share * point.weights[j] * point.weights[k]).sum()
+        };
         let matrix = DMatrix::from_fn(masters.len(), masters.len(), sum);
         Self { mass, masters, matrix }
     }

@@ -81,7 +81,10 @@ fn stiffness_and_inertia_have_their_derivatives() {
         let at = case.at(&u, None);
         let curvature = dot(&q, &case.times_hessian(&rigid, &at, Hessian::Projected, &q));
         assert!(curvature > 0.0);
-        let share = |x: Vec3| (0.25, case.part.weights_at(x).expect("on the part"));
+        let share = |x: Vec3| MassPoint {
+            share: 0.25,
+            weights: case.part.weights_at(x).expect("on the part"),
+        };
         let points: Vec<_> =
             case.part.masters().iter().map(|&m| share(case.positions()[m])).collect();
         let mass = RigidMass::new(&case.part, 3.0, &points);
