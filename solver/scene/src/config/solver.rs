@@ -141,7 +141,7 @@ impl Default for SolverConfig {
 }
 
 impl SolverConfig {
-    /// First load increment: as large as it may be, if none is given; of a path [`FIRST_OF_PATH`].
+    /// First load increment: as large as it may be, if none is given; a smaller one of a path.
     #[must_use]
     pub fn first_load_step(&self) -> f64 {
         let first = if self.follow.is_load() { 1.0 } else { FIRST_OF_PATH };
