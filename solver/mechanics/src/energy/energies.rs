@@ -63,7 +63,7 @@ pub struct RigidEnergies {
     pub name: String,
     /// What keeps it rigid; none where it cannot turn.
     pub stiffness: Option<Rigid>,
-    /// Its mass, where there is inertia.
+    /// Inertia of its mass, where bodies have inertia.
     pub mass: Option<RigidMass>,
     /// Force on it, with its weight.
     pub load: RigidLoad,
@@ -327,7 +327,7 @@ impl Energies {
         self.chambers[id.0].chamber.gas = gas;
     }
 
-    /// These energies with all loads held as they are at a time, but for the pressures of some chambers, which grow
+    /// Energies whose loads are held as they are at a time, except the pressures of some chambers, which grow
     /// in proportion to the time from there. Loads that no derivative by numbers asks for become terms without a kind.
     #[must_use]
     pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {

@@ -10,7 +10,7 @@ use crate::math::sparse::BlockMatrix;
 pub struct Held {
     /// The term.
     pub energy: Arc<dyn Energy>,
-    /// Its time [s].
+    /// Time at which it is held [s].
     pub time: f64,
 }
 

@@ -111,16 +111,21 @@ impl Dirichlet {
         self.motion.as_ref().map_or_else(|| vec![0.0; self.fixed.len()], |motion| motion(time))
     }
 
+    /// The unknowns in a displacement of all degrees of freedom.
+    #[must_use]
+    pub fn unknowns(&self, full: &[f64]) -> Vec<f64> {
+        self.free.iter().map(|&dof| full[dof]).collect()
+    }
+
     /// Forces on the unknowns from those on all degrees of freedom.
     #[must_use]
     pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
-        let gather = |full: &[f64]| self.free.iter().map(|&dof| full[dof]).collect();
         if self.followers.is_empty() {
-            return gather(full);
+            return self.unknowns(full);
         }
         let mut onto_masters = full.to_vec();
         self.followers.add_to_masters(&mut onto_masters);
-        gather(&onto_masters)
+        self.unknowns(&onto_masters)
     }
 
     /// Motion of all degrees of freedom from that of the unknowns, zero where fixed.

@@ -24,7 +24,7 @@ use super::bordered::Bordered;
 use super::newton::Newton;
 use super::stability::{Kind, softest};
 use super::tangent_system::{
-    DIFFERENCE, LoadRate, Residual, across, at_held_load, factor, with_supports,
+    DIFFERENCE, LoadRate, Residual, Step, across, at_held_load, factor, with_supports,
 };
 use super::{Configuration, Failure, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
@@ -40,10 +40,6 @@ const ROUGH: f64 = 1e-5;
 const SETTLED: f64 = 1e-9;
 /// Largest motion of the differences of tangents, beside the extent of the body.
 const MOTION: f64 = 1e-5;
-/// Fraction of the free path of surfaces that an iterate goes.
-const NEARLY: f64 = 0.9;
-/// Halvings of a step to a state with finite energy, at most.
-const HALVINGS: usize = 12;
 
 /// An equilibrium at which the tangent is singular.
 #[derive(Clone, Debug)]
@@ -371,41 +367,9 @@ impl Sought<'_> {
         let factor = workspace.linear().last().ok_or(Failure::Singular)?;
         let found = self.pin.solve(factor, (columns, rows), corner, (&upper, lower));
         let (du, rest) = found.ok_or(Failure::Singular)?;
-        Ok(admissible(problem, workspace, state, (&now.constraints, &du, &rest)))
+        let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+        Ok(step.cut(problem, workspace, state))
     }
-}
-
-/// A state after a step, cut where surfaces meet or the energy is not finite.
-fn admissible<'a>(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    state: &Configuration<'a>,
-    (constraints, du, rest): (&[Constraint], &[f64], &[f64]),
-) -> Configuration<'a> {
-    let moved = |fraction: f64| {
-        let time = state.time + fraction * rest[constraints.len()];
-        let mut u = with_supports(problem, &state.u, time);
-        problem.dirichlet.free().iter().zip(du).for_each(|(&dof, d)| u[dof] += fraction * d);
-        let mut multipliers = state.multipliers.clone();
-        for (constraint, p) in constraints.iter().zip(rest) {
-            multipliers[constraint.multiplier].pressure += fraction * p;
-        }
-        Configuration { time, u, multipliers, ..state.clone() }
-    };
-    let (mut trial, mut fraction) = (moved(1.0), 1.0);
-    let free = workspace.max_step(problem, &state.iterate(problem), &trial.iterate(problem));
-    if free < 1.0 {
-        fraction = NEARLY * free;
-        trial = moved(fraction);
-    }
-    for _ in 0..HALVINGS {
-        if workspace.value(problem, &trial.iterate(problem)).is_finite() {
-            break;
-        }
-        fraction *= 0.5;
-        trial = moved(fraction);
-    }
-    trial
 }
 
 /// A state that a step has left the path with, back on it roughly: near incompressibility, the forces after a step are

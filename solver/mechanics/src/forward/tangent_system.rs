@@ -8,13 +8,17 @@
 use nalgebra::DMatrix;
 
 use super::bordered::Bordered;
-use super::{Clock, Problem, Workspace};
+use super::{Clock, Configuration, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate};
 use crate::math::linear::{Factorization, Precision, norm};
 
 /// Half of the difference of loads that gives derivatives by the load. Most loads are linear in t: what counts is
 /// rounding.
 pub const DIFFERENCE: f64 = 1e-4;
+/// Fraction of the free path of surfaces that a step goes.
+const NEARLY: f64 = 0.9;
+/// Halvings of a step to a state with finite energy, at most.
+const HALVINGS: usize = 12;
 
 /// The equations at an iterate.
 pub struct Residual {
@@ -154,4 +158,55 @@ pub fn with_load(
 pub fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
     let negative = |c: &Constraint| problem.restrict(&c.gradient).iter().map(|g| -g).collect();
     constraints.iter().map(negative).collect()
+}
+
+/// A step from a state: changes of the unknowns [m], of the multipliers of the prescribed volumes in their order
+/// [Pa], and of the load, which may be none.
+pub struct Step<'a> {
+    pub constraints: &'a [Constraint],
+    pub du: &'a [f64],
+    pub rest: &'a [f64],
+}
+
+impl Step<'_> {
+    /// The state after a fraction of it.
+    pub fn from<'b>(
+        &self,
+        problem: &Problem,
+        state: &Configuration<'b>,
+        fraction: f64,
+    ) -> Configuration<'b> {
+        let by = |i: usize| fraction * self.rest.get(i).copied().unwrap_or(0.0);
+        let time = state.time + by(self.constraints.len());
+        let mut u = with_supports(problem, &state.u, time);
+        u.iter_mut().zip(problem.prolong(self.du)).for_each(|(u, d)| *u += fraction * d);
+        let mut multipliers = state.multipliers.clone();
+        for (i, constraint) in self.constraints.iter().enumerate() {
+            multipliers[constraint.multiplier].pressure += by(i);
+        }
+        Configuration { time, u, multipliers, ..state.clone() }
+    }
+
+    /// The state after it, cut where surfaces meet or the energy is not finite.
+    pub fn cut<'b>(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        state: &Configuration<'b>,
+    ) -> Configuration<'b> {
+        let (mut trial, mut fraction) = (self.from(problem, state, 1.0), 1.0);
+        let free = workspace.max_step(problem, &state.iterate(problem), &trial.iterate(problem));
+        if free < 1.0 {
+            fraction = NEARLY * free;
+            trial = self.from(problem, state, fraction);
+        }
+        for _ in 0..HALVINGS {
+            if workspace.value(problem, &trial.iterate(problem)).is_finite() {
+                break;
+            }
+            fraction *= 0.5;
+            trial = self.from(problem, state, fraction);
+        }
+        trial
+    }
 }

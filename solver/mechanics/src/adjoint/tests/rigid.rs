@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass};
+use crate::forward::{ArcFollower, ArcLength};
 use crate::material::{Lame, NeoHookean};
 use crate::rigid::{Moves, RigidSet};
 
@@ -138,6 +139,31 @@ fn a_top_that_cannot_turn_is_that_of_a_moved_support() {
     let (run, other) = (run.last(), other.last());
     let off = run.iter().zip(other.iter()).map(|(a, b)| (a - b).abs());
     assert!(off.fold(0.0, f64::max) < 1e-9 * motion.norm());
+}
+
+/// A path by arc length leads to the state that the load leads to, followers and all.
+#[test]
+fn a_path_carries_a_rigid_top_along() {
+    let case = Topped { degree: 1, method: Method::Quasistatic, steps: 1, moves: Moves::Freely };
+    let (problem, mut workspace) = case.problem(0.2, [3.0, 1.0, -2.0], 1.0);
+    let rest = Topped::mesh().vertices;
+    let run = case.run((&problem, &mut workspace), &rest);
+    let zero = vec![0.0; problem.dofs()];
+    let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
+    let mut stepper = TimeStepper::new(TIGHT, integrator);
+    let path = ArcLength { first: 0.2, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let mut follower = ArcFollower::new(path);
+    let mut workspace = Workspace::new(&problem);
+    let end = loop {
+        let step = follower.next(&mut stepper, &problem, &mut workspace, &rest).expect("a state");
+        if step.ends_time_step {
+            break step;
+        }
+    };
+    let last = run.last();
+    let size = last.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let off = end.u.iter().zip(last.iter()).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-8 * size);
 }
 
 /// Where pressures alone grow, the force and the weight of a part stay.

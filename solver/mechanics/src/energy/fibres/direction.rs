@@ -30,7 +30,7 @@ pub struct Axis {
 /// A direction field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Direction {
-    /// The same unit vector everywhere.
+    /// One unit vector everywhere.
     Constant(Vec3),
     /// Around an axis at an angle to it [rad].
     Helical(Axis, f64),

@@ -16,7 +16,7 @@
 //!
 //! δL = … + ∫ 2 (1 − 3κ) (M a₀) · (∂a₀/∂X V) dX      M = ∂L/∂H = ψ″ B 2G + 2ψ′ sym(FᵀΛ)      B = 2 F H : Λ
 //!
-//! Its parameters are k₁, k₂, κ, and the angle α [rad] of a helical direction, else 0.
+//! The parameters are k₁, k₂, κ, and the angle α [rad] of a helical direction; other directions have α = 0.
 
 mod batch;
 mod direction;

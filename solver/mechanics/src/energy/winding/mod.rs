@@ -19,7 +19,7 @@
 //!
 //! w [½ EA q″ (t·m) (t/L − l D/L³) + N (m − (t·m) t)/l]
 //!
-//! Its parameters are EA and N₀.
+//! The parameters are EA and N₀.
 
 mod lay;
 
@@ -98,7 +98,7 @@ pub struct WindingSummary {
 /// A piece of the thread at a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strand {
-    /// Its ends at rest [m].
+    /// Ends of the segment at rest [m].
     pub rest: [Vec3; 2],
     /// Their displacement [m].
     pub moved: [Vec3; 2],

@@ -3,7 +3,7 @@
 use super::From;
 use crate::energy::Iterate;
 use crate::forward::newton::Newton;
-use crate::forward::tangent_system::{LoadRate, Residual, Row, factor, with_load, with_supports};
+use crate::forward::tangent_system::{LoadRate, Residual, Row, Step, factor, with_load};
 use crate::forward::watch::Event;
 use crate::forward::{Configuration, Failure, Workspace};
 
@@ -13,10 +13,6 @@ const ITERATIONS: usize = 12;
 const ON_SPHERE: f64 = 1e-6;
 /// Iterations after which a residual that has not halved may be within rounding.
 const STALLED: usize = 3;
-/// Fraction of the free path of surfaces that an iterate goes.
-const NEARLY: f64 = 0.9;
-/// Halvings of a step to a state with finite energy, at most.
-const HALVINGS: usize = 12;
 
 /// Where the next state lies.
 #[derive(Clone, Copy)]
@@ -165,35 +161,12 @@ impl Corrector<'_> {
         let mut lower = now.gaps();
         lower.push(-off);
         let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
-        let moved = |fraction: f64| {
-            let by = |rest: &[f64], i: usize| fraction * rest.get(i).copied().unwrap_or(0.0);
-            let time = state.time + by(&rest, now.constraints.len());
-            let mut u = with_supports(problem, &state.u, time);
-            problem.dirichlet.free().iter().zip(&du).for_each(|(&dof, d)| u[dof] += fraction * d);
-            let mut multipliers = state.multipliers.clone();
-            for (i, constraint) in now.constraints.iter().enumerate() {
-                multipliers[constraint.multiplier].pressure += by(&rest, i);
-            }
-            Configuration { time, u, multipliers, ..state.clone() }
-        };
-        let mut fraction = 1.0;
-        let mut trial = moved(fraction);
-        if trial.time > self.from.end && matches!(self.ends, Ends::OnSphere(_)) {
+        let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+        let whole = step.from(problem, state, 1.0);
+        if whole.time > self.from.end && matches!(self.ends, Ends::OnSphere(_)) {
             return Err(Missed::Beyond);
         }
-        let free = workspace.max_step(problem, &at, &trial.iterate(problem));
-        if free < 1.0 {
-            fraction = NEARLY * free;
-            trial = moved(fraction);
-        }
-        for _ in 0..HALVINGS {
-            if workspace.value(problem, &trial.iterate(problem)).is_finite() {
-                break;
-            }
-            fraction *= 0.5;
-            trial = moved(fraction);
-        }
-        *state = trial;
+        *state = step.cut(problem, workspace, state);
         Ok(())
     }
 }

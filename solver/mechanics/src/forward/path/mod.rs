@@ -254,8 +254,7 @@ impl<'a> From<'a> {
         let Direction { u: along, pressures, load } = &change;
         let time = self.last.time + load;
         let mut u = with_supports(self.problem, self.last.u, time);
-        let free = self.problem.dirichlet.free();
-        free.iter().zip(along).for_each(|(&dof, d)| u[dof] += d);
+        u.iter_mut().zip(self.problem.prolong(along)).for_each(|(u, d)| *u += d);
         let mut multipliers = self.last.multipliers.to_vec();
         multipliers.iter_mut().zip(pressures).for_each(|(m, p)| m.pressure += p);
         Configuration { rest: self.last.rest, time, step: Some(self.step), u, multipliers }
@@ -272,7 +271,7 @@ impl<'a> From<'a> {
         let u: Vec<f64> = state.u.iter().zip(self.last.u).map(|(a, b)| a - b).collect();
         let pressures = state.multipliers.iter().zip(self.last.multipliers);
         Direction {
-            u: self.problem.restrict(&u),
+            u: self.problem.dirichlet.unknowns(&u),
             pressures: pressures.map(|(a, b)| a.pressure - b.pressure).collect(),
             load: state.time - self.last.time,
         }
