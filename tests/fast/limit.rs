@@ -71,3 +71,43 @@ fn what_has_no_limit_or_path_is_refused() {
     refused("[solver]\npath_states = 3\n", &["path_states", "arc-length"]);
     refused("[solver]\nfollow = \"arc-length\"\npath_states = 0\n", &["path_states", "one state"]);
 }
+
+/// The gradient of the term is that of the factor by the shape, and the design bears more.
+#[test]
+fn a_design_moves_away_from_its_limit() {
+    let dir = chamber::near_its_limit();
+    dir.solver("check design.toml --handles 3 --steps 5 --random 1").assert_good();
+    dir.solver("optimize design.toml -o out").assert_good();
+    let text = dir.text("out/history.jsonl");
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let factor = |line: &Value| line["probes"]["limit"].as_f64().unwrap();
+    let term = |line: &Value| line["terms"]["limit"].as_f64().unwrap();
+    let (first, last) = (&lines[0], lines.last().unwrap());
+    assert!(factor(first) > 1.0 && factor(first) < 3.0, "{first}");
+    assert!(factor(last) > factor(first) + 0.1, "{first} {last}");
+    for line in &lines {
+        let expected = 100.0 * (3.0 - factor(line)).max(0.0).powi(2);
+        assert!((term(line) - expected).abs() < 1e-9 * expected.max(1.0), "{line}");
+    }
+    // the path from the equilibrium on finds the same limit as the design
+    dir.write("end.toml", &dir.text("p1.toml").replace("body.msh", "out/design.msh"));
+    dir.solver("simulate end.toml -o end").assert_good();
+    let found = dir.json("end/report.json")["limit"]["factor"].as_f64().unwrap();
+    assert!((found / factor(last) - 1.0).abs() < 1e-6, "{found} {last}");
+}
+
+#[test]
+fn a_limit_that_a_design_cannot_have_is_refused() {
+    let refused = |from: &str, to: &str, words: &[&str]| {
+        let dir = chamber::near_its_limit();
+        dir.write("design.toml", &dir.text("design.toml").replace(from, to));
+        dir.solver("optimize design.toml -o out").assert_refused(2, words);
+    };
+    refused("least = 3", "least = 1", &["least", "above 1"]);
+    refused("least = 3", "least = 5", &["least", "most = 4"]);
+    refused("weight = 100", "weight = -1", &["[limit]", "weight"]);
+    refused("[optimizer]", "[optimizer]\nmethod = \"gauss-newton\"", &["[limit]", "l-bfgs"]);
+    let dir = chamber::near_its_limit();
+    dir.write("p1.toml", &dir.text("p1.toml").replace("[limit]\nmost = 4\n", ""));
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["[limit]", "scene"]);
+}

@@ -139,6 +139,20 @@ pub fn workdir() -> Workdir {
     dir
 }
 
+/// The folder of [`workdir`] with seven and a half times the pressure, and a design that asks for a limit farther away.
+///
+/// # Panics
+/// When the folder cannot be written.
+#[must_use]
+pub fn near_its_limit() -> Workdir {
+    let dir = workdir();
+    let scene = dir.text("p1.toml").replace("8e3", "60e3");
+    dir.write("p1.toml", &(scene + "\n[limit]\nmost = 4\n"));
+    let design = dir.text("design.toml");
+    dir.write("design.toml", &(design + "\n[limit]\nleast = 3\nweight = 100\n"));
+    dir
+}
+
 /// A scene with a pressure above the limit point, and settings that end the search soon.
 #[must_use]
 pub fn beyond_any_equilibrium(scene: &str) -> String {

@@ -133,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
     let (stability, mode) = known.unzip();
     found.stability = stability;
-    let at_limit = run.limit(&end)?;
+    let at_limit = run.limit(&end);
     let (limit, mode_at_limit) = at_limit.unzip();
     let mode = mode.or_else(|| mode_at_limit.flatten());
     found.limit = limit;
@@ -366,11 +366,11 @@ impl<'a> Run<'a> {
     }
 
     /// How much more pressure the state at the end bears, where the scene asks for that, and the mode of that limit.
-    fn limit(&self, end: &Iterate) -> Result<Option<(Limit, Option<Vec<f64>>)>> {
-        let Some(config) = &self.scene.config.limit else { return Ok(None) };
-        let found = limit::find(self.scene, self.problem, end, config)?;
+    fn limit(&self, end: &Iterate) -> Option<(Limit, Option<Vec<f64>>)> {
+        let config = self.scene.config.limit.as_ref()?;
+        let found = limit::find(self.scene, self.problem, end, config);
         log::info!("{}", limit::in_words(&found.0));
-        Ok(Some(found))
+        Some(found)
     }
 
     /// Error bars of the probes, where all states are known.

@@ -11,6 +11,7 @@ use reports::Castable;
 use serde::{Deserialize, Serialize};
 
 use super::progress::LevelProgress;
+use super::scenario::{Margin, SavedMargin};
 use super::trust_region::TrustRegion;
 use super::{Lbfgs, Run};
 
@@ -77,6 +78,9 @@ pub struct Checkpoint {
     /// What `fab plan` says of the shape at θ, where it is asked.
     #[serde(default)]
     pub mold: Option<Castable>,
+    /// How far the accepted runs are from their limits, where that is asked.
+    #[serde(default)]
+    pub margins: Vec<SavedMargin>,
 }
 
 impl Checkpoint {
@@ -109,6 +113,7 @@ impl Checkpoint {
             stopped: None,
             stopped_before: Vec::new(),
             mold: None,
+            margins: Vec::new(),
         }
     }
 
@@ -257,10 +262,15 @@ impl Checkpoint {
     /// When it cannot be written; the one before then still stands.
     pub fn write_with_runs(&mut self, folder: &Path, runs: &[Run]) -> Result<()> {
         let path = self.run_path(folder);
-        let steps = runs.iter().map(|run| run.states.steps()).sum();
+        self.margins =
+            runs.iter().filter_map(|run| run.margin.as_ref()).map(Margin::saved).collect();
+        let steps: usize = runs.iter().map(|run| run.states.steps()).sum();
         let dofs = runs.first().map_or(0, |run| run.states.last().len());
-        let displacements = runs.iter().flat_map(|run| run.states.displacements());
-        npy::write_rows(&path, [steps, dofs], displacements)?;
+        let displacements = runs.iter().flat_map(|run| {
+            let at_limit = run.margin.as_ref().map(|margin| margin.displacement(dofs));
+            run.states.displacements().chain(at_limit)
+        });
+        npy::write_rows(&path, [steps + self.margins.len(), dofs], displacements)?;
         self.files.retain(|name, _| !is_run(name));
         self.add_file(&path)?;
         self.write(folder)?;

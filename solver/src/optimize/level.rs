@@ -19,7 +19,7 @@ use scene::{ObjectiveBuilder, Scene};
 
 use super::rest_path::RestPath;
 use super::robust::Robust;
-use super::scenario::{Near, Rejected, Run, Scenario};
+use super::scenario::{Margin, Near, Rejected, Run, SavedMargin, Scenario};
 use super::{shares, validity};
 use crate::design::DesignMap;
 use crate::report::crossing::Crossing;
@@ -180,7 +180,7 @@ impl Level {
     }
 
     /// An evaluation as it was, from the displacements of all scenarios at the ends of time
-    /// steps, one scenario after the other [m].
+    /// steps, one scenario after the other [m], with those at their limits, where these are known.
     ///
     /// # Errors
     /// When one of them cannot be read.
@@ -188,12 +188,19 @@ impl Level {
         &mut self,
         theta: &[f64],
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+        margins: &[SavedMargin],
     ) -> Result<Evaluation> {
         let rest = self.map.shape(theta);
         let (loads, steps) = (self.map.load_variables(theta), self.steps());
         let mut runs = Vec::new();
-        for scenario in &mut self.scenarios {
-            runs.push(scenario.recall(loads, &rest, displacements.by_ref().take(steps))?);
+        for (i, scenario) in self.scenarios.iter_mut().enumerate() {
+            let states: Vec<_> = displacements.by_ref().take(steps).collect();
+            let at_limit = match margins.get(i) {
+                None => None,
+                Some(saved) => displacements.next().map(|u| u.map(|u| Margin::of(*saved, u))),
+            };
+            let margin = at_limit.transpose().map_err(Into::into)?;
+            runs.push(scenario.recall(loads, &rest, states.into_iter(), margin)?);
         }
         Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs) })
     }

@@ -1,21 +1,12 @@
 //! How much more pressure than its loads a body bears: the factor at which it balloons or buckles, and at which it
 //! tears.
 
-use anyhow::Result;
 use mechanics::energy::{ChamberId, Iterate};
-use mechanics::forward::{
-    self, ArcFollower, ArcLength, ArcPoint, Configuration, Kind, LoadStep, Passed, Problem,
-    Reached, TimeStepper, Workspace,
-};
+use mechanics::forward::{self, First, Kind, LimitSearch, Problem, Workspace};
 use mechanics::stretch::Stretches;
 use reports::{DirectIterate, Limit, LimitStatus, PointKind};
 use scene::Scene;
 use scene::config::LimitConfig;
-
-/// First step of the factor.
-const FIRST: f64 = 0.05;
-/// States from the full load to the limit, at most.
-const STATES: usize = 300;
 
 /// What is known on the way to the limit.
 struct Way {
@@ -27,56 +18,48 @@ struct Way {
 
 /// The limit of the state at the end of a run, with the softest mode there over all degrees of freedom, where there is
 /// one.
-///
-/// # Errors
-/// When surfaces or steps cannot be made.
+#[must_use]
 pub fn find(
     scene: &Scene,
     problem: &Problem,
     end: &Iterate,
     config: &LimitConfig,
-) -> Result<(Limit, Option<Vec<f64>>)> {
+) -> (Limit, Option<Vec<f64>>) {
     let held = problem.held(end.time, &growing(problem, config));
     let mut workspace = Workspace::new(&held);
-    let (u, multipliers) = (end.u.to_vec(), end.multipliers.to_vec());
-    let reached = Reached { time: end.time, u, multipliers };
-    let integrator = scene.integrator(&scene.body, &held);
-    let mut stepper = TimeStepper::within(scene.stepping(), integrator, reached);
-    let smallest = scene.config.solver.smallest_load_step;
-    let path = ArcLength { first: FIRST, largest: f64::INFINITY, smallest, end: config.most };
-    let mut follower = ArcFollower::new(path);
     let mut way = Way { last: (end.time, stretch(scene, end)), burst: None };
     if at_break(scene).is_some_and(|limit| way.last.1 >= limit) {
         way.burst = Some(end.time);
     }
-    for states in 1..=STATES {
-        let step = match follower.next(&mut stepper, &held, &mut workspace, end.rest) {
-            Ok(step) => step,
-            Err(unreached) => {
-                log::debug!("no limit found: {unreached}");
-                return Ok((none(LimitStatus::NotFound, &way), None));
-            }
-        };
-        let Some(point) = step.path.as_deref() else { continue };
-        if states == 1 && point.stability.negative > 0 && point.passed.is_empty() {
-            return Ok((none(LimitStatus::Unstable, &way), None));
+    let search = LimitSearch { stepping: scene.stepping(), most: config.most };
+    let start = (end, scene.integrator(&scene.body, &held));
+    let first = search.from(&held, &mut workspace, start, |step| {
+        way.follow(scene, &step.iterate(&held, end.rest));
+        let (factor, stretch) = way.last;
+        log::info!("towards a limit: {factor:.3} × the pressure, largest stretch {stretch:.2}");
+    });
+    match first {
+        First::Found(found, loads) => {
+            way.follow(scene, &Iterate { u: &found.u, time: found.load, ..*end });
+            let limit = Limit { between: Some(loads), ..at(&found, &way) };
+            (limit, Some(found.mode))
         }
-        if point.passed.is_empty() {
-            way.follow(scene, &step.iterate(&held, end.rest));
-            let (factor, stretch) = way.last;
-            log::info!("towards a limit: {factor:.3} × the pressure, largest stretch {stretch:.2}");
-            if step.ends_time_step {
-                return Ok((none(LimitStatus::StableTo, &way), None));
-            }
-            continue;
+        First::Between(kind, loads) => {
+            let (kind, between) = (Some(kind_of(kind)), Some(loads));
+            (Limit { kind, between, ..none(LimitStatus::Bracketed, &way) }, None)
         }
-        return Ok(sharp(scene, (&held, &mut workspace), end, (&step, point), way));
+        First::None => (none(LimitStatus::StableTo, &way), None),
+        First::Unstable => (none(LimitStatus::Unstable, &way), None),
+        First::Lost(failure) => {
+            log::debug!("no limit found: {failure:?}");
+            (none(LimitStatus::NotFound, &way), None)
+        }
     }
-    Ok((none(LimitStatus::NotFound, &way), None))
 }
 
 /// The chambers whose pressures grow.
-fn growing(problem: &Problem, config: &LimitConfig) -> Vec<ChamberId> {
+#[must_use]
+pub fn growing(problem: &Problem, config: &LimitConfig) -> Vec<ChamberId> {
     let chambers = problem.energies.chambers();
     let named = chambers.filter(|(_, c)| config.on.is_empty() || config.on.contains(&c.name));
     named.map(|(id, _)| id).collect()
@@ -119,65 +102,25 @@ fn none(status: LimitStatus, way: &Way) -> Limit {
     }
 }
 
-/// The limit by the direct method, from the first state beyond it.
-fn sharp(
-    scene: &Scene,
-    (held, workspace): (&Problem, &mut Workspace),
-    end: &Iterate,
-    (step, point): (&LoadStep, &ArcPoint),
-    mut way: Way,
-) -> (Limit, Option<Vec<f64>>) {
-    let (kind, loads) = match point.passed[0] {
-        Passed::LimitPoint(loads) => (Kind::LimitPoint, loads),
-        Passed::Bifurcation(loads) => (Kind::Bifurcation, loads),
-    };
-    let (u, multipliers) = (step.u.clone(), step.multipliers.clone());
-    let (time, rest) = (step.time, end.rest);
-    let start = Configuration { rest, time, step: step.step.as_ref(), u, multipliers };
-    let newton = scene.stepping().newton;
-    let found = forward::Limit::near(held, workspace, &start, kind, &newton);
-    let known = Limit {
-        kind: Some(match kind {
-            Kind::LimitPoint => PointKind::LimitPoint,
-            Kind::Bifurcation => PointKind::Bifurcation,
-        }),
-        between: Some(loads),
-        ..none(LimitStatus::Bracketed, &way)
-    };
-    let found = match found {
-        // that of another point would be a wrong one
-        Ok(found) if is_between(found.load, loads, kind) => found,
-        Ok(found) => {
-            log::debug!("the direct method went to {} from {loads:?}", found.load);
-            return (known, None);
-        }
-        Err(failure) => {
-            log::debug!("the direct method failed: {failure}");
-            return (known, None);
-        }
-    };
-    way.follow(scene, &Iterate { u: &found.u, time: found.load, ..*end });
+/// A limit that was found.
+fn at(found: &forward::Limit, way: &Way) -> Limit {
     let iterate = |left: &forward::Left| DirectIterate {
         residual: left.residual,
         stiffness: left.stiffness,
         factor: left.load,
     };
-    let iterates = found.history.iter().map(iterate).collect();
-    let (status, burst) = (LimitStatus::Found, way.burst);
-    let (factor, stable_to) = (Some(found.load), found.load);
-    let largest_stretch = way.last.1;
-    (
-        Limit { status, factor, burst, stable_to, largest_stretch, iterates, ..known },
-        Some(found.mode),
-    )
+    Limit {
+        kind: Some(kind_of(found.kind)),
+        factor: Some(found.load),
+        iterates: found.history.iter().map(iterate).collect(),
+        ..none(LimitStatus::Found, way)
+    }
 }
 
-/// Whether a load is that of a singular point between two states: above both where the load turns.
-fn is_between(load: f64, [from, to]: [f64; 2], kind: Kind) -> bool {
-    let (low, high) = (from.min(to), from.max(to));
+fn kind_of(kind: Kind) -> PointKind {
     match kind {
-        Kind::LimitPoint => load >= high - 1e-9 && load <= high + (high - low).max(0.05 * high),
-        Kind::Bifurcation => load >= low && load <= high,
+        Kind::LimitPoint => PointKind::LimitPoint,
+        Kind::Bifurcation => PointKind::Bifurcation,
     }
 }
 

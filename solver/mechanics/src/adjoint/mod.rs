@@ -30,6 +30,8 @@
 //! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
 //! 2023. One factorisation per step.
 
+mod limit;
+
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
@@ -41,6 +43,8 @@ use crate::forward::{
     Formula, Linearization, Problem, State, Trajectory, Workspace, solve_multipliers,
 };
 use crate::math::linear::{dot, norm};
+
+pub use limit::Grown;
 
 /// Relative residual of the adjoint system that is too large.
 const TOLERANCE: f64 = 1e-9;

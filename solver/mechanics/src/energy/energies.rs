@@ -411,6 +411,12 @@ impl ParameterGradients {
         self.steps[step].push((id, by));
     }
 
+    /// Those of each term in a time step, counted from 0.
+    #[must_use]
+    pub fn of_step(&self, step: usize) -> Vec<(ParameterId, Vec<f64>)> {
+        self.steps[step].clone()
+    }
+
     /// By what a chamber is prescribed by, in a time step counted from 0.
     #[must_use]
     pub fn chamber(&self, step: usize, id: ChamberId) -> f64 {

@@ -41,7 +41,7 @@ pub use certificate::{Uncertified, certificate};
 pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
 pub use integrator::{Formula, Growth, Integrator, Method, State, Weights};
-pub use limit::{Left, Limit};
+pub use limit::{Covector, First, Left, Limit, LimitSearch};
 pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Failure, Newton};
 pub use path::{ArcFollower, ArcLength, ArcProgress};

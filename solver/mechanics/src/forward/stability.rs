@@ -5,23 +5,24 @@
 //!
 //! neg = neg(H) + pos(Gᵀ H⁻¹ G) − m,   G = ∂V/∂u of m volumes
 //!
-//! and the eigenvalue next to zero with its mode φ from inverse iteration. Where it vanishes, the direction of the
+//! and the eigenvalue next to zero with its mode φ from the inverse by the method of Lanczos. Where it vanishes, the direction of the
 //! path du/dt either is φ (a limit point: the load turns) or has no share of it (a bifurcation: another branch leaves).
 //!
 //! Source: Wriggers and Simo 1990, "A general procedure for the direct computation of turning and bifurcation points",
 //! doi:10.1002/nme.1620300110; Golub and Van Loan, "Matrix Computations", sections 8.1 and 8.2.
 
+use serde::{Deserialize, Serialize};
+
 use super::bordered::Bordered;
 use super::tangent_system::{LoadRate, Row, at_held_load, factor, with_load};
 use super::{Problem, Workspace};
 use crate::energy::Iterate;
+use crate::math::lanczos::largest;
 use crate::math::linear::{Factorization, dot, norm};
 use crate::math::random::Random;
 
-/// Inverse iterations, at most.
-const ITERATIONS: usize = 60;
-/// Relative change of the eigenvalue that ends them.
-const SETTLED: f64 = 1e-10;
+/// Relative residual of the softest mode: its square is that of its stiffness.
+const SETTLED: f64 = 1e-7;
 /// Part of the path's direction along the softest mode that makes it that of a limit point.
 const ALONG: f64 = 0.5;
 
@@ -39,7 +40,7 @@ pub struct Stability {
 }
 
 /// What becomes of a path where the tangent is singular.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// The load turns.
     LimitPoint,
@@ -97,24 +98,9 @@ pub(super) fn negative_eigenvalues(factor: &Factorization, held: &Bordered) -> u
 /// The eigenvalue nearest to zero [N/m] and its mode on the free degrees of freedom.
 pub(super) fn softest(factor: &Factorization, held: &Bordered) -> Option<(f64, Vec<f64>)> {
     let zero = vec![0.0; held.count()];
-    let unit = |mut x: Vec<f64>| {
-        let length = norm(&x);
-        x.iter_mut().for_each(|x| *x /= length);
-        x
-    };
-    let mut x = unit(Random::new(1).numbers(factor.size()));
-    let mut last = f64::NAN;
-    for _ in 0..ITERATIONS {
-        let (y, _) = held.solve(factor, &x, &zero)?;
-        let eigenvalue = 1.0 / dot(&x, &y);
-        x = unit(y);
-        if (eigenvalue - last).abs() <= SETTLED * eigenvalue.abs() {
-            break;
-        }
-        last = eigenvalue;
-    }
-    // of the mode itself, second order in its error; the first x was no motion at held volumes
-    let (y, _) = held.solve(factor, &x, &zero)?;
-    let eigenvalue = 1.0 / dot(&x, &y);
-    eigenvalue.is_finite().then_some((eigenvalue, x))
+    let start = Random::new(1).numbers(factor.size());
+    let inverse = |x: &[f64]| held.solve(factor, x, &zero).map(|(y, _)| y);
+    let (by_inverse, mode) = largest(start, SETTLED, inverse)?;
+    let eigenvalue = 1.0 / by_inverse;
+    eigenvalue.is_finite().then_some((eigenvalue, mode))
 }

@@ -125,6 +125,11 @@ impl TimeStepper {
         Iterate { space: &problem.space, rest, u, time, multipliers, step }
     }
 
+    /// The last time step that was begun.
+    pub(super) fn step(&self) -> Option<&Arc<TimeStep>> {
+        self.step.as_ref()
+    }
+
     /// Goes from time step to time step, which end at `times` [s]: the states at their ends, with
     /// `memory` for them [B]. `observe` is called after every accepted load step.
     ///

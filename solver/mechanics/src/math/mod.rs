@@ -1,6 +1,7 @@
 //! Small dense and sparse algebra.
 
 mod followers;
+pub mod lanczos;
 pub mod lanes;
 pub mod least_squares;
 pub mod linear;

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::meaning::meaning;
 
 use super::{
-    ChamberDesign, LevelConfig, ObjectiveConfig, RobustConfig, ScenarioConfig,
+    ChamberDesign, LIMIT, LevelConfig, LimitGoal, ObjectiveConfig, RobustConfig, ScenarioConfig,
     refuse_outside_of_chambers, scenario,
 };
 
@@ -49,6 +49,9 @@ pub struct DesignConfig {
     /// How the body is to be cast: `fab plan` is asked about every accepted shape.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mold: Option<MoldConfig>,
+    /// How far to stay from where the body balloons or buckles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<LimitGoal>,
     /// How to go down.
     #[serde(default)]
     pub optimizer: OptimizerConfig,
@@ -370,7 +373,11 @@ impl DesignConfig {
             }
             _ => {}
         }
-        let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+        let mut objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
+        if let Some(limit) = &self.limit {
+            limit.check(&self.optimizer, &objectives)?;
+            objectives.push(LIMIT);
+        }
         check_shares(&self.objective)?;
         let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
         scenario::check(&self.scenario, self.robust, &objectives, &designed)?;

@@ -200,9 +200,9 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables())?;
-            let rows = level.scenarios().len() * level.steps();
+            let rows = level.scenarios().len() * level.steps() + checkpoint.margins.len();
             let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
-            let evaluation = level.recall(&checkpoint.theta, runs)?;
+            let evaluation = level.recall(&checkpoint.theta, runs, &checkpoint.margins)?;
             level.linearize(&evaluation);
             return Ok(evaluation);
         }

@@ -3,6 +3,7 @@
 
 mod changes;
 mod curvature;
+mod limit;
 mod run;
 mod terms;
 
@@ -22,10 +23,11 @@ use mechanics::forward::{
 };
 use mesh::Vec3;
 use program::Heartbeat;
-use scene::config::{DesignConfig, LevelConfig, ScenarioConfig};
+use scene::config::{DesignConfig, LIMIT, LevelConfig, LimitGoal, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
 pub use self::changes::scene_of;
+pub use self::limit::{Margin, SavedMargin};
 pub use self::run::Run;
 use self::terms::{Forces, add_partials};
 use super::offset::Offset;
@@ -90,6 +92,10 @@ pub struct Scenario {
     /// Whether the scene goes through time; else it is one equilibrium.
     transient: bool,
     terms: Vec<Weighted>,
+    /// What the limit of a run counts, with its weight here.
+    limit: Option<(LimitGoal, f64)>,
+    /// That of the run that was linearised last.
+    nearby_margin: Option<Margin>,
     /// What the last solve from rest did not reach, if it failed, and why.
     unreached: Option<(Arc<Problem>, Unreached)>,
 }
@@ -110,10 +116,13 @@ impl Scenario {
         let scene = changes::under(scene, config)?;
         let (problem, workspace) = scene.problem(body)?;
         let mut terms = objectives.build(&scene, body, &problem.space)?;
-        for term in &mut terms {
-            let name = &term.name;
-            let factor = |of: &BTreeMap<String, f64>| of.get(name).copied().unwrap_or(1.0);
-            term.factor = factor(&level.weights) * factor(&config.weights);
+        let factor = |name: &str| {
+            let of = |weights: &BTreeMap<String, f64>| weights.get(name).copied().unwrap_or(1.0);
+            of(&level.weights) * of(&config.weights)
+        };
+        terms.iter_mut().for_each(|term| term.factor = factor(&term.name));
+        if let Some(goal) = &design.limit {
+            goal.check_scene(scene.config.limit.as_ref())?;
         }
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
@@ -126,6 +135,8 @@ impl Scenario {
             state_memory: design.optimizer.state_memory / design.scenarios().len() as f64,
             transient: scene.config.time.is_some(),
             terms,
+            limit: design.limit.map(|goal| (goal, goal.weight * factor(LIMIT))),
+            nearby_margin: None,
             unreached: None,
             linearization: None,
             config: config.clone(),
@@ -162,7 +173,8 @@ impl Scenario {
 
     /// Names of the terms, in the order of the design file.
     pub fn term_names(&self) -> impl Iterator<Item = &str> {
-        self.terms.iter().map(|term| term.name.as_str())
+        let limit = self.limit.is_some().then_some(LIMIT);
+        self.terms.iter().map(|term| term.name.as_str()).chain(limit)
     }
 
     /// What messages begin with.
@@ -219,10 +231,11 @@ impl Scenario {
             Near::Carried(guide) => self.solve(&problem, &rest, guided(guide), self.stepping)?,
             Near::Rest => self.solve(&problem, &rest, None, self.stepping)?,
         };
-        Ok(self.evaluated(problem, rest, states, newton_iterations))
+        let margin = self.margin(&problem, &rest, &states)?;
+        Ok(self.evaluated(problem, rest, (states, margin), newton_iterations))
     }
 
-    /// A run as it was, from its displacements at the ends of time steps [m].
+    /// A run as it was, from its displacements at the ends of time steps [m], and its margin.
     ///
     /// # Errors
     /// When one of them cannot be read, or the scene does not admit the loads.
@@ -231,10 +244,11 @@ impl Scenario {
         loads: &[f64],
         designed: &[Vec3],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+        margin: Option<Margin>,
     ) -> Result<Run> {
         let times = self.times.clone().into_iter();
         let states = self.states(loads, designed, times.zip(displacements))?;
-        Ok(self.evaluated(self.under(loads)?, self.rest(designed), states, 0))
+        Ok(self.evaluated(self.under(loads)?, self.rest(designed), (states, margin), 0))
     }
 
     /// States with displacements at times [s, m], as those of a run.
@@ -273,11 +287,11 @@ impl Scenario {
         &mut self,
         problem: Arc<Problem>,
         rest: Vec<Vec3>,
-        states: Trajectory,
+        (states, margin): (Trajectory, Option<Margin>),
         newton_iterations: usize,
     ) -> Run {
         let (states, terms) = (Arc::new(states), BTreeMap::new());
-        let run = Run { problem, rest, states, objective: 0.0, terms, newton_iterations };
+        let run = Run { problem, rest, states, margin, objective: 0.0, terms, newton_iterations };
         self.rated(&run)
     }
 
@@ -352,6 +366,7 @@ impl Scenario {
     /// an interrupted search continues with the same bits.
     pub fn linearize(&mut self, run: &Run) {
         self.linearization = None;
+        self.nearby_margin.clone_from(&run.margin);
         if self.transient {
             return;
         }
@@ -410,6 +425,9 @@ impl Scenario {
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         self.add_by_laws(run, &forces, of, factor, &mut gradient);
+        if of.is_none_or(|name| name == LIMIT) {
+            self.add_limit(run, factor, &mut gradient)?;
+        }
         if let Some(offset) = &self.offset {
             offset.add_vjp(designed, &mut gradient.rest);
         }
@@ -464,7 +482,7 @@ impl Scenario {
         body.used_tags().map(one).collect()
     }
 
-    /// The probes of the scene at the end of a run, in the units of their kinds.
+    /// The probes of the scene at the end of a run, in the units of their kinds, and the factor of its limit.
     ///
     /// # Errors
     /// As [`Scene::probes`].
@@ -472,7 +490,9 @@ impl Scenario {
         let mut body = body.clone();
         body.mesh.vertices.clone_from(&run.rest);
         let probes = self.scene.probes(&body, &run.problem.space)?;
-        Ok(run.at_end(|end| measure(&probes, &run.problem, end)))
+        let mut found = run.at_end(|end| measure(&probes, &run.problem, end));
+        found.extend(run.margin.as_ref().map(|margin| (LIMIT.to_owned(), margin.factor)));
+        Ok(found)
     }
 
     /// The solution's grid for ParaView, at the end of a run.

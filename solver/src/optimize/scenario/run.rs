@@ -7,6 +7,8 @@ use mechanics::energy::Iterate;
 use mechanics::forward::{Linearization, Problem, Trajectory};
 use mesh::Vec3;
 
+use super::limit::Margin;
+
 /// A run and its objective.
 #[derive(Clone)]
 pub struct Run {
@@ -16,6 +18,8 @@ pub struct Run {
     pub rest: Vec<Vec3>,
     /// All states.
     pub states: Arc<Trajectory>,
+    /// How far its end is from its limit, where the objective asks for it.
+    pub margin: Option<Margin>,
     /// Σ of the terms.
     pub objective: f64,
     /// Weighted value of each term, by the user's name.

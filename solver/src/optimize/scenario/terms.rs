@@ -6,7 +6,9 @@ use measure::quantity::{Equilibrium, Partials, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
+use scene::config::LIMIT;
 
+use super::limit::counts;
 use super::{Run, Scenario};
 
 /// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
@@ -67,6 +69,9 @@ impl Scenario {
         let mut terms = BTreeMap::new();
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
+        }
+        if let (Some((goal, weight)), Some(margin)) = (&self.limit, &run.margin) {
+            terms.insert(LIMIT.to_owned(), weight * counts(goal, margin.factor));
         }
         terms
     }

@@ -21,6 +21,7 @@
 
 mod corrector;
 mod direction;
+mod narrow;
 #[cfg(test)]
 mod tests;
 
@@ -35,7 +36,7 @@ use super::stability::{Stability, negative_eigenvalues, softest};
 use super::stepping::{ArcPoint, Attempt, Failed, LoadStep, Passed, Unreached, certify};
 use super::tangent_system::with_supports;
 use super::tangent_system::{LoadRate, Residual, Row, at_held_load, factor, with_load};
-use super::{Configuration, Failure, Problem, TimeStepper, Workspace};
+use super::{Configuration, Failure, Problem, Reached, TimeStepper, Workspace};
 use crate::energy::{Iterate, TimeStep};
 use crate::math::linear::norm;
 
@@ -94,6 +95,8 @@ pub struct ArcFollower {
     pub path: ArcLength,
     /// Where it is; none before the first state.
     pub progress: Option<ArcProgress>,
+    /// Where it was at the state before, with the arc length that led to the last one.
+    before: Option<ArcProgress>,
 }
 
 /// A state that was found, with what it makes of the progress.
@@ -106,7 +109,7 @@ impl ArcFollower {
     /// Begins at rest.
     #[must_use]
     pub fn new(path: ArcLength) -> Self {
-        Self { path, progress: None }
+        Self { path, progress: None, before: None }
     }
 
     /// The next state. It ends the time step where the load reaches its end from below.
@@ -130,8 +133,8 @@ impl ArcFollower {
             let end = self.path.end;
             let from = From { problem, last, step: &step, progress: &progress, end };
             let failed = match self.attempt(&from, stepper, workspace) {
-                Ok(Found { step, progress }) => {
-                    self.progress = Some(progress);
+                Ok(Found { step, progress: next }) => {
+                    (self.before, self.progress) = (Some(progress), Some(next));
                     return Ok(stepper.accept(step, 0.5, problem, workspace, rest));
                 }
                 Err(failed) => failed,

@@ -3,11 +3,13 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::adjoint::along;
+use crate::adjoint::Grown;
 use crate::element::FunctionSpace;
 use crate::energy::ParameterId;
 use crate::energy::{BodyForce, Chamber, Energies, Isobaric, Wall};
-use crate::forward::{Integrator, Kind, Limit, Method, Newton, State, Stepping};
+use crate::forward::{
+    First, Integrator, Kind, Limit, LimitSearch, Method, Newton, State, Stepping,
+};
 use crate::material::{Lame, NeoHookean};
 use crate::math::linear::dot;
 use crate::math::taylor::taylor;
@@ -234,17 +236,25 @@ fn a_path_without_load_and_a_body_that_floats_are_refused() {
     assert_eq!(follow(&problem), Some(Failure::NoLoad));
 }
 
-/// The states before the first singular point of a path and after it, and the point by the direct method.
+/// The loads of the states before the first singular point of a path and after it, and the point by the direct method.
 fn first_limit(problem: &Problem, rest: &[Vec3], path: ArcLength, kind: Kind) -> (Limit, [f64; 2]) {
-    let steps = follow_to(problem, rest, path, (40, true));
-    let after = steps.iter().position(|step| !point(step).passed.is_empty()).expect("a point");
-    let start = configuration(rest, &steps[after]);
-    let mut workspace = Workspace::new(problem);
+    let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
+    let mut follower = ArcFollower::new(path);
+    let mut before = 0.0;
+    let beyond = loop {
+        let step = follower.next(&mut stepper, problem, &mut workspace, rest).expect("a state");
+        if !point(&step).passed.is_empty() {
+            break step;
+        }
+        before = step.time;
+    };
+    let nearer = match kind {
+        Kind::LimitPoint => follower.narrowed(&stepper, problem, &mut workspace, rest),
+        Kind::Bifurcation => None,
+    };
+    let start = configuration(rest, nearer.as_ref().unwrap_or(&beyond));
     let limit = Limit::near(problem, &mut workspace, &start, kind, &NEWTON);
-    (
-        limit.unwrap_or_else(|failure| panic!("{failure}")),
-        [steps[after - 1].time, steps[after].time],
-    )
+    (limit.unwrap_or_else(|failure| panic!("{failure}")), [before, beyond.time])
 }
 
 fn configuration<'a>(rest: &'a [Vec3], step: &LoadStep) -> Configuration<'a> {
@@ -252,8 +262,25 @@ fn configuration<'a>(rest: &'a [Vec3], step: &LoadStep) -> Configuration<'a> {
     Configuration { rest, time: step.time, step: None, u, multipliers }
 }
 
+/// The state that was narrowed down is so near that few iterations are left.
+fn assert_quick(limit: &Limit) {
+    let loads: Vec<f64> = limit.history.iter().map(|left| left.load).collect();
+    assert!(loads.len() <= 5, "{loads:?}");
+    assert!((loads[0] / limit.load - 1.0).abs() < 1e-4, "{loads:?}");
+    assert_eq!(limit.others, 0);
+}
+
 /// Each error of the load is at most a number times the square of the one before: the second last step shows it.
-fn assert_quadratic(limit: &Limit) {
+#[test]
+fn the_direct_method_converges_quadratically_from_afar() {
+    let rise: f64 = 1.5;
+    let (problem, rest, _) = arch(rise, 0.15);
+    let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+    let steps = follow_to(&problem, &rest, path, (40, true));
+    let start = configuration(&rest, steps.last().expect("states"));
+    let mut workspace = Workspace::new(&problem);
+    let limit = Limit::near(&problem, &mut workspace, &start, Kind::LimitPoint, &NEWTON);
+    let limit = limit.unwrap_or_else(|failure| panic!("{failure}"));
     let errors: Vec<f64> = limit.history.iter().map(|l| (l.load - limit.load).abs()).collect();
     let seen: Vec<f64> = errors.iter().copied().filter(|e| *e > 1e-12).collect();
     let [.., before, last] = seen[..] else { panic!("{errors:?}") };
@@ -270,7 +297,7 @@ fn the_direct_method_finds_the_limit_of_a_sphere() {
     let pressure = 1.1 * limit * found.load;
     // by the faces of the polyhedron and the bulk modulus
     assert!((pressure / limit - 1.0).abs() < 0.005, "{pressure} {limit}");
-    assert_quadratic(&found);
+    assert_quick(&found);
 }
 
 #[test]
@@ -287,38 +314,74 @@ fn the_direct_method_finds_where_an_arch_bends_sideways() {
     let full = problem.iterate(&rest, &zero, 1.0);
     let load = Residual::of(&problem, &mut Workspace::new(&problem), &full).norm();
     assert!(found.by_load.abs() < 1e-4 * load, "{} {load}", found.by_load);
-    assert_quadratic(&found);
+    assert_eq!(found.others, 0);
 }
 
-/// The load of the limit of an arch by its modulus, to which it is proportional, and by its rest vertices.
+/// The load of the limit of an arch by its modulus, to which it is proportional, and by its rest vertices, of which
+/// those that move break its symmetry.
 #[test]
 fn the_gradient_of_a_limit_is_its_derivative() {
-    let (rise, load) = (1.5, 0.15);
-    let of = |modulus: f64| arch_of(10, modulus, rise, load);
-    let (problem, rest, _) = of(ARCH.2);
-    let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
-    let (found, _) = first_limit(&problem, &rest, path, Kind::LimitPoint);
-    let again = |problem: &Problem, rest: &[Vec3]| {
-        let (u, multipliers) = (found.u.clone(), found.multipliers.clone());
-        let start = Configuration { rest, time: found.load, step: None, u, multipliers };
-        let mut workspace = Workspace::new(problem);
-        let limit = Limit::near(problem, &mut workspace, &start, Kind::LimitPoint, &NEWTON);
-        limit.map(|limit| limit.load)
+    for (rise, load, kind) in [(1.5, 0.15, Kind::LimitPoint), (2.5, 1.5, Kind::Bifurcation)] {
+        let (problem, rest, _) = arch_of(10, ARCH.2, rise, load * unit_load(rise, kind));
+        let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
+        let (found, _) = first_limit(&problem, &rest, path, kind);
+        let again = |rest: &[Vec3]| {
+            let (u, multipliers) = (found.u.clone(), found.multipliers.clone());
+            let start = Configuration { rest, time: found.load, step: None, u, multipliers };
+            let mut workspace = Workspace::new(&problem);
+            let limit = Limit::near(&problem, &mut workspace, &start, kind, &NEWTON);
+            limit.map(|limit| limit.load)
+        };
+        let grown =
+            Grown { problem: &problem, held: &problem, rest: &rest, time: 1.0, growing: &[] };
+        let by = grown.gradient(&mut Workspace::new(&problem), &found).expect("a gradient");
+        // loads of the problem itself are those at t = 1, its law is the same
+        let by_modulus = by.parameters.total(ParameterId::Material(0))[0];
+        assert!((by_modulus * ARCH.2 / found.load - 1.0).abs() < 1e-6, "{by_modulus} {kind:?}");
+        let inner = |x: &Vec3| x.x > 1e-6 && x.x < ARCH.0 - 1e-6;
+        let mut random = crate::math::random::Random::new(5);
+        let motion =
+            rest.iter().map(|x| if inner(x) { 2e-4 * random.vector() } else { Vec3::zeros() });
+        let motion: Vec<Vec3> = motion.collect();
+        let slope = dot(&by.rest, &testing::flat(&motion));
+        let along = |by: f64| {
+            let moved: Vec<Vec3> = rest.iter().zip(&motion).map(|(x, m)| x + by * m).collect();
+            again(&moved)
+        };
+        let result = taylor(1.0, 6, slope, along).expect("limits");
+        assert!((result.slope - 2.0).abs() < 0.1, "{kind:?} {result:?}");
+    }
+}
+
+/// What the loads of an arch are times of.
+fn unit_load(rise: f64, kind: Kind) -> f64 {
+    match kind {
+        Kind::LimitPoint => 1.0,
+        Kind::Bifurcation => arch_load(rise, (rise * rise - 2.7276).sqrt()),
+    }
+}
+
+/// The pressure at which a sphere balloons is that of its law and its shape, whatever it is at a load of one.
+#[test]
+fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
+    let limit = (1000..4000).map(|i| sphere_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = sphere(2, 2, 0.6 * limit);
+    let mut workspace = Workspace::new(&problem);
+    let mut stepper = stepper(&problem);
+    let steps = stepper.next(&problem, &mut workspace, &rest, 1.0).expect("an equilibrium");
+    assert!(steps.ends_time_step);
+    let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
+    let held = problem.held(1.0, &growing);
+    let start = steps.iterate(&held, &rest);
+    let integrator = stepper.progress.integrator.clone();
+    let search = LimitSearch { stepping: stepper.stepping, most: 3.0 };
+    let First::Found(found, _) = search.from(&held, &mut workspace, (&start, integrator), |_| ())
+    else {
+        panic!("no limit")
     };
-    let (lambda, mu) = found.covector();
-    let at = problem.iterate(&rest, &found.u, found.load);
-    let (by_rest, by_numbers) = along(&problem, &at, &lambda, &mu);
-    let by_modulus = by_numbers.total(ParameterId::Material(0))[0];
-    assert!((by_modulus * ARCH.2 / found.load - 1.0).abs() < 1e-6, "{by_modulus}");
-    let inner = |x: &Vec3| x.x > 1e-6 && x.x < ARCH.0 - 1e-6;
-    let mut random = crate::math::random::Random::new(5);
-    let motion = rest.iter().map(|x| if inner(x) { 2e-4 * random.vector() } else { Vec3::zeros() });
-    let motion: Vec<Vec3> = motion.collect();
-    let slope = dot(&by_rest, &testing::flat(&motion));
-    let along = |by: f64| {
-        let moved: Vec<Vec3> = rest.iter().zip(&motion).map(|(x, m)| x + by * m).collect();
-        again(&problem, &moved)
-    };
-    let result = taylor(1.0, 6, slope, along).expect("limits");
-    assert!((result.slope - 2.0).abs() < 0.1, "{result:?}");
+    assert!((0.6 * found.load - 1.0).abs() < 0.005, "{}", found.load);
+    let grown = Grown { problem: &problem, held: &held, rest: &rest, time: 1.0, growing: &growing };
+    let by = grown.gradient(&mut workspace, &found).expect("a gradient");
+    let by_pressure = by.parameters.chamber(0, growing[0]);
+    assert!((by_pressure * 0.6 * limit / found.load + 1.0).abs() < 1e-6, "{by_pressure}");
 }

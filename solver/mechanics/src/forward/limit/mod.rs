@@ -18,16 +18,22 @@
 //! and Simo 1990, doi:10.1002/nme.1620300110; Govaerts 2000, "Numerical Methods for Bifurcations of Dynamical
 //! Equilibria", chapters 3 and 4.
 
+mod derivative;
+mod search;
+
+pub use derivative::Covector;
+pub use search::{First, LimitSearch};
+
 use nalgebra::DMatrix;
 
-use super::bordered::Bordered;
-use super::newton::Newton;
-use super::stability::{Kind, softest};
-use super::tangent_system::{
+use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
+use crate::forward::bordered::Bordered;
+use crate::forward::newton::Newton;
+use crate::forward::stability::{Kind, negative_eigenvalues, softest};
+use crate::forward::tangent_system::{
     DIFFERENCE, LoadRate, Residual, Step, across, at_held_load, factor, with_supports,
 };
-use super::{Configuration, Failure, Problem, Workspace};
-use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
+use crate::forward::{Configuration, Failure, Problem, Workspace};
 use crate::math::linear::{Factorization, Precision, dot, norm};
 
 /// Newton iterations, at most.
@@ -58,6 +64,8 @@ pub struct Limit {
     pub by_load: f64,
     /// Whether the load turns or a branch leaves.
     pub kind: Kind,
+    /// Other modes whose stiffness is negative: none at the first limit of a path.
+    pub others: usize,
     /// What each iterate left.
     pub history: Vec<Left>,
 }
@@ -88,15 +96,6 @@ impl Null {
 }
 
 impl Limit {
-    /// What makes changes of the equations a change of the load of a limit point: dt = λ · ∂R + μ · ∂(V − V*), with
-    /// λ = −φ/c, μ = π/c and c = φ · ∂R/∂t. With the derivatives of the equations by anything it gives that of t; at a
-    /// bifurcation c vanishes.
-    #[must_use]
-    pub fn covector(&self) -> (Vec<f64>, Vec<f64>) {
-        let over = |x: &[f64], by: f64| x.iter().map(|x| x / by).collect();
-        (over(&self.mode, -self.by_load), over(&self.mode_pressures, self.by_load))
-    }
-
     /// The state of the given kind next to a state.
     ///
     /// # Errors
@@ -130,8 +129,9 @@ impl Limit {
                 && now.largest_gap() <= newton.relative
                 && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at));
             if settled {
+                let others = others(problem, workspace, &now.constraints);
                 let rate = LoadRate::of(problem, workspace, &at);
-                return Ok(Self::at(problem, state, (&now, null), (&rate, kind, history)));
+                return Ok(Self::at(problem, state, (&now, null), (&rate, kind, history, others)));
             }
             if iterations == ITERATIONS {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
@@ -151,7 +151,7 @@ impl Limit {
         problem: &Problem,
         state: Configuration,
         (now, null): (&Residual, Null),
-        (rate, kind, history): (&LoadRate, Kind, Vec<Left>),
+        (rate, kind, history, others): (&LoadRate, Kind, Vec<Left>, usize),
     ) -> Self {
         let mut mode_pressures = vec![0.0; state.multipliers.len()];
         for (constraint, pressure) in now.constraints.iter().zip(&null.pressures) {
@@ -159,7 +159,7 @@ impl Limit {
         }
         let (mode, by_load) = (problem.prolong(&null.v), null.along(rate));
         let Configuration { time: load, u, multipliers, .. } = state;
-        Self { load, u, multipliers, mode, mode_pressures, by_load, kind, history }
+        Self { load, u, multipliers, mode, mode_pressures, by_load, kind, others, history }
     }
 }
 
@@ -213,6 +213,12 @@ fn factor_pinned(
     hessian.lower[entry] += stiffness;
     workspace.linear_mut().factor(hessian, Precision::Double);
     Ok(Pin { unknown, stiffness })
+}
+
+/// Negative eigenvalues of the tangent that is factored, with its softest mode held.
+fn others(problem: &Problem, workspace: &Workspace, constraints: &[Constraint]) -> usize {
+    let Some(factor) = workspace.linear().last() else { return 0 };
+    negative_eigenvalues(factor, &at_held_load(problem, factor, constraints))
 }
 
 /// A force without its part along a mode, where that is held.
@@ -280,8 +286,7 @@ fn slopes(
     null: &Null,
 ) -> (Vec<f64>, Vec<f64>, f64) {
     let at = state.iterate(problem);
-    let largest = null.v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let by = MOTION * extent(&at) / largest.max(f64::MIN_POSITIVE);
+    let by = step_along(&at, &null.v);
     let v = problem.prolong(&null.v);
     let mut moved = |by: f64| {
         let u: Vec<f64> = state.u.iter().zip(&v).map(|(u, v)| u + by * v).collect();
@@ -302,6 +307,12 @@ fn slopes(
     };
     let by_load = -(loaded(at.time) - loaded(at.time - DIFFERENCE)) / DIFFERENCE;
     (slope(&plus.0, &minus.0), slope(&plus.1, &minus.1), by_load)
+}
+
+/// How far differences of tangents move along a mode.
+fn step_along(at: &Iterate, mode: &[f64]) -> f64 {
+    let largest = mode.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    MOTION * extent(at) / largest.max(f64::MIN_POSITIVE)
 }
 
 /// Diagonal of the body at rest [m].

@@ -1,0 +1,55 @@
+//! The gradient of the load of a limit.
+//!
+//! The loads of a state are held but for the pressures p of some chambers, which are t p; a limit is at the load t, and
+//!
+//! dt = Σ λ · ∂R + μ · ∂(V − V*)
+//!
+//! with the covectors of [`Limit::covectors`]. No adjoint system is solved at a limit point. By p it is t times that by
+//! the pressure there: where nothing else loads the body, t p does not change with p.
+
+use mesh::Vec3;
+
+use super::{Gradient, along};
+use crate::energy::{ChamberId, Iterate, ParameterGradients, ParameterId};
+use crate::forward::{Covector, Failure, Limit, Problem, State, Workspace};
+
+/// The state whose pressures grow to the limit.
+pub struct Grown<'a> {
+    /// The problem with its loads over time.
+    pub problem: &'a Problem,
+    /// Its loads held, but for the pressures that grow ([`Problem::held`]).
+    pub held: &'a Problem,
+    /// Rest vertices [m].
+    pub rest: &'a [Vec3],
+    /// Time at which loads are held [s].
+    pub time: f64,
+    /// The chambers whose pressures grow.
+    pub growing: &'a [ChamberId],
+}
+
+impl Grown<'_> {
+    /// The derivatives of the load of a limit, as those of a run of one time step.
+    ///
+    /// # Errors
+    /// As [`Limit::covectors`].
+    pub fn gradient(&self, workspace: &mut Workspace, limit: &Limit) -> Result<Gradient, Failure> {
+        let mut by_rest = vec![0.0; 3 * self.rest.len()];
+        let mut parameters = ParameterGradients::new(1);
+        for covector in limit.covectors(self.held, workspace, self.rest)? {
+            let Covector { u, multipliers, lambda, mu } = &covector;
+            let at = Iterate { multipliers, ..self.held.iterate(self.rest, u, limit.load) };
+            let (by, _) = along(self.held, &at, lambda, mu);
+            by_rest.iter_mut().zip(&by).for_each(|(sum, by)| *sum += by);
+            let at = Iterate { multipliers, ..self.problem.iterate(self.rest, u, self.time) };
+            let (_, by) = along(self.problem, &at, lambda, mu);
+            for (id, mut by) in by.of_step(0) {
+                if matches!(id, ParameterId::Chamber(id) if self.growing.contains(&id)) {
+                    by.iter_mut().for_each(|by| *by *= limit.load / self.time);
+                }
+                parameters.add(0, id, by);
+            }
+        }
+        let zero = vec![0.0; limit.u.len()];
+        Ok(Gradient { rest: by_rest, parameters, start: State::new(zero.clone(), zero) })
+    }
+}
