@@ -2,8 +2,9 @@
 //!
 //! w (least − t)₊²,   t the factor, at most that up to which a limit is sought
 //!
-//! Next to a run that is linearised its limit is sought by the direct method from the limit there; from a run that is
-//! not, or where another mode is soft as well, along the path from the equilibrium on.
+//! Next to a run that is linearised its limit is sought by the direct method, from the limit there and its first-order
+//! change with the rest shape; from a run that is not, or where another mode is soft as well, along the path from the
+//! equilibrium on.
 
 use std::sync::Arc;
 
@@ -85,19 +86,38 @@ struct Growing<'a> {
     time: f64,
 }
 
-impl Growing<'_> {
-    /// A direct method from the state at the limit of another run.
+impl<'a> Growing<'a> {
+    /// The state at a limit of this problem.
+    fn state(&self, workspace: &mut Workspace, factor: f64, at: &AtLimit) -> Configuration<'a> {
+        let here = self.held.iterate(self.rest, &at.u, factor);
+        let multipliers = solve_multipliers(&self.held, workspace, &here);
+        Configuration { rest: self.rest, time: factor, step: None, u: at.u.clone(), multipliers }
+    }
+
+    /// A direct method from a state.
+    fn near(
+        &self,
+        workspace: &mut Workspace,
+        search: &LimitSearch,
+        (start, kind): (&Configuration, Kind),
+    ) -> Option<Limit> {
+        Limit::near(&self.held, workspace, start, kind, &search.stepping.newton).ok()
+    }
+
+    /// A direct method from the limit of a run with another rest shape, of which it is a little away.
     fn next_to(
         &self,
         workspace: &mut Workspace,
         search: &LimitSearch,
-        (factor, at): (f64, &AtLimit),
+        (other, factor, at): (&Growing, f64, &AtLimit),
     ) -> Option<Limit> {
-        let here = self.held.iterate(self.rest, &at.u, factor);
-        let multipliers = solve_multipliers(&self.held, workspace, &here);
-        let (rest, time, u) = (self.rest, factor, at.u.clone());
-        let start = Configuration { rest, time, step: None, u, multipliers };
-        Limit::near(&self.held, workspace, &start, at.kind, &search.stepping.newton).ok()
+        let there = other.state(workspace, factor, at);
+        let motion: Vec<Vec3> = self.rest.iter().zip(other.rest).map(|(x, y)| x - y).collect();
+        let moved = Limit::predicted(&other.held, workspace, &there, at.kind, &motion).ok()?;
+        let start = Configuration { rest: self.rest, ..moved };
+        let limit = self.near(workspace, search, (&start, at.kind))?;
+        let next = (limit.load / factor - 1.0).abs() < NEARBY;
+        (next && limit.others == 0 && limit.load > self.time).then_some(limit)
     }
 }
 
@@ -127,11 +147,10 @@ impl Scenario {
             return Ok(None);
         };
         let mut workspace = Workspace::new(&growing.held);
-        if let Some(Margin { factor, at: Some(at) }) = &self.nearby_margin
-            && let Some(limit) = growing.next_to(&mut workspace, &search, (*factor, at))
-            && limit.others == 0
-            && limit.load > growing.time
-            && (limit.load / factor - 1.0).abs() < NEARBY
+        if let Some(run) = &self.nearby
+            && let Some(Margin { factor, at: Some(at) }) = &run.margin
+            && let Some(other) = self.growing(&run.problem, &run.rest)
+            && let Some(limit) = growing.next_to(&mut workspace, &search, (&other, *factor, at))
         {
             return Ok(Some(Margin::found(limit)));
         }
@@ -172,7 +191,8 @@ impl Scenario {
             return Ok(());
         }
         let mut workspace = Workspace::new(&growing.held);
-        let limit = growing.next_to(&mut workspace, &search, (*load, at));
+        let state = growing.state(&mut workspace, *load, at);
+        let limit = growing.near(&mut workspace, &search, (&state, at.kind));
         let limit = limit.ok_or_else(|| self.reject("its limit was not found again"))?;
         let Growing { held, chambers, rest, time } = &growing;
         let problem = &*run.problem;

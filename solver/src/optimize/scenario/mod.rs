@@ -94,8 +94,8 @@ pub struct Scenario {
     terms: Vec<Weighted>,
     /// What the limit of a run counts, with its weight here.
     limit: Option<(LimitGoal, f64)>,
-    /// That of the run that was linearised last.
-    nearby_margin: Option<Margin>,
+    /// The run that was linearised last, where its limit is known.
+    nearby: Option<Run>,
     /// What the last solve from rest did not reach, if it failed, and why.
     unreached: Option<(Arc<Problem>, Unreached)>,
 }
@@ -136,7 +136,7 @@ impl Scenario {
             transient: scene.config.time.is_some(),
             terms,
             limit: design.limit.map(|goal| (goal, goal.weight * factor(LIMIT))),
-            nearby_margin: None,
+            nearby: None,
             unreached: None,
             linearization: None,
             config: config.clone(),
@@ -366,7 +366,7 @@ impl Scenario {
     /// an interrupted search continues with the same bits.
     pub fn linearize(&mut self, run: &Run) {
         self.linearization = None;
-        self.nearby_margin.clone_from(&run.margin);
+        self.nearby = run.margin.as_ref().map(|_| run.clone());
         if self.transient {
             return;
         }

@@ -18,7 +18,7 @@
 use mesh::Vec3;
 use nalgebra::DMatrix;
 
-use super::{Limit, Null, factor_pinned, slopes, step_along};
+use super::{Limit, Null, factor_pinned, largest_entry, slopes, step_along};
 use crate::energy::Multiplier;
 use crate::forward::stability::Kind;
 use crate::forward::tangent_system::{LoadRate, Residual, across};
@@ -87,8 +87,7 @@ impl Limit {
         let null = Null { pressures: pressures.collect(), stiffness: 0.0, v };
         let (by_u, by_pressures, by_load) = slopes(problem, workspace, &state, &null);
         let rate = LoadRate::of(problem, workspace, &at);
-        let pinned = (0..null.v.len()).max_by(|&a, &b| null.v[a].abs().total_cmp(&null.v[b].abs()));
-        let pin = factor_pinned(problem, workspace, &at, pinned.ok_or(Failure::Singular)?)?;
+        let pin = factor_pinned(problem, workspace, &at, largest_entry(&null.v)?)?;
         let mut columns = across(problem, &constraints);
         columns.push(null.v.clone());
         let count = columns.len();

@@ -19,6 +19,7 @@
 //! Equilibria", chapters 3 and 4.
 
 mod derivative;
+mod predict;
 mod search;
 
 pub use derivative::Covector;
@@ -109,8 +110,9 @@ impl Limit {
     ) -> Result<Self, Failure> {
         let mut state = start.clone();
         let mut mode = first_mode(problem, workspace, &state.iterate(problem))?;
-        let pinned = (0..mode.len()).max_by(|&a, &b| mode[a].abs().total_cmp(&mode[b].abs()));
-        let pinned = pinned.ok_or(Failure::Singular)?;
+        let pinned = largest_entry(&mode)?;
+        let held = Sought { mode: &mode, kind, pin: &Pin { unknown: pinned, stiffness: 0.0 } };
+        state = back_to_path(problem, workspace, state, (&held, newton))?;
         let (mut history, mut changed, mut peak) = (Vec::new(), f64::INFINITY, 0.0_f64);
         for iterations in 0..=ITERATIONS {
             let at = state.iterate(problem);
@@ -225,6 +227,12 @@ fn others(problem: &Problem, workspace: &Workspace, constraints: &[Constraint]) 
 fn beside(force: &[f64], mode: &[f64], kind: Kind) -> Vec<f64> {
     let along = if kind == Kind::Bifurcation { dot(force, mode) } else { 0.0 };
     force.iter().zip(mode).map(|(f, m)| f - along * m).collect()
+}
+
+/// The degree of freedom that a mode moves most.
+fn largest_entry(mode: &[f64]) -> Result<usize, Failure> {
+    let largest = (0..mode.len()).max_by(|&a, &b| mode[a].abs().total_cmp(&mode[b].abs()));
+    largest.ok_or(Failure::Singular)
 }
 
 /// The softest mode on the free degrees of freedom, to begin with.
