@@ -199,6 +199,7 @@ fn wrong_objectives_of_probes_are_refused() {
         ("scale = 1e-4", "scale = 0", &["objective \"top\"", "scale = 0"]),
         ("target = 1e-3", "target = \"x\"", &["target = \"x\"", "must depend on t alone"]),
         ("target = 1e-3", "target = \"q*t\"", &["unknown name \"q\""]),
+        ("target = 1e-3", "target = \"2*sine(t)\"", &["did you mean `sin`?"]),
         ("weight = 1.0", "weight = -1.0", &["weight = -1"]),
     ] {
         dir.write("probes.design.toml", &sound.replacen(from, to, 1));
