@@ -55,6 +55,8 @@ mod map;
 mod measured_rubber;
 #[path = "fast/membranes.rs"]
 mod membranes;
+#[path = "fast/mold_report.rs"]
+mod mold_report;
 #[path = "fast/names.rs"]
 mod names;
 #[path = "fast/nested.rs"]
