@@ -123,7 +123,7 @@ impl Limit {
                 return Err(Failure::Inadmissible);
             }
             let pin = factor_pinned(problem, workspace, &at, pinned)?;
-            let null = null_vector(problem, workspace, &now.constraints, (&mode, &pin))?;
+            let null = null_vector(problem, workspace, &now.constraints, &mode, &pin)?;
             log::debug!("limit {iterations}  |g| {residual:.2e} N  {:.2e} N/m", null.stiffness);
             history.push(Left { residual, stiffness: null.stiffness, load: state.time });
             let settled = changed <= SETTLED * state.time.abs()
@@ -131,15 +131,15 @@ impl Limit {
                 && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at));
             if settled {
                 let rate = LoadRate::of(problem, workspace, &at);
-                return Ok(Self::at(problem, state, (&now, null), (&rate, kind, history)));
+                return Ok(Self::at(problem, state, &now, null, &rate, kind, history));
             }
             if iterations == ITERATIONS {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
             let sought = Sought { mode: &mode, kind, pin: &pin };
             let before = state.time;
-            state = sought.step(problem, workspace, &state, (&now, Some(&null)))?;
-            state = back_to_path(problem, workspace, state, (&sought, newton))?;
+            state = sought.step(problem, workspace, &state, &now, Some(&null))?;
+            state = back_to_path(problem, workspace, state, &sought, newton)?;
             changed = (state.time - before).abs();
             let length = norm(&null.v);
             mode = null.v.iter().map(|v| v / length).collect();
@@ -150,8 +150,11 @@ impl Limit {
     fn at(
         problem: &Problem,
         state: Configuration,
-        (now, null): (&Residual, Null),
-        (rate, kind, history): (&LoadRate, Kind, Vec<Left>),
+        now: &Residual,
+        null: Null,
+        rate: &LoadRate,
+        kind: Kind,
+        history: Vec<Left>,
     ) -> Self {
         let mut mode_pressures = vec![0.0; state.multipliers.len()];
         for (constraint, pressure) in now.constraints.iter().zip(&null.pressures) {
@@ -175,9 +178,11 @@ impl Pin {
     fn solve(
         &self,
         factor: &Factorization,
-        (mut columns, mut rows): (Vec<Vec<f64>>, Vec<Vec<f64>>),
+        mut columns: Vec<Vec<f64>>,
+        mut rows: Vec<Vec<f64>>,
         corner: DMatrix<f64>,
-        (upper, mut lower): (&[f64], Vec<f64>),
+        upper: &[f64],
+        mut lower: Vec<f64>,
     ) -> Option<(Vec<f64>, Vec<f64>)> {
         let unit = |value: f64| {
             let mut unit = vec![0.0; upper.len()];
@@ -238,7 +243,8 @@ fn null_vector(
     problem: &Problem,
     workspace: &Workspace,
     constraints: &[Constraint],
-    (mode, pin): (&[f64], &Pin),
+    mode: &[f64],
+    pin: &Pin,
 ) -> Result<Null, Failure> {
     let factor = workspace.linear().last().ok_or(Failure::Singular)?;
     let mut columns = across(problem, constraints);
@@ -247,8 +253,8 @@ fn null_vector(
     let mut one = vec![0.0; count];
     one[count - 1] = 1.0;
     let zero = vec![0.0; mode.len()];
-    let around = (columns.clone(), columns);
-    let found = pin.solve(factor, around, DMatrix::zeros(count, count), (&zero, one));
+    let corner = DMatrix::zeros(count, count);
+    let found = pin.solve(factor, columns.clone(), columns, corner, &zero, one);
     let (v, mut pressures) = found.ok_or(Failure::Singular)?;
     let g = pressures.pop().ok_or(Failure::Singular)?;
     Ok(Null { v, pressures, stiffness: -g })
@@ -326,7 +332,8 @@ impl Sought<'_> {
         problem: &Problem,
         workspace: &mut Workspace,
         state: &Configuration<'a>,
-        (now, null): (&Residual, Option<&Null>),
+        now: &Residual,
+        null: Option<&Null>,
     ) -> Result<Configuration<'a>, Failure> {
         let rate = LoadRate::of(problem, workspace, &state.iterate(problem));
         let volumes = now.constraints.len();
@@ -365,7 +372,7 @@ impl Sought<'_> {
         }
         let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
         let factor = workspace.linear().last().ok_or(Failure::Singular)?;
-        let found = self.pin.solve(factor, (columns, rows), corner, (&upper, lower));
+        let found = self.pin.solve(factor, columns, rows, corner, &upper, lower);
         let (du, rest) = found.ok_or(Failure::Singular)?;
         let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
         Ok(step.cut(problem, workspace, state))
@@ -378,7 +385,8 @@ fn back_to_path<'a>(
     problem: &Problem,
     workspace: &mut Workspace,
     mut state: Configuration<'a>,
-    (sought, newton): (&Sought, &Newton),
+    sought: &Sought,
+    newton: &Newton,
 ) -> Result<Configuration<'a>, Failure> {
     for _ in 0..CORRECTIONS {
         let at = state.iterate(problem);
@@ -390,7 +398,7 @@ fn back_to_path<'a>(
         }
         let pin = factor_pinned(problem, workspace, &at, sought.pin.unknown)?;
         let again = Sought { pin: &pin, ..*sought };
-        state = again.step(problem, workspace, &state, (&now, None))?;
+        state = again.step(problem, workspace, &state, &now, None)?;
     }
     Ok(state)
 }

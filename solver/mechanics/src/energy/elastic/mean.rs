@@ -158,7 +158,8 @@ pub(super) struct Dilatation<'a> {
 
 impl<'a> ElementLaw<'a> {
     pub(super) fn new(
-        (law, split): (&'a dyn Material, Option<&'a Split>),
+        law: &'a dyn Material,
+        split: Option<&'a Split>,
         at: &Iterate,
         element: usize,
     ) -> Self {

@@ -115,7 +115,8 @@ impl Elastic {
     /// The law at the points of an element in a state.
     #[must_use]
     pub fn law_in(&self, at: &Iterate, element: usize) -> ElementLaw<'_> {
-        ElementLaw::new(self.parts(at.space), at, element)
+        let (law, split) = self.parts(at.space);
+        ElementLaw::new(law, split, at, element)
     }
 
     /// What is evaluated at each point; and both parts of the law where what is evaluated of each

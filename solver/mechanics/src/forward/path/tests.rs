@@ -25,7 +25,7 @@ fn stepper(problem: &Problem) -> TimeStepper {
 
 /// The states of a path, at most `most`.
 fn follow(problem: &Problem, rest: &[Vec3], path: ArcLength, most: usize) -> Vec<LoadStep> {
-    follow_to(problem, rest, path, (most, false))
+    follow_to(problem, rest, path, most, false)
 }
 
 /// The same, or up to the first singular point.
@@ -33,7 +33,8 @@ fn follow_to(
     problem: &Problem,
     rest: &[Vec3],
     path: ArcLength,
-    (most, at_first): (usize, bool),
+    most: usize,
+    at_first: bool,
 ) -> Vec<LoadStep> {
     let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
     let mut follower = ArcFollower::new(path);
@@ -236,7 +237,7 @@ fn a_path_without_load_and_a_body_that_floats_are_refused() {
 
 /// The states before the first singular point of a path and after it, and the point by the direct method.
 fn first_limit(problem: &Problem, rest: &[Vec3], path: ArcLength, kind: Kind) -> (Limit, [f64; 2]) {
-    let steps = follow_to(problem, rest, path, (40, true));
+    let steps = follow_to(problem, rest, path, 40, true);
     let after = steps.iter().position(|step| !point(step).passed.is_empty()).expect("a point");
     let start = configuration(rest, &steps[after]);
     let mut workspace = Workspace::new(problem);
