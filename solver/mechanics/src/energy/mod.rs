@@ -6,6 +6,7 @@ mod body_force;
 mod chamber;
 mod contact;
 mod elastic;
+mod elements;
 mod energies;
 mod fibres;
 mod friction;

@@ -29,7 +29,7 @@
 
 use pulp::Simd;
 
-use super::elements::{Batch, Nodal, points};
+use crate::energy::elements::{Batch, Nodal, points};
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Split, add_j_hessian, j_minus_1};
 use crate::math::lanes::projection::Tangents;
