@@ -168,8 +168,8 @@ impl ElementEnergy for Elastic {
     ) {
         let (simd, zero) = (batch.simd, batch.splat(0.0));
         let (law, split) = self.parts(batch.iterate.space);
-        local.clear();
         local.resize(pair_count(N), [zero; 9]);
+        local.fill([zero; 9]);
         let mean = split.map(|split| Mean::new(batch, split));
         let mut by_volume = [[zero; 3]; N];
         for (q, weight) in points::<N>(batch.iterate) {
@@ -274,8 +274,7 @@ mod tests {
     #[test]
     fn bits_are_the_same_for_any_number_of_lanes() {
         let (space, rest, u) = bodies(21);
-        let iterate =
-            Iterate { space: &space, rest: &rest, u: &u, time: 1.0, multipliers: &[], step: None };
+        let iterate = Iterate::new(&space, &rest, &u, 1.0);
         let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
         let ogden = Ogden { terms: vec![(34e3, 2.9)], bulk: 1e6 };
         let laws: [Box<dyn Material>; 2] = [Box::new(mooney), Box::new(ogden)];
