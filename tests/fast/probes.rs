@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use tests::chamber::{self, MOUTH, PRESSURE};
+use tests::reported::number;
 use tests::workdir::Workdir;
 
 /// Beside those of the chamber, one probe of each kind that needs no contact.
@@ -55,10 +56,6 @@ on = "top"
 to = "seat"
 axis = [0, 1, 0]
 "#;
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
 
 #[track_caller]
 fn near(found: &Value, expected: f64) {

@@ -13,6 +13,15 @@ use serde_json::Value;
 const SOLVER: &[Format] = solver::cmd::schema::FORMATS;
 const FAB: &[Format] = fab::cmd::schema::FORMATS;
 
+/// A number of a report.
+///
+/// # Panics
+/// When it is none.
+#[must_use]
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
 static SIMULATION: LazyLock<Validator> = LazyLock::new(|| schema(SOLVER, "report"));
 static OPTIMIZATION: LazyLock<Validator> = LazyLock::new(|| schema(SOLVER, "optimization"));
 static ITERATION: LazyLock<Validator> = LazyLock::new(|| schema(SOLVER, "history"));
