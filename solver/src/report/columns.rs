@@ -66,7 +66,8 @@ pub fn combined(column: &str, find: &dyn Fn(&str) -> Result<f64>) -> Result<f64>
 
 fn product(text: &str, find: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
     let stars = text.match_indices('*').map(|(at, _)| (&text[..at], &text[at + 1..]));
-    for (name, factor) in once((text, "1")).chain(stars) {
+    // the longest name that there is
+    for (name, factor) in once((text, "1")).chain(stars.rev()) {
         if let Ok(number) = find(name) {
             let factor = constant(factor).with_context(|| format!("the factor of {text:?}"))?;
             return Ok(factor * number);
