@@ -1,5 +1,6 @@
 //! Gradients of runs of blocks with fibres and threads.
 
+use super::membrane::to_equilibrium;
 use super::*;
 use crate::energy::{Axis, Direction, Fibres, Winding, polyline};
 use crate::material::fibre::Fibre;

@@ -83,6 +83,19 @@ impl Sheets {
     }
 }
 
+/// The run of a body to its equilibrium under full load.
+pub(super) fn to_equilibrium(
+    (problem, mut workspace): (Problem, Workspace),
+    rest: &[Vec3],
+) -> (Problem, Workspace, Trajectory) {
+    let zero = vec![0.0; problem.dofs()];
+    let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
+    let mut stepper = TimeStepper::new(TIGHT, integrator);
+    let run = stepper.run(&problem, &mut workspace, rest, &[1.0], ON_DISK, |_| ());
+    let run = run.expect("an equilibrium");
+    (problem, workspace, run)
+}
+
 #[test]
 fn bodies_with_sheets_have_their_gradient() {
     for law in [0, 1] {

@@ -259,19 +259,6 @@ fn mollified_pairs(problem: &Problem, rest: &[Vec3], run: &Trajectory) -> usize 
     (1..=run.steps()).map(at).max().unwrap_or(0)
 }
 
-/// The run of a body to its equilibrium under full load.
-fn to_equilibrium(
-    (problem, mut workspace): (Problem, Workspace),
-    rest: &[Vec3],
-) -> (Problem, Workspace, Trajectory) {
-    let zero = vec![0.0; problem.dofs()];
-    let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
-    let mut stepper = TimeStepper::new(TIGHT, integrator);
-    let run = stepper.run(&problem, &mut workspace, rest, &[1.0], ON_DISK, |_| ());
-    let run = run.expect("an equilibrium");
-    (problem, workspace, run)
-}
-
 /// J = Σ_n ω_n (a·x + ½ |x|² + b·f + ½ c |f|²) with random vectors, x = ΠX + u.
 struct Probe {
     a: Vec<f64>,
