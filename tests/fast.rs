@@ -21,6 +21,8 @@ mod compare;
 mod contact_failures;
 #[path = "fast/design_line.rs"]
 mod design_line;
+#[path = "fast/element_kinds.rs"]
+mod element_kinds;
 #[path = "fast/energies.rs"]
 mod energies;
 #[path = "fast/error_bars.rs"]
@@ -55,6 +57,8 @@ mod map;
 mod measured_rubber;
 #[path = "fast/membranes.rs"]
 mod membranes;
+#[path = "fast/mold_report.rs"]
+mod mold_report;
 #[path = "fast/names.rs"]
 mod names;
 #[path = "fast/nested.rs"]

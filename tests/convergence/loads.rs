@@ -78,7 +78,7 @@ fn every_term_has_its_derivatives_for_every_degree() {
         for energy in energies(&body, &space) {
             let name = format!("{} P{degree}", energy.name());
             let iterate = |rest: &[Vec3], u: &[f64], f: &mut dyn FnMut(&Iterate)| {
-                f(&Iterate { space: &space, rest, u, time: 0.8, multipliers: &[], step: None });
+                f(&Iterate::new(&space, rest, u, 0.8));
             };
             let value = |u: &[f64]| {
                 let mut value = 0.0;
@@ -133,10 +133,7 @@ fn resultants_are_force_times_volume_and_traction_times_area() {
         let u = vec![0.0; 3 * space.node_count()];
         let resultant = |energy: &dyn Energy| -> Vec3 {
             let mut g = vec![0.0; u.len()];
-            energy.add_gradient(
-                &Iterate { space: &space, rest, u: &u, time: 1.0, multipliers: &[], step: None },
-                &mut g,
-            );
+            energy.add_gradient(&Iterate::new(&space, rest, &u, 1.0), &mut g);
             -(0..space.node_count()).map(|i| at(&g, i)).sum::<Vec3>()
         };
         let weight = resultant(&BodyForce::whole(FORCE.into()));

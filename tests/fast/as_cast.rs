@@ -35,10 +35,6 @@ fn cast(dir: &Workdir, off: &[(&str, f64)]) -> f64 {
     DENSITY * volume(&mesh)
 }
 
-fn probe(dir: &Workdir, folder: &str, name: &str) -> f64 {
-    dir.json(&format!("{folder}/report.json"))["probes"][name]["value"].as_f64().unwrap()
-}
-
 /// The offsets that were found [m].
 fn offsets(dir: &Workdir) -> Vec<f64> {
     let report = dir.json("out/report.json");
@@ -62,7 +58,7 @@ fn a_wall_is_found_from_the_mass_alone() {
     // what is simulated is the cast body
     dir.solver("simulate sim.toml --mesh cast.msh -o truth").assert_good();
     for name in ["top", "air"] {
-        let [a, b] = ["out", "truth"].map(|folder| probe(&dir, folder, name));
+        let [a, b] = ["out", "truth"].map(|folder| dir.probe(folder, name));
         assert!((a / b - 1.0).abs() < 1e-6, "{name}: {a:e} {b:e}");
     }
 }
@@ -73,7 +69,7 @@ fn two_walls_are_told_apart_by_mass_probe_and_gauge() {
     let truth = [("cavity", 0.09e-3), ("top", -0.2e-3)];
     let mass = cast(&dir, &truth);
     dir.solver("simulate sim.toml --mesh cast.msh -o truth").assert_good();
-    let top = probe(&dir, "truth", "top");
+    let top = dir.probe("truth", "top");
     let walls = "walls = [\"cavity\", \"top\"]\n";
     let weighed = format!("[mass]\nvalue = {mass:e}\nuncertainty = 1e-6\n");
     let probed = format!("[[probe]]\nname = \"top\"\nvalue = {top:e}\nuncertainty = 1e-6\n");

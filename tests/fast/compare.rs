@@ -1,12 +1,8 @@
 //! `solver compare`, by the program.
 
-use serde_json::Value;
 use tests::chamber;
+use tests::reported::number;
 use tests::workdir::Workdir;
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
 
 /// The chamber with linear and quadratic displacements in `P1` and `P2`.
 fn runs() -> Workdir {

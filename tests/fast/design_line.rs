@@ -14,7 +14,7 @@ fn a_line_becomes_a_design_that_reaches_its_value() {
     let dir = folder();
     // At 8 kPa the top rises by less than a millimetre, at 12 kPa by about a half more.
     dir.solver("simulate p1.toml --set chamber.cavity.pressure=12e3 -o start").assert_good();
-    let start = dir.json("start/report.json")["probes"]["top"]["value"].as_f64().unwrap();
+    let start = dir.probe("start", "top");
     let wanted = 1.2 * start;
     let line =
         format!("design p1.toml --probe top={wanted} --pressure 12e3 --wall 2e-3 -o line.toml");

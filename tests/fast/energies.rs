@@ -210,14 +210,7 @@ fn a_homogeneous_deformation_has_no_inner_force() {
             .flat_map(|x| gradient.map(|row| row[0] * x.x + row[1] * x.y + row[2] * x.z))
             .collect();
         let elastic = Elastic::whole(Box::new(SILICONE));
-        let at = Iterate {
-            space: &space,
-            rest: &mesh.vertices,
-            u: &u,
-            time: 1.0,
-            multipliers: &[],
-            step: None,
-        };
+        let at = Iterate::new(&space, &mesh.vertices, &u, 1.0);
         let mut g = vec![0.0; u.len()];
         elastic.add_gradient(&at, &mut g);
         let mut on_boundary = vec![false; nodes.len()];
@@ -269,14 +262,7 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
     let gas = Box::new(Isobaric { pressure: 1e3.into() });
     let pressure = Chamber { wall, gas, multiplier: None };
     let mut g = vec![0.0; u.len()];
-    let at = Iterate {
-        space: &space,
-        rest: &body.mesh.vertices,
-        u: &u,
-        time: 1.0,
-        multipliers: &[],
-        step: None,
-    };
+    let at = Iterate::new(&space, &body.mesh.vertices, &u, 1.0);
     pressure.add_gradient(&at, &mut g);
     let force = |n: usize| mechanics::element::at(&g, n);
     let position = |n: usize| nodes[n] + mechanics::element::at(&u, n);

@@ -8,6 +8,7 @@ use mesh::io::write_tets;
 use mesh::{TetMesh, Vec3};
 use serde_json::Value;
 use tests::chamber::{self, SIM, beyond_any_equilibrium};
+use tests::reported::number;
 use tests::workdir::{Run, Workdir, python};
 use tests::{block, tag};
 
@@ -22,10 +23,6 @@ fn failing(dir: &Workdir, scene: &str) -> (Run, Value) {
     let report = dir.json("out/report.json");
     assert_eq!(report["usable"], false);
     (run, report)
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 #[test]

@@ -57,10 +57,6 @@ kind = "volume"
 on = "cavity"
 "#;
 
-fn volume(dir: &Workdir, folder: &str) -> f64 {
-    dir.json(&format!("{folder}/report.json"))["probes"]["air"]["value"].as_f64().unwrap()
-}
-
 #[test]
 fn fibres_and_threads_hold_a_chamber_and_are_reported() {
     let dir = workdir("");
@@ -83,7 +79,7 @@ fn fibres_and_threads_hold_a_chamber_and_are_reported() {
         let field = grid.cell_fields.iter().find(|field| field.name == name).unwrap();
         assert_eq!(field.components, components);
     }
-    assert!(volume(&dir_fibre, "out") < volume(&dir, "bare"));
+    assert!(dir_fibre.probe("out", "air") < dir.probe("bare", "air"));
 
     let dir_thread = workdir(WINDING);
     let run = dir_thread.solver("simulate p1.toml -o out");
@@ -118,7 +114,7 @@ fn fibres_and_threads_hold_a_chamber_and_are_reported() {
     assert!(
         table.starts_with("winding,start at rest x [m],") && table.lines().count() == 1 + segments
     );
-    assert!(volume(&dir_thread, "out") < volume(&dir, "bare"));
+    assert!(dir_thread.probe("out", "air") < dir.probe("bare", "air"));
 }
 
 /// The gradients by shape and by all numbers, as a user asks for them.
@@ -164,7 +160,7 @@ fn numbers_are_set_by_their_paths() {
     let by_hand = dir.text("p1.toml").replace("angle = 40", "angle = 80");
     dir.write("hand.toml", &by_hand.replace("stiffness = 50", "stiffness = 100"));
     dir.solver("simulate hand.toml -o hand").assert_good();
-    assert_eq!(volume(&dir, "set").to_bits(), volume(&dir, "hand").to_bits());
+    assert_eq!(dir.probe("set", "air").to_bits(), dir.probe("hand", "air").to_bits());
     let bad = dir.text("p1.toml") + "\n[numbers]\n\"fibre.weave.dispersion\" = 0.5\n";
     dir.write("bad.toml", &bad);
     dir.solver("simulate bad.toml -o bad").assert_refused(2, &["dispersion = 0.5", "1/3"]);

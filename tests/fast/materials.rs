@@ -57,10 +57,6 @@ fn workdir(materials: &str) -> Workdir {
     dir
 }
 
-fn top(dir: &Workdir, folder: &str) -> f64 {
-    dir.json(&format!("{folder}/report.json"))["probes"]["top"]["value"].as_f64().unwrap()
-}
-
 #[test]
 fn a_stiff_floor_is_reported_with_error_bars_of_each_volume() {
     let dir = workdir(TWO);
@@ -82,7 +78,7 @@ fn a_stiff_floor_is_reported_with_error_bars_of_each_volume() {
         let young = format!("young = {:e}", 600e3 * factor);
         dir.write("other.toml", &dir.text("p1.toml").replace("young = 600e3", &young));
         dir.solver("simulate other.toml -o other").assert_good();
-        top(&dir, "other")
+        dir.probe("other", "top")
     };
     let step = 1e-3;
     let difference = (stiffer(1.0 + step) - stiffer(1.0 - step)) / (2.0 * step);
@@ -100,7 +96,7 @@ fn one_law_in_two_volumes_is_that_of_the_body() {
     dir.solver("simulate p1.toml -o two").assert_good();
     let bare = workdir(ONE);
     bare.solver("simulate p1.toml -o one").assert_good();
-    assert!((top(&dir, "two") / top(&bare, "one") - 1.0).abs() < 1e-12);
+    assert!((dir.probe("two", "top") / bare.probe("one", "top") - 1.0).abs() < 1e-12);
 }
 
 #[test]
@@ -267,7 +263,7 @@ fn the_modulus_of_one_volume_is_found_from_a_measurement() {
     let dir = workdir(TWO);
     dir.write("real.toml", &dir.text("p1.toml").replace("600e3", "750e3"));
     dir.solver("simulate real.toml -o real").assert_good();
-    dir.write("top.csv", &format!("height [mm]\n{:e}\n", 1e3 * top(&dir, "real")));
+    dir.write("top.csv", &format!("height [mm]\n{:e}\n", 1e3 * dir.probe("real", "top")));
     let experiment = r#"
 [[experiment]]
 name = "camera"
@@ -368,7 +364,7 @@ axis = [0, 0, 1]
     );
     dir.write("sim.toml", &scene);
     dir.solver("simulate sim.toml -o out").assert_good();
-    dir.json("out/report.json")["probes"]["force"]["value"].as_f64().unwrap()
+    dir.probe("out", "force")
 }
 
 /// Springs of area A and height h: A δ/(h/E₁ + h/E₂) in series, A δ (E₁ + E₂)/2h in parallel.

@@ -30,10 +30,6 @@ fn workdir(tables: &str) -> Workdir {
     dir
 }
 
-fn top(dir: &Workdir, folder: &str) -> f64 {
-    dir.json(&format!("{folder}/report.json"))["probes"]["top"]["value"].as_f64().unwrap()
-}
-
 #[test]
 fn a_sheet_holds_its_side_and_is_reported() {
     let dir = workdir(&(PAPER.to_owned() + BARS));
@@ -62,7 +58,7 @@ fn a_sheet_holds_its_side_and_is_reported() {
         let other = format!("thickness = {:e}", 1e-4 * factor);
         dir.write("other.toml", &text.replace("thickness = 1e-4", &other));
         dir.solver("simulate other.toml -o other").assert_good();
-        top(&dir, "other")
+        dir.probe("other", "top")
     };
     let step = 1e-3;
     let difference = (thicker(1.0 + step) - thicker(1.0 - step)) / (2.0 * step);
@@ -150,7 +146,7 @@ fn the_thickness_is_found_from_a_measurement() {
     let truth = dir.text("p1.toml").replace("thickness = 1e-4", "thickness = 1.2e-4");
     dir.write("real.toml", &truth);
     dir.solver("simulate real.toml -o real").assert_good();
-    dir.write("top.csv", &format!("height [mm]\n{:e}\n", 1e3 * top(&dir, "real")));
+    dir.write("top.csv", &format!("height [mm]\n{:e}\n", 1e3 * dir.probe("real", "top")));
     let calibrate = r#"
 [[number]]
 of = "membrane"

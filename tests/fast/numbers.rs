@@ -156,7 +156,7 @@ fn numbers_are_designed_by_their_paths() {
     let tight = "[solver]\nrelative_tolerance = 1e-12\n";
     dir.write("wanted.toml", &(scene.replace("c1 = 55e3", "c1 = 50e3") + tight));
     dir.solver("-q simulate wanted.toml -o wanted").assert_good();
-    let wanted = dir.json("wanted/report.json")["probes"]["air"]["value"].as_f64().unwrap();
+    let wanted = dir.probe("wanted", "air");
     dir.write("sim.toml", &(scene + tight));
     let design = format!(
         "scene = \"sim.toml\"\n[optimizer]\niterations = 8\nfirst_step = 1.0\n\
@@ -174,7 +174,7 @@ fn numbers_are_designed_by_their_paths() {
     // the scene with what was designed
     dir.write("reached.toml", "include = [\"sim.toml\", \"out/parameters.toml\"]\n");
     dir.solver("-q simulate reached.toml -o reached").assert_good();
-    let reached = dir.json("reached/report.json")["probes"]["air"]["value"].as_f64().unwrap();
+    let reached = dir.probe("reached", "air");
     assert!((reached / wanted - 1.0).abs() < 1e-5, "{reached} {wanted}");
     let twice = design.replace("material.body.c1", "velocity.body.x");
     dir.write("design.toml", &twice);
@@ -204,7 +204,7 @@ fn numbers_of_a_scene_are_in_place_of_those_of_its_tables() {
     let top = |text: &str| {
         dir.write("sim.toml", text);
         dir.solver("-q simulate sim.toml -o out --restart").assert_good();
-        dir.json("out/report.json")["probes"]["top"]["value"].as_f64().unwrap()
+        dir.probe("out", "top")
     };
     let changed = scene.replace("55e3", "60e3").replace("= 8e3", "= 8.5e3");
     assert!((top(&(scene.clone() + numbers)) / top(&changed) - 1.0).abs() < 1e-9);

@@ -2,11 +2,8 @@
 
 use serde_json::Value;
 use tests::chamber;
+use tests::reported::number;
 use tests::workdir::Workdir;
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
 
 fn optimized() -> (Workdir, Vec<Value>) {
     let dir = chamber::workdir();

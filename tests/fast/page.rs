@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tests::chamber;
 use tests::chromium::Chromium;
+use tests::reported::number;
 use tests::workdir::{Run, Workdir};
 
 /// Ends elements, attributes and scripts, if it is not escaped.
@@ -58,10 +59,6 @@ fn write_page(dir: &Workdir, folder: &str, page: &str) {
 
 fn state(browser: &mut Chromium) -> Value {
     browser.evaluate("window.puffer.state()")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 /// Sets a control as a user does, and waits for what follows.

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use tests::chamber::{self, MOUTH, PRESSURE};
+use tests::reported::number;
 use tests::workdir::Workdir;
 
 /// Beside those of the chamber, one probe of each kind that needs no contact.
@@ -55,10 +56,6 @@ on = "top"
 to = "seat"
 axis = [0, 1, 0]
 "#;
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
 
 #[track_caller]
 fn near(found: &Value, expected: f64) {
@@ -199,6 +196,7 @@ fn wrong_objectives_of_probes_are_refused() {
         ("scale = 1e-4", "scale = 0", &["objective \"top\"", "scale = 0"]),
         ("target = 1e-3", "target = \"x\"", &["target = \"x\"", "must depend on t alone"]),
         ("target = 1e-3", "target = \"q*t\"", &["unknown name \"q\""]),
+        ("target = 1e-3", "target = \"2*sine(t)\"", &["did you mean `sin`?"]),
         ("weight = 1.0", "weight = -1.0", &["weight = -1"]),
     ] {
         dir.write("probes.design.toml", &sound.replacen(from, to, 1));

@@ -5,11 +5,8 @@ use std::process::Command;
 use mesh::io::npy;
 use serde_json::Value;
 use tests::chamber::{self, MOUTH, PRESSURE};
+use tests::reported::number;
 use tests::workdir::{Workdir, python};
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
 
 fn vector(value: &Value) -> [f64; 3] {
     [0, 1, 2].map(|k| number(&value[k]))

@@ -10,6 +10,7 @@ use std::sync::{Mutex, OnceLock};
 
 use serde_json::Value;
 use tests::judges::{self, Solid};
+use tests::reported::check_mold;
 use tests::skip::skip;
 use tests::workdir::{program, python, repository};
 
@@ -54,6 +55,7 @@ fn molds(folder: &Path) -> Vec<PathBuf> {
 fn parts(mold: &Path) -> (Vec<Solid>, Vec<[[f64; 3]; 3]>) {
     let text = fs::read_to_string(mold.join("mold.json")).unwrap();
     let report: Value = serde_json::from_str(&text).unwrap();
+    check_mold(&report);
     assert_eq!(report["units"], "mm");
     let part = |part: &Value| {
         let solid = Solid {

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use fab::files::report::MoldReport;
 use jsonschema::Validator;
 use program::schema::Format;
 use reports::{Iteration, Optimization, Simulation};
@@ -9,14 +10,27 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-static SIMULATION: LazyLock<Validator> = LazyLock::new(|| schema("report"));
-static OPTIMIZATION: LazyLock<Validator> = LazyLock::new(|| schema("optimization"));
-static ITERATION: LazyLock<Validator> = LazyLock::new(|| schema("history"));
+const SOLVER: &[Format] = solver::cmd::schema::FORMATS;
+const FAB: &[Format] = fab::cmd::schema::FORMATS;
 
-/// The schema that `solver schema NAME` prints.
-fn schema(name: &str) -> Validator {
+/// A number of a report.
+///
+/// # Panics
+/// When it is none.
+#[must_use]
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+static SIMULATION: LazyLock<Validator> = LazyLock::new(|| schema(SOLVER, "report"));
+static OPTIMIZATION: LazyLock<Validator> = LazyLock::new(|| schema(SOLVER, "optimization"));
+static ITERATION: LazyLock<Validator> = LazyLock::new(|| schema(SOLVER, "history"));
+static MOLD: LazyLock<Validator> = LazyLock::new(|| schema(FAB, "mold-report"));
+
+/// The schema that `PROGRAM schema NAME` prints, for a program with these formats.
+fn schema(formats: &[Format], name: &str) -> Validator {
     let named = |format: &&Format| format.name == name;
-    let format = solver::cmd::schema::FORMATS.iter().find(named).expect("it is there");
+    let format = formats.iter().find(named).expect("it is there");
     jsonschema::validator_for(&(format.schema)()).expect("a sound schema")
 }
 
@@ -45,11 +59,36 @@ pub fn check_iteration(line: &Value) {
     check::<Iteration>(&ITERATION, line);
 }
 
+/// Asserts as [`check_simulation`] for the report of a mold.
+///
+/// # Panics
+/// When it has another key, or one of another type.
+pub fn check_mold(report: &Value) {
+    check::<MoldReport>(&MOLD, report);
+}
+
+/// Whether [`check_mold`] finds something in the report of a mold; and whether the schema alone does.
+#[must_use]
+pub fn is_no_mold(report: &Value) -> (bool, bool) {
+    (misfit::<MoldReport>(&MOLD, report).is_some(), !MOLD.is_valid(report))
+}
+
 fn check<T: DeserializeOwned + Serialize>(schema: &Validator, report: &Value) {
+    let found = misfit::<T>(schema, report);
+    assert!(found.is_none(), "{}", found.unwrap_or_default());
+}
+
+/// What the schema of a report finds, or else its type.
+fn misfit<T: DeserializeOwned + Serialize>(schema: &Validator, report: &Value) -> Option<String> {
     let found: Vec<String> =
         schema.iter_errors(report).map(|e| format!("{}: {e}", e.instance_path())).collect();
-    assert!(found.is_empty(), "{found:#?}");
-    let read: T = serde_json::from_value(report.clone()).expect("its type");
+    if !found.is_empty() {
+        return Some(found.join("\n"));
+    }
+    let read: T = match serde_json::from_value(report.clone()) {
+        Ok(read) => read,
+        Err(error) => return Some(error.to_string()),
+    };
     let again = serde_json::to_value(read).expect("its type");
-    assert_eq!(&again, report);
+    (&again != report).then(|| format!("read as its type it is {again:#}, not {report:#}"))
 }

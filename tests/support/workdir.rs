@@ -116,6 +116,15 @@ impl Workdir {
         serde_json::from_str(&self.text(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
+    /// The value of a probe at the end of a run in a subfolder.
+    ///
+    /// # Panics
+    /// When the report has none.
+    #[must_use]
+    pub fn probe(&self, folder: &str, name: &str) -> f64 {
+        reported::number(&self.json(&format!("{folder}/report.json"))["probes"][name]["value"])
+    }
+
     /// Names of the files in a subfolder, sorted; empty if there is no such folder.
     #[must_use]
     pub fn files(&self, folder: &str) -> Vec<String> {

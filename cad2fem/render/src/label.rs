@@ -28,8 +28,10 @@ struct Place {
 /// `corner`, the largest first. Returns the numbers of the pieces that have none.
 pub fn write(
     image: &mut Image,
-    (pieces, labels): (&[Piece], &[String]),
-    (camera, size): (&Camera, [usize; 2]),
+    pieces: &[Piece],
+    labels: &[String],
+    camera: &Camera,
+    size: [usize; 2],
     corner: [usize; 2],
     ty: &Type,
 ) -> Vec<usize> {

@@ -61,8 +61,9 @@ pub fn draw_sheet(sheet: &Sheet, panels: &[Panel]) -> Image {
         let rows = Rows { top: upper, of: sheet.size[1] };
         let picture = panel::draw(&panel.pieces, &camera, grid.panel, &sheet.look, rows);
         image.paste(&picture, left, upper);
-        let on = (&panel.pieces[..], &panel.labels[..]);
-        let missing = label::write(&mut image, on, (&camera, grid.panel), [left, upper], &ty);
+        let Panel { pieces, labels, .. } = panel;
+        let corner = [left, upper];
+        let missing = label::write(&mut image, pieces, labels, &camera, grid.panel, corner, &ty);
         if !missing.is_empty() {
             let names: Vec<&str> = missing.iter().map(|&i| panel.labels[i].as_str()).collect();
             log::info!("hidden or small from here, without a label: {}", names.join(", "));

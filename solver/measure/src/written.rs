@@ -8,6 +8,8 @@ use std::borrow::Cow;
 use mechanics::contact::barrier::Form;
 use mechanics::contact::density::Density;
 use mechanics::forward::Method;
+use mechanics::schedule::Malformed;
+use program::did_you_mean;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +32,13 @@ impl Names {
             Self::Several(names) => names,
         }
     }
+}
+
+/// What is wrong with an expression, with what may have been meant by a name that nobody knows.
+#[must_use]
+pub fn proposed(error: &Malformed) -> String {
+    let near = error.unknown().map(|u| did_you_mean(&u.name, u.known.iter().map(|k| &k[..])));
+    format!("{error}{}", near.unwrap_or_default())
 }
 
 /// Schema of [`mechanics::schedule::Schedule`].
@@ -137,7 +146,7 @@ mod tests {
     #[test]
     fn slips_name_line_expression_and_place() {
         for (text, words) in [
-            ("\"20e3*sn(t)\"", &["line 1", "\"20e3*sn(t)\"", "\"sn\"", "character 6"][..]),
+            ("\"20e3*(t\"", &["line 1", "\"20e3*(t\"", "')' is needed", "character 8"][..]),
             ("true", &["line 1", "a number, an expression", "a table"]),
             ("[1, 2]", &["a number, an expression"]),
             ("{ t = [0, 1], value = [1] }", &["line 1", "2 times and 1 value"]),
@@ -148,6 +157,23 @@ mod tests {
         ] {
             let message = read(text).expect_err(text);
             assert!(words.iter().all(|w| message.contains(w)), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn names_and_functions_that_nobody_knows_get_a_proposal() {
+        let parameters = [("delay".to_owned(), 0.5)].into();
+        for (text, ends) in [
+            ("sine(t)", "max, if), at character 1; did you mean `sin`?"),
+            ("exp(2*sqr(t))", "character 7; did you mean `sqrt`?"),
+            ("3*dealy", "(known: t, x, y, z, pi, delay), at character 3; did you mean `delay`?"),
+            // nothing is similar
+            ("3*tanh(t)", "max, if), at character 3"),
+        ] {
+            let mut schedule = sound(&format!("\"{text}\""), 1.0);
+            assert!(schedule.at(0.5).is_nan(), "{text}: never a silent zero");
+            let message = proposed(&schedule.bind(&parameters).expect_err(text));
+            assert!(message.ends_with(ends), "{message}");
         }
     }
 

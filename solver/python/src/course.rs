@@ -17,7 +17,8 @@ impl Course {
     /// Solves a scene, next to a displacement [m] if there is one; from rest where nothing is found there.
     pub fn new(
         scene: &scene::Scene,
-        (problem, workspace): (&Problem, &mut Workspace),
+        problem: &Problem,
+        workspace: &mut Workspace,
         start: Option<&[f64]>,
     ) -> Result<Self, Unreached> {
         let integrator = scene.integrator(&scene.body, problem);

@@ -105,7 +105,7 @@ impl Run {
         let timed = scene.config.time.is_some();
         let predicted_s =
             predicted_time(&problem, &workspace, timed.then_some(scene.times().len()));
-        let course = Course::new(&scene, (&problem, &mut workspace), start);
+        let course = Course::new(&scene, &problem, &mut workspace, start);
         workspace.watch = None;
         let course = match course {
             Ok(course) => course,

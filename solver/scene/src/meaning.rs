@@ -2,10 +2,11 @@
 
 use std::error::Error;
 
+use measure::written::proposed;
 use mechanics::body::{CutError, TagError};
 use mechanics::energy::gas_law::Refused;
 use mechanics::schedule::Malformed;
-use program::{KeyPath, Misfit, did_you_mean, unknown};
+use program::{KeyPath, Misfit, unknown};
 
 /// What an error of the mechanics means, if it is one.
 #[must_use]
@@ -13,9 +14,8 @@ pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
     if let Some(error) = error.downcast_ref() {
         return Some(of_tag(error));
     }
-    if let Some(error @ Malformed { .. }) = error.downcast_ref() {
-        let near = error.unknown().map(|u| did_you_mean(&u.name, u.known.iter().map(|k| &k[..])));
-        return Some(KeyPath::default().told(format!("{error}{}", near.unwrap_or_default())));
+    if let Some(error) = error.downcast_ref::<Malformed>() {
+        return Some(KeyPath::default().told(proposed(error)));
     }
     if let Some(error) = error.downcast_ref::<CutError>() {
         let path = match error {

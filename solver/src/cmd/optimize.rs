@@ -77,9 +77,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write(folder, &scene, &finished)?;
     let (level, evaluation) = &finished.last;
     let crossing = level.crossing(evaluation);
-    let provenance = provenance(folder, &file, &design, &scene)?;
+    let (inputs, set) = provenance(folder, &file, &design, &scene)?;
     let found = Found { finished: &finished, scene: &scene, design: &design };
-    let mut designed = found.designed(History::new(folder).read()?, provenance, start);
+    let mut designed = found.designed(History::new(folder).read()?, inputs, set, start);
     designed.crossing = crossing.as_ref().map(Crossing::report);
     let status = match crossing {
         Some(_) => Ended::SurfacesCrossed,
@@ -343,7 +343,8 @@ impl Found<'_> {
     fn designed(
         &self,
         lines: Vec<Iteration>,
-        (inputs, set): (Inputs, Vec<String>),
+        inputs: Inputs,
+        set: Vec<String>,
         start: Instant,
     ) -> Designed {
         let (first, last) = (&lines[0], &lines[lines.len() - 1]);

@@ -177,12 +177,12 @@ fn write_data(deck: &Deck, out: &mut String) -> Result<()> {
     for held in &deck.held {
         for axis in (0..3).filter(|&axis| held.axes[axis] && uniform(held, axis).is_none()) {
             let values = held.displacement.iter().map(|u| format!("{:e}", u[axis]));
-            write_values(&mut data, (&map_name(held, axis), &held.name, "scalar"), values)?;
+            write_values(&mut data, &map_name(held, axis), &held.name, "scalar", values)?;
         }
     }
     if !deck.forces.is_empty() {
         let values = deck.forces.iter().map(|(_, force)| vector(force));
-        write_values(&mut data, ("forces", "NFORCES", "vec3"), values)?;
+        write_values(&mut data, "forces", "NFORCES", "vec3", values)?;
     }
     if !data.is_empty() {
         writeln!(out, "  <MeshData>\n{data}  </MeshData>")?;
@@ -192,7 +192,9 @@ fn write_data(deck: &Deck, out: &mut String) -> Result<()> {
 
 fn write_values(
     out: &mut String,
-    (name, set, kind): (&str, &str, &str),
+    name: &str,
+    set: &str,
+    kind: &str,
     values: impl Iterator<Item = String>,
 ) -> Result<()> {
     writeln!(out, "    <NodeData name=\"{name}\" node_set=\"{set}\" data_type=\"{kind}\">")?;

@@ -90,10 +90,10 @@ impl Level {
         level: &LevelConfig,
     ) -> Result<Self> {
         let map = DesignMap::new(scene, design, level, &body)?;
-        let on = (scene, &body, map.mean_edge());
+        let edge = map.mean_edge();
         let configs = design.scenarios();
         let scenarios = configs.iter().map(|config| {
-            let scenario = Scenario::new(config, on, objectives, design, level);
+            let scenario = Scenario::new(config, scene, &body, edge, objectives, design, level);
             scenario.map_err(|error| match config.title() {
                 None => error,
                 Some(title) => error.context(title),
@@ -349,12 +349,12 @@ impl Level {
         let (by, means) = (self.robust.derivatives(&objectives), self.robust.weights().to_vec());
         let body = self.body.clone();
         self.each(|i, scenario| {
-            let wanted = match of {
+            let (of, factor) = match of {
                 None => (None, by[i]),
                 Some(EXCESS) => (None, by[i] - means[i]),
                 Some(_) => (of, means[i]),
             };
-            scenario.sweep((&at.runs[i], &at.rest, &body), wanted)
+            scenario.sweep(&at.runs[i], &at.rest, &body, of, factor)
         })
     }
 
@@ -404,8 +404,8 @@ impl Level {
     /// # Errors
     /// With the element, facet or term that is not valid.
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
-        let of = (&self.body, self.map.moving());
-        self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, of))
+        let moving = self.map.moving();
+        self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, &self.body, moving))
     }
 
     /// Whether the rest shape at θ has flat or inverted elements.

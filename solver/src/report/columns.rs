@@ -1,8 +1,12 @@
 //! Numbers of runs by the names of their columns.
 
+use std::iter::once;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow, ensure};
+use measure::written::proposed;
+use mechanics::schedule::Expression;
+use mesh::Vec3;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -39,18 +43,48 @@ struct Table {
     rows: Option<Vec<Value>>,
 }
 
-/// The number of a column in a row: a key, or keys joined by dots, and a factor after a star; or
-/// several of these with " + " between them.
+/// The number of a column in a row, whose names are keys, or keys joined by dots.
 ///
 /// # Errors
-/// When the row has no such number; the message lists what it has.
+/// As [`combined`].
 pub fn number(row: &Value, column: &str) -> Result<f64> {
-    column.split(" + ").map(|summand| one_number(row, summand.trim())).sum()
+    combined(column, &|keys| one_number(row, keys))
 }
 
-fn one_number(row: &Value, column: &str) -> Result<f64> {
-    let (keys, factor) = column.split_once('*').unwrap_or((column, "1"));
-    let factor: f64 = factor.parse().with_context(|| format!("the factor of {column:?}"))?;
+/// The number that the text of a column means: a name, which may have a factor after a star, an expression as scenes
+/// have them; or several of these with " + " between them. `find` gives the number with a name.
+///
+/// # Errors
+/// When `find` finds no number, or a factor is none.
+pub fn combined(column: &str, find: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
+    // a name may have a plus or a star itself
+    if let Ok(number) = find(column) {
+        return Ok(number);
+    }
+    column.split(" + ").map(|summand| product(summand.trim(), find)).sum()
+}
+
+fn product(text: &str, find: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
+    let stars = text.match_indices('*').map(|(at, _)| (&text[..at], &text[at + 1..]));
+    // the longest name that there is
+    for (name, factor) in once((text, "1")).chain(stars.rev()) {
+        if let Ok(number) = find(name) {
+            let factor = constant(factor).with_context(|| format!("the factor of {text:?}"))?;
+            return Ok(factor * number);
+        }
+    }
+    find(text.split('*').next().unwrap_or_default())
+}
+
+/// The value of an expression that depends on nothing.
+fn constant(text: &str) -> Result<f64> {
+    let expression = Expression::parse(text).map_err(|what| anyhow!(proposed(&what)))?;
+    let value = expression.at(Vec3::repeat(f64::NAN), f64::NAN).value;
+    ensure!(value.is_finite(), "{text:?} is not a number");
+    Ok(value)
+}
+
+fn one_number(row: &Value, keys: &str) -> Result<f64> {
     let (mut value, mut left) = (row, keys);
     while !left.is_empty() {
         let (key, rest) = first_key(value, left);
@@ -62,8 +96,7 @@ fn one_number(row: &Value, column: &str) -> Result<f64> {
             next.with_context(|| format!("no {key:?} of {keys:?}; there are: {}", known(value)))?;
         left = rest;
     }
-    let number = value.as_f64().with_context(|| format!("{keys:?} is {value}, not a number"))?;
-    Ok(factor * number)
+    value.as_f64().with_context(|| format!("{keys:?} is {value}, not a number"))
 }
 
 /// The first of keys joined by dots, and the others. A key may have dots itself, as tags
@@ -86,6 +119,8 @@ fn known(value: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]
@@ -104,5 +139,22 @@ mod tests {
         assert_eq!(number(&row, "a+b").expect("a key"), 1.0);
         let text = number(&row, "terms.throat + terms.feet").expect_err("no such key").to_string();
         assert!(text.contains("no \"feet\""), "{text}");
+    }
+
+    #[test]
+    fn factors_are_expressions_that_depend_on_nothing() {
+        let row = serde_json::json!({"angle": 2.0, "angle*2": 5.0});
+        assert_eq!(number(&row, "angle*180/pi").expect("a number"), 2.0 * (180.0 / PI));
+        assert_eq!(number(&row, "angle*-1e-3").expect("a number"), -2e-3);
+        // the whole name, where there is one
+        assert_eq!(number(&row, "angle*2*3").expect("a number"), 15.0);
+        for (column, words) in [
+            ("angle*t", "\"t\" is not a number"),
+            ("angle*", "it ends where a value is needed"),
+            ("angle*sine(1)", "did you mean `sin`?"),
+        ] {
+            let message = format!("{:#}", number(&row, column).expect_err(column));
+            assert!(message.starts_with("the factor of") && message.contains(words), "{message}");
+        }
     }
 }

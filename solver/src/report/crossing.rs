@@ -28,9 +28,9 @@ impl Crossing {
         }
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
         let (space, fixed) = (at.space, problem.dirichlet.fixed());
-        let facets = (body.boundary(), &parts[..]);
+        let (planes, facets) = (&body.planes, body.boundary());
         let surface =
-            Surface::symmetric(&body.planes, space, facets, Vec::new(), space.degree(), fixed);
+            Surface::symmetric(planes, space, facets, &parts, Vec::new(), space.degree(), fixed);
         let x = surface.positions(space, at.rest, at.u, at.time);
         let triangles = &surface.features().triangles;
         let pairs = crossing_pairs(triangles, &x, |_| true);

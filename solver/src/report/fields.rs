@@ -164,14 +164,7 @@ mod tests {
         let nodes = space.node_positions(&mesh.vertices);
         let u: Vec<f64> = nodes.iter().flat_map(|&x| u(x).data.0[0]).collect();
         let energies = Energies::elastic(Box::new(NeoHookean(law())));
-        let at = Iterate {
-            space: &space,
-            rest: &mesh.vertices,
-            u: &u,
-            time: 1.0,
-            multipliers: &[],
-            step: None,
-        };
+        let at = Iterate::new(&space, &mesh.vertices, &u, 1.0);
         fields(&energies, &at)
     }
 

@@ -17,7 +17,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
-use crate::written::ScheduleSchema;
+use crate::written::{ScheduleSchema, proposed};
 
 pub(super) const KIND: Kind = Kind {
     key: "probe",
@@ -57,7 +57,7 @@ impl Specification for Keys {
         );
         if let Some(target) = &self.target {
             let bound = target.clone().bind(&BTreeMap::new());
-            bound.map_err(|what| misfit!(KeyPath::of("target"), ": {what}"))?;
+            bound.map_err(|what| misfit!(KeyPath::of("target"), ": {}", proposed(&what)))?;
             ensure!(
                 !target.uses_position(),
                 misfit!(KeyPath::of("target"), " = {target}: must depend on t alone")

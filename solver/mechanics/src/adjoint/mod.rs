@@ -114,13 +114,13 @@ pub fn sweep(
         let at = Iterate { step: Some(&step), ..at };
         let multipliers = solve_multipliers(problem, workspace, &at);
         let at = Iterate { multipliers: &multipliers, ..at };
-        let into = (&mut own.by_u[..], &mut rest_bar[..], &mut parameters);
-        let before = internal_vjp(problem, &at, &internal, n - 1, into);
+        let by_u = &mut own.by_u;
+        let before =
+            internal_vjp(problem, &at, &internal, n - 1, by_u, &mut rest_bar, &mut parameters);
         let moment = Moment { at, step: &step, by_velocity: v, by_acceleration: a, partials: own };
         let linearization = linearization.filter(|_| n == steps);
         let solution = moment.solve(problem, workspace, linearization)?;
-        let into = (&mut rest_bar[..], &mut parameters);
-        let mut past = moment.vjp(problem, &solution, n - 1, into);
+        let mut past = moment.vjp(problem, &solution, n - 1, &mut rest_bar, &mut parameters);
         add_where_any(&mut past.internal, &before, 1.0);
         past_vjp(problem, rest, run, n, &past, &mut states, &mut rest_bar);
     }
@@ -219,7 +219,8 @@ impl Moment<'_> {
         problem: &Problem,
         Solution { lambda, mu }: &Solution,
         step: usize,
-        (rest_bar, parameters): (&mut [f64], &mut ParameterGradients),
+        rest_bar: &mut [f64],
+        parameters: &mut ParameterGradients,
     ) -> PastCotangent {
         let at = &self.at;
         let mut past = PastCotangent::zeros(at.u.len());
@@ -250,7 +251,9 @@ fn internal_vjp(
     at: &Iterate,
     cotangents: &[f64],
     step: usize,
-    (by_u, rest_bar, parameters): (&mut [f64], &mut [f64], &mut ParameterGradients),
+    by_u: &mut [f64],
+    rest_bar: &mut [f64],
+    parameters: &mut ParameterGradients,
 ) -> Vec<f64> {
     let mut past = Vec::new();
     if cotangents.is_empty() {

@@ -152,8 +152,8 @@ impl Potential {
     pub fn contacts(&self, close: &[Close], x: Vec<Vec3>, rest: Vec<Vec3>) -> Contacts<'_> {
         let acting: Vec<Close> =
             close.iter().filter(|pair| pair.acts(&self.repulsion)).copied().collect();
-        let on = (&*self.surface, &self.adjacency);
-        let terms = Terms::new(on, self.form, &acting, (&x, &rest), self.repulsion.range());
+        let (surface, range) = (&self.surface, self.repulsion.range());
+        let terms = Terms::new(surface, &self.adjacency, self.form, &acting, &x, &rest, range);
         Contacts { potential: self, x, rest, terms }
     }
 }

@@ -78,12 +78,13 @@ impl Surface {
     #[must_use]
     pub fn new(
         space: &FunctionSpace,
-        (facets, bodies): (&[[usize; 3]], &[usize]),
+        facets: &[[usize; 3]],
+        bodies: &[usize],
         obstacles: Vec<Obstacle>,
         split: usize,
         fixed: &[bool],
     ) -> Self {
-        Self::symmetric(&[], space, (facets, bodies), obstacles, split, fixed)
+        Self::symmetric(&[], space, facets, bodies, obstacles, split, fixed)
     }
 
     /// The surface of the whole, of whose bodies these facets bound the part that planes of
@@ -95,7 +96,8 @@ impl Surface {
     pub fn symmetric(
         planes: &[Plane],
         space: &FunctionSpace,
-        (facets, bodies): (&[[usize; 3]], &[usize]),
+        facets: &[[usize; 3]],
+        bodies: &[usize],
         obstacles: Vec<Obstacle>,
         split: usize,
         fixed: &[bool],
@@ -390,7 +392,7 @@ mod tests {
             fixed[3 * i..3 * i + 3].fill(x.z == 0.0);
         }
         let bodies = vec![0; facets.len()];
-        (Surface::new(&space, (&facets, &bodies), vec![floor], split, &fixed), space, mesh)
+        (Surface::new(&space, &facets, &bodies, vec![floor], split, &fixed), space, mesh)
     }
 
     /// 48 facets of a closed surface make 48 n² triangles with 24 n² + 2 vertices.

@@ -69,10 +69,12 @@ impl Terms {
     /// positions of the collision vertices.
     #[must_use]
     pub fn new(
-        (surface, adjacency): (&Surface, &Adjacency),
+        surface: &Surface,
+        adjacency: &Adjacency,
         form: Form,
         active: &[Close],
-        (x, rest): (&[Vec3], &[Vec3]),
+        x: &[Vec3],
+        rest: &[Vec3],
         range: f64,
     ) -> Self {
         let [by_vertex, by_edge] = form.shares();

@@ -113,14 +113,14 @@ impl Inertia {
     /// ½ vᵀ M v of a velocity [J].
     #[must_use]
     pub fn kinetic_energy(&self, space: &FunctionSpace, rest: &[Vec3], velocity: &[f64]) -> f64 {
-        let iterate = Iterate { space, rest, u: velocity, time: 0.0, multipliers: &[], step: None };
+        let iterate = Iterate::new(space, rest, velocity, 0.0);
         self.half_square(&iterate, velocity)
     }
 
     /// ∫ ρ w dX of a nodal field w: momentum, if it is a velocity.
     #[must_use]
     pub fn momentum(&self, space: &FunctionSpace, rest: &[Vec3], w: &[f64]) -> Vec3 {
-        let iterate = Iterate { space, rest, u: w, time: 0.0, multipliers: &[], step: None };
+        let iterate = Iterate::new(space, rest, w, 0.0);
         let mut total = Vec3::zeros();
         self.each(
             |e| {

@@ -6,6 +6,7 @@ mod body_force;
 mod chamber;
 mod contact;
 mod elastic;
+mod elements;
 mod energies;
 mod fibres;
 mod friction;
@@ -66,6 +67,14 @@ pub struct Iterate<'a> {
     pub multipliers: &'a [Multiplier],
     /// The step in time that leads here; without it velocities are displacements.
     pub step: Option<&'a TimeStep>,
+}
+
+impl<'a> Iterate<'a> {
+    /// At a time, without multipliers and not at the end of a time step.
+    #[must_use]
+    pub fn new(space: &'a FunctionSpace, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Self {
+        Self { space, rest, u, time, multipliers: &[], step: None }
+    }
 }
 
 /// A step in time: where it leads by what velocity and acceleration.

@@ -31,7 +31,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::SVector;
 
-use super::elastic::{Element, corner_gradients};
+use super::elements::{Element, corner_gradients};
 use super::{
     Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent, TimeStep,
 };

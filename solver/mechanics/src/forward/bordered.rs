@@ -70,7 +70,7 @@ impl Bordered {
         let (mut x, mut y) = self.once(factor, upper, lower)?;
         let mut best = (x.clone(), y.clone(), f64::INFINITY);
         for _ in 0..REFINEMENTS {
-            let (above, below, error) = self.residual(factor, (&x, &y), (upper, lower));
+            let (above, below, error) = self.residual(factor, &x, &y, upper, lower);
             if error.is_nan() || error >= best.2 {
                 break;
             }
@@ -112,8 +112,10 @@ impl Bordered {
     fn residual(
         &self,
         factor: &Factorization,
-        (x, y): (&[f64], &[f64]),
-        (upper, lower): (&[f64], &[f64]),
+        x: &[f64],
+        y: &[f64],
+        upper: &[f64],
+        lower: &[f64],
     ) -> (Vec<f64>, Vec<f64>, f64) {
         let mut above = factor.residual(upper, x);
         let mut size = norm(upper);

@@ -24,7 +24,8 @@ pub(super) fn symbolic(
     space: &FunctionSpace,
     dirichlet: &Dirichlet,
     couplings: &[[usize; 2]],
-    (make, memory): (MakeDirectSolver, Memory),
+    make: MakeDirectSolver,
+    memory: Memory,
 ) -> (Pattern, FreeTriangle, SparseSolver) {
     let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
     let followers = dirichlet.followers();

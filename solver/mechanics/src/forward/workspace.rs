@@ -90,7 +90,7 @@ impl Workspace {
     pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
         let (pattern, free, linear) =
-            symbolic(&problem.space, &problem.dirichlet, &[], (make, Memory::default()));
+            symbolic(&problem.space, &problem.dirichlet, &[], make, Memory::default());
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
@@ -150,9 +150,9 @@ impl Workspace {
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
         self.linear_mut().forget();
-        let memory = (self.make, self.linear.memory());
+        let (make, memory) = (self.make, self.linear.memory());
         (self.pattern, self.free, self.linear) =
-            symbolic(&problem.space, &self.dirichlet, &self.couplings, memory);
+            symbolic(&problem.space, &self.dirichlet, &self.couplings, make, memory);
         self.timings.ordering += clock.elapsed();
     }
 

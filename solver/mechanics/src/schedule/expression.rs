@@ -15,7 +15,7 @@ use mesh::Vec3;
 
 use super::jet::Jet;
 use super::node::Node;
-use super::parser::{Malformed, parse};
+use super::parser::{FUNCTIONS, Malformed, Unknown, parse};
 
 /// A parsed expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,10 +36,10 @@ impl Expression {
     }
 
     /// Reads an expression with parameters, whose values are NaN until
-    /// [`Self::bind`] sets them.
+    /// [`Self::bind`] sets them. So is a function that nobody knows, which `bind` refuses.
     ///
     /// # Errors
-    /// [`Malformed`] with what was found and what is known.
+    /// [`Malformed`] with what was found and what is needed.
     pub fn parse_unbound(text: &str) -> Result<Self, Malformed> {
         parse(text).map(|root| Self { text: text.to_owned(), root })
     }
@@ -59,12 +59,17 @@ impl Expression {
     /// Gives all parameters their values.
     ///
     /// # Errors
-    /// [`Malformed`] with the name that has none.
+    /// [`Malformed`] with the name that has none, or the function that nobody knows.
     pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
-        self.root.bind(parameters).map_err(|(name, at)| {
-            let known = ["t", "x", "y", "z", "pi"].into_iter();
-            let known = known.chain(parameters.keys().map(String::as_str)).map(str::to_owned);
-            Malformed::unknown_name(&self.text, name, at, known.collect())
+        self.root.bind(parameters).map_err(|(what, name, at)| {
+            let known: Vec<&str> = match what {
+                Unknown::Function => FUNCTIONS.iter().map(|f| f.0).collect(),
+                Unknown::Name => {
+                    let known = ["t", "x", "y", "z", "pi"].into_iter();
+                    known.chain(parameters.keys().map(String::as_str)).collect()
+                }
+            };
+            Malformed::unknown_name(&self.text, what, name, at, &known)
         })
     }
 
@@ -107,15 +112,21 @@ impl Node {
                 Self::Minus(a) => a.any(holds),
                 Self::Binary(_, a, b) => a.any(holds) || b.any(holds),
                 Self::Call(_, arguments) => arguments.iter().any(|a| a.any(holds)),
-                Self::Number(_) | Self::Time | Self::Position(_) | Self::Parameter { .. } => false,
+                Self::Number(_)
+                | Self::Time
+                | Self::Position(_)
+                | Self::Parameter { .. }
+                | Self::Unknown { .. } => false,
             }
     }
 
-    /// Sets the values of parameters; the error is one without a value, and where.
-    fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), (String, usize)> {
+    /// Sets the values of parameters; the error is a name without a meaning, and where.
+    fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), (Unknown, String, usize)> {
         match self {
+            Self::Unknown { function, at } => Err((Unknown::Function, function.clone(), *at)),
             Self::Parameter { name, at, value } => {
-                let known = parameters.get(name).ok_or_else(|| (name.clone(), *at))?;
+                let known =
+                    parameters.get(name).ok_or_else(|| (Unknown::Name, name.clone(), *at))?;
                 *value = *known;
                 Ok(())
             }
@@ -138,6 +149,7 @@ impl Node {
                 Jet { value: *value, gradient: Vec3::x() }
             }
             Self::Parameter { value, .. } => Jet::constant(*value),
+            Self::Unknown { .. } => Jet::constant(f64::NAN),
             Self::Minus(a) => -a.at(x, t, by),
             Self::Binary(operator, a, b) => {
                 let (a, b) = (a.at(x, t, by), b.at(x, t, by));

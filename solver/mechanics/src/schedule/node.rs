@@ -15,4 +15,9 @@ pub(super) enum Node {
     Minus(Box<Node>),
     Binary(u8, Box<Node>, Box<Node>),
     Call(&'static str, Vec<Node>),
+    /// A function that nobody knows, and the position of its first character.
+    Unknown {
+        function: String,
+        at: usize,
+    },
 }

@@ -32,6 +32,13 @@ pub struct Malformed {
     unknown: Option<UnknownName>,
 }
 
+/// What a name without a meaning is used as.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Unknown {
+    Name,
+    Function,
+}
+
 /// A name that an expression may not have.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
@@ -102,8 +109,19 @@ struct Parser<'a> {
 
 impl Malformed {
     /// A name that nothing explains, at a character from 0.
-    pub(super) fn unknown_name(text: &str, name: String, at: usize, known: Vec<String>) -> Self {
-        let what = format!("unknown name \"{name}\" (known: {})", known.join(", "));
+    pub(super) fn unknown_name(
+        text: &str,
+        used: Unknown,
+        name: String,
+        at: usize,
+        known: &[&str],
+    ) -> Self {
+        let used = match used {
+            Unknown::Name => "name",
+            Unknown::Function => "function",
+        };
+        let what = format!("unknown {used} \"{name}\" (known: {})", known.join(", "));
+        let known = known.iter().map(|&k| k.to_owned()).collect();
         let unknown = Some(UnknownName { name, known });
         Self { text: text.to_owned(), what, position: at + 1, unknown }
     }
@@ -246,25 +264,19 @@ impl Parser<'_> {
     fn name(&mut self) -> Result<Node, Malformed> {
         let start = self.next;
         let name = self.take_while(|c| c.is_alphanumeric() || c == '_');
-        let call = self.peek() == Some('(');
-        if call && let Some(&(known, count)) = FUNCTIONS.iter().find(|f| f.0 == name) {
-            let arguments = self.arguments()?;
-            if arguments.len() == count {
-                return Ok(Node::Call(known, arguments));
-            }
-            self.next = start;
-            return Err(
-                self.malformed(format!("{name} has {} arguments, needs {count}", arguments.len()))
-            );
-        }
-        if !call {
+        if self.peek() != Some('(') {
             let parameter = || Node::Parameter { name: name.clone(), at: start, value: f64::NAN };
             return Ok(constant(&name).unwrap_or_else(parameter));
         }
+        let arguments = self.arguments()?;
+        let Some(&(known, count)) = FUNCTIONS.iter().find(|f| f.0 == name) else {
+            return Ok(Node::Unknown { function: name, at: start });
+        };
+        if arguments.len() == count {
+            return Ok(Node::Call(known, arguments));
+        }
         self.next = start;
-        let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.0).collect();
-        let known = known.join(", ");
-        Err(self.malformed(format!("unknown function \"{name}\" (known: {known})")))
+        Err(self.malformed(format!("{name} has {} arguments, needs {count}", arguments.len())))
     }
 
     fn arguments(&mut self) -> Result<Vec<Node>, Malformed> {

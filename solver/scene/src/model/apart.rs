@@ -27,8 +27,8 @@ impl Scene {
             return Ok(());
         }
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
-        let (facets, free) = ((body.boundary(), &parts[..]), vec![false; 3 * space.node_count()]);
-        let surface = Surface::symmetric(&body.planes, space, facets, Vec::new(), 1, &free);
+        let (facets, free) = (body.boundary(), vec![false; 3 * space.node_count()]);
+        let surface = Surface::symmetric(&body.planes, space, facets, &parts, Vec::new(), 1, &free);
         let rest = surface.rest(space, &body.mesh.vertices);
         if self.certify {
             self.check_crossing(&surface, &rest)?;

@@ -58,9 +58,9 @@ impl Scene {
         }
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
         let split = config.split.unwrap_or(space.degree());
-        let facets = (body.boundary(), &parts[..]);
-        let surface =
-            Arc::new(Surface::symmetric(&body.planes, space, facets, obstacles, split, fixed));
+        let (planes, facets) = (&body.planes, body.boundary());
+        let surface = Surface::symmetric(planes, space, facets, &parts, obstacles, split, fixed);
+        let surface = Arc::new(surface);
         let barrier = self.barrier(config, &surface, space, body);
         let rest = surface.rest(space, &body.mesh.vertices);
         let context = || self.path.display().to_string();

@@ -171,13 +171,13 @@ impl Scene {
             let points = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
                 .with_context(|| part.title())?;
             let middle = middle(set, &points);
-            let gravity = (self.config.gravity.clone(), part.mass);
+            let gravity = self.config.gravity.clone();
             let has_mass = part.mass > 0.0 && self.config.method().has_inertia();
             Ok(RigidEnergies {
                 name: part.on.clone(),
                 stiffness: (set.masters().len() > 1).then(|| Rigid::new(set, &positions, shear)),
                 mass: has_mass.then(|| RigidMass::new(set, part.mass, &points)),
-                load: RigidLoad::new(set, middle, part.force.clone(), gravity),
+                load: RigidLoad::new(set, middle, part.force.clone(), gravity, part.mass),
             })
         };
         self.config.rigid.iter().zip(sets).map(one).collect()

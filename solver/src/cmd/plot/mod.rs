@@ -16,9 +16,9 @@ use crate::report::columns::{number, rows};
 ///
 /// A run is a history.jsonl of optimize or steps.jsonl of simulate, a row per line, a report.json of
 /// simulate, a row per load step, or a file of compare, a row per run. A column is a key, or keys joined by dots:
-/// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star,
-/// as in `mean_displacement.throat*1e3`; `terms.throat + terms.smooth` is a sum. Without --x, rows are counted.
-/// Rows without the number are left out.
+/// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star, a number or an expression
+/// as in `mean_displacement.throat*1e3` and `angle*180/pi`; `terms.throat + terms.smooth` is a sum. Without --x, rows
+/// are counted. Rows without the number are left out.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Runs: one curve each, for every --y
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(short, long)]
     output: PathBuf,
     /// CSV file with a header whose points are laid over; again for each. Its first two columns are x
-    /// and y, or FILE:X,Y names them, with factors as of the columns of runs
+    /// and y, or FILE:X,Y names them, with factors and sums as of the columns of runs
     #[arg(long = "points", value_name = "FILE[:X,Y]")]
     points: Vec<Points>,
     /// Column of the abscissa

@@ -7,11 +7,13 @@ use std::str::FromStr;
 use anyhow::{Context, Result, ensure};
 use csv::StringRecord;
 
+use crate::report::columns::combined;
+
 /// `FILE` or `FILE:X,Y`, as it was given.
 #[derive(Clone, Debug)]
 pub struct Points {
     path: PathBuf,
-    /// Columns of the abscissa and the ordinate, with their factors; the first two without.
+    /// Columns of the abscissa and the ordinate, as [`combined`] reads them; the first two without.
     columns: Option<[String; 2]>,
 }
 
@@ -47,52 +49,31 @@ impl Points {
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
-        let [x, y] = self.found(reader.headers()?)?;
+        let header = reader.headers()?.clone();
+        let known = || header.iter().collect::<Vec<_>>().join(", ");
+        ensure!(header.len() >= 2, "one column ({}): expected x and y, by commas", known());
         let point = |record: csv::Result<StringRecord>| {
             let record = record?;
-            Ok((x.number(&record)?, y.number(&record)?))
+            let Some([x, y]) = &self.columns else {
+                return Ok((number(&record, 0)?, number(&record, 1)?));
+            };
+            let find = |name: &str| {
+                let at = header.iter().position(|one| one == name);
+                let none = || format!("no column {name:?}; there are: {}", known());
+                number(&record, at.with_context(none)?)
+            };
+            Ok((combined(x, &find)?, combined(y, &find)?))
         };
         let points: Vec<_> = reader.records().map(point).collect::<Result<_>>()?;
         ensure!(!points.is_empty(), "no line below the header: there is no point to draw");
         Ok(points)
     }
-
-    fn found(&self, header: &StringRecord) -> Result<[Column; 2]> {
-        let known = || header.iter().collect::<Vec<_>>().join(", ");
-        ensure!(header.len() >= 2, "one column ({}): expected x and y, by commas", known());
-        let Some(names) = &self.columns else {
-            return Ok([0, 1].map(|at| Column { at, factor: 1.0 }));
-        };
-        let column = |text: &String| -> Result<Column> {
-            // a name may have a star itself
-            let exact = header.iter().position(|name| name == text);
-            let (name, factor) = match (exact, text.rsplit_once('*')) {
-                (None, Some((name, factor))) => (name, factor),
-                _ => (text.as_str(), "1"),
-            };
-            let at = header.iter().position(|one| one == name);
-            let at = at.with_context(|| format!("no column {name:?}; there are: {}", known()))?;
-            let factor = factor.parse().with_context(|| format!("the factor of {text:?}"))?;
-            Ok(Column { at, factor })
-        };
-        Ok([column(&names[0])?, column(&names[1])?])
-    }
 }
 
-/// A column of the file.
-struct Column {
-    at: usize,
-    factor: f64,
-}
-
-impl Column {
-    fn number(&self, record: &StringRecord) -> Result<f64> {
-        let text = record.get(self.at).unwrap_or_default();
-        let line = record.position().map_or(0, csv::Position::line);
-        let value: f64 =
-            text.parse().ok().with_context(|| format!("line {line}: {text:?} is not a number"))?;
-        Ok(self.factor * value)
-    }
+fn number(record: &StringRecord, column: usize) -> Result<f64> {
+    let text = record.get(column).unwrap_or_default();
+    let line = record.position().map_or(0, csv::Position::line);
+    text.parse().ok().with_context(|| format!("line {line}: {text:?} is not a number"))
 }
 
 #[cfg(test)]
@@ -111,6 +92,8 @@ mod tests {
         assert_eq!(first, [(1.0, 10.0), (2.0, 20.0)]);
         let named = read("a.csv:pressure [Pa]*1e-3,angle*2", TABLE).expect("sound");
         assert_eq!(named, [(2.0, 10.0), (4.0, 20.0)]);
+        let sum = read("a.csv:force [N],force [N]*1/4 + angle*2", TABLE).expect("sound");
+        assert_eq!(sum, [(1.0, 10.25), (2.0, 20.5)]);
     }
 
     #[test]

@@ -108,7 +108,9 @@ impl Scenario {
     /// When the scene or the body does not have what it needs.
     pub fn new(
         config: &ScenarioConfig,
-        (scene, body, edge): (&Scene, &Body, f64),
+        scene: &Scene,
+        body: &Body,
+        edge: f64,
         objectives: &ObjectiveBuilder,
         design: &DesignConfig,
         level: &LevelConfig,
@@ -201,7 +203,8 @@ impl Scenario {
     pub fn admit(
         &self,
         designed: &[Vec3],
-        (body, moving): (&Body, &[[usize; 3]]),
+        body: &Body,
+        moving: &[[usize; 3]],
     ) -> Result<(), Rejected> {
         let rest = self.rest(designed);
         // where walls are off, all of them move
@@ -405,8 +408,11 @@ impl Scenario {
     /// When the adjoint system has no accurate solution.
     pub fn sweep(
         &mut self,
-        (run, designed, body): (&Run, &[Vec3], &Body),
-        (of, factor): (Option<&str>, f64),
+        run: &Run,
+        designed: &[Vec3],
+        body: &Body,
+        of: Option<&str>,
+        factor: f64,
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
         let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();

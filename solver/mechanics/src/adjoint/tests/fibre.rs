@@ -1,5 +1,6 @@
 //! Gradients of runs of blocks with fibres and threads.
 
+use super::membrane::to_equilibrium;
 use super::*;
 use crate::energy::{Axis, Direction, Fibres, Winding, polyline};
 use crate::material::fibre::Fibre;
@@ -63,16 +64,7 @@ impl Reinforced {
     }
 
     fn run(&self, by: &[f64], rest: &[Vec3]) -> (Problem, Workspace, Trajectory) {
-        let (problem, mut workspace) = self.problem(by);
-        let len = problem.dofs();
-        let start = State::new(vec![0.0; len], vec![0.0; len]);
-        let integrator = Integrator::new(Method::Quasistatic, start);
-        let mut run = Trajectory::begin(&integrator, ON_DISK);
-        let mut stepper = TimeStepper::new(TIGHT, integrator);
-        let outcome = stepper.advance(&problem, &mut workspace, rest, 1.0, |_| ());
-        outcome.expect("an equilibrium");
-        run.push(1.0, stepper.progress.integrator.last().clone());
-        (problem, workspace, run)
+        to_equilibrium(self.problem(by), rest)
     }
 
     fn check(&self) {

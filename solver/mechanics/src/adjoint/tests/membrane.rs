@@ -62,18 +62,7 @@ impl Sheets {
     fn check(&self) {
         let numbers = 1 + LAWS[self.law].sample.len();
         let rest = Self::mesh().vertices;
-        let run = |factors: &[f64], rest: &[Vec3]| {
-            let (problem, mut workspace) = self.problem(factors);
-            let len = problem.dofs();
-            let start = State::new(vec![0.0; len], vec![0.0; len]);
-            let integrator = Integrator::new(Method::Quasistatic, start);
-            let mut run = Trajectory::begin(&integrator, ON_DISK);
-            let mut stepper = TimeStepper::new(TIGHT, integrator);
-            let outcome = stepper.advance(&problem, &mut workspace, rest, 1.0, |_| ());
-            outcome.expect("an equilibrium");
-            run.push(1.0, stepper.progress.integrator.last().clone());
-            (problem, workspace, run)
-        };
+        let run = |factors: &[f64], rest: &[Vec3]| to_equilibrium(self.problem(factors), rest);
         let same = vec![1.0; numbers];
         let (problem, mut workspace, at) = run(&same, &rest);
         let probe = Probe::new(problem.dofs(), false);
@@ -92,6 +81,19 @@ impl Sheets {
             probe.value(&problem, &rest, &run)
         });
     }
+}
+
+/// The run of a body to its equilibrium under full load.
+pub(super) fn to_equilibrium(
+    (problem, mut workspace): (Problem, Workspace),
+    rest: &[Vec3],
+) -> (Problem, Workspace, Trajectory) {
+    let zero = vec![0.0; problem.dofs()];
+    let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
+    let mut stepper = TimeStepper::new(TIGHT, integrator);
+    let run = stepper.run(&problem, &mut workspace, rest, &[1.0], ON_DISK, |_| ());
+    let run = run.expect("an equilibrium");
+    (problem, workspace, run)
 }
 
 #[test]

@@ -59,14 +59,14 @@ impl Topped {
             name: "top".to_owned(),
             stiffness: (part.masters().len() > 1).then(|| Rigid::new(&part, &nodes, SHEAR)),
             mass: inertia.then(|| RigidMass::new(&part, mass, &points)),
-            load: RigidLoad::new(&part, weights, force, (gravity, mass)),
+            load: RigidLoad::new(&part, weights, force, gravity, mass),
         });
         let problem = Problem::new(space, energies, &fixed).with_rigid(&[part]);
         let workspace = Workspace::new(&problem);
         (problem, workspace)
     }
 
-    fn run(&self, (problem, workspace): (&Problem, &mut Workspace), rest: &[Vec3]) -> Trajectory {
+    fn run(&self, problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]) -> Trajectory {
         let zero = vec![0.0; problem.dofs()];
         let integrator = Integrator::new(self.method, State::new(zero.clone(), zero));
         let dt = if self.method.has_inertia() { 2e-3 } else { 1.0 };
@@ -90,7 +90,7 @@ fn a_rigid_top_stays_as_it_is_and_hands_its_load_on() {
         let case = Topped { degree, method: Method::Quasistatic, steps: 1, moves: Moves::Freely };
         let rest = Topped::mesh().vertices;
         let (problem, mut workspace) = case.problem(0.2, [3.0, 1.0, -2.0], 1.0);
-        let run = case.run((&problem, &mut workspace), &rest);
+        let run = case.run(&problem, &mut workspace, &rest);
         let top = case.top(&problem, &rest, &run);
         let (mut moved, mut strain) = (0.0_f64, 0.0_f64);
         for [x, now_x] in &top {
@@ -123,7 +123,7 @@ fn a_top_that_cannot_turn_is_that_of_a_moved_support() {
     let case = Topped { degree: 2, method: Method::Quasistatic, steps: 1, moves: Moves::Straight };
     let rest = Topped::mesh().vertices;
     let (problem, mut workspace) = case.problem(0.0, [1.0, 0.5, 2.0], 1.0);
-    let run = case.run((&problem, &mut workspace), &rest);
+    let run = case.run(&problem, &mut workspace, &rest);
     let [x, now] = case.top(&problem, &rest, &run)[0];
     let motion = now - x;
     let nodes = problem.space.node_positions(&rest);
@@ -135,7 +135,7 @@ fn a_top_that_cannot_turn_is_that_of_a_moved_support() {
     let mut elastic = problem.energies.clone();
     elastic.rigid.clear();
     let held = Problem::new(space, elastic, &fixed).with_displacement(&moved);
-    let other = case.run((&held, &mut Workspace::new(&held)), &rest);
+    let other = case.run(&held, &mut Workspace::new(&held), &rest);
     let (run, other) = (run.last(), other.last());
     let off = run.iter().zip(other.iter()).map(|(a, b)| (a - b).abs());
     assert!(off.fold(0.0, f64::max) < 1e-9 * motion.norm());
@@ -147,7 +147,7 @@ fn a_path_carries_a_rigid_top_along() {
     let case = Topped { degree: 1, method: Method::Quasistatic, steps: 1, moves: Moves::Freely };
     let (problem, mut workspace) = case.problem(0.2, [3.0, 1.0, -2.0], 1.0);
     let rest = Topped::mesh().vertices;
-    let run = case.run((&problem, &mut workspace), &rest);
+    let run = case.run(&problem, &mut workspace, &rest);
     let zero = vec![0.0; problem.dofs()];
     let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
     let mut stepper = TimeStepper::new(TIGHT, integrator);
@@ -198,7 +198,7 @@ fn runs_with_a_rigid_top_have_their_gradients() {
         let run = |factors: &[f64], rest: &[Vec3]| {
             let [mass, x, y, z] = std::array::from_fn(|i| numbers[i] * factors[i]);
             let (problem, mut workspace) = case.problem(mass, [x, y, z], factors[4]);
-            let run = case.run((&problem, &mut workspace), rest);
+            let run = case.run(&problem, &mut workspace, rest);
             (problem, workspace, run)
         };
         let same = [1.0; 5];
@@ -252,7 +252,7 @@ fn a_spinning_rigid_block_keeps_its_momentum_and_energy() {
         name: "block".to_owned(),
         stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
         mass: None,
-        load: RigidLoad::new(&part, vec![0.25; 4], none.clone(), (none, 0.0)),
+        load: RigidLoad::new(&part, vec![0.25; 4], none.clone(), none, 0.0),
     });
     let problem = Problem::new(space, energies, &vec![false; 3 * rest.len()]).with_rigid(&[part]);
     let mut workspace = Workspace::new(&problem);

@@ -4,11 +4,12 @@
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
 use super::Elastic;
-use super::elements::{Batch, Nodal, pieces, points};
 use super::mean::{Mean, add_mean_force, add_rank_one};
+use crate::element::FunctionSpace;
+use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Points};
 use crate::math::lanes::projection::{self, Tangents, smallest_pivots};
@@ -104,141 +105,109 @@ fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, gra
     }
 }
 
-/// The energy of some elements [J].
-pub struct Values<'a, const N: usize> {
-    pub elastic: &'a Elastic,
-    pub iterate: &'a Iterate<'a>,
-    pub elements: Range<usize>,
-}
+impl ElementEnergy for Elastic {
+    const NAME: &'static str = "elastic";
 
-impl<const N: usize> WithSimd for Values<'_, N> {
-    type Output = f64;
+    type Memory<S: Simd, const N: usize> = Vec<[Lanes<S>; 9]>;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (law, split) = self.elastic.parts(self.iterate.space);
-        let mut sum = 0.0;
-        for elements in pieces(self.elements, Lanes::<S>::COUNT) {
-            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
-            let volume = batch.volume.to_array();
-            let mut values = [0.0; MOST];
-            for (q, weight) in points::<N>(self.iterate) {
-                let grad_u = batch.grad_u(&batch.gradients(q));
-                let densities = energy_densities(simd, law, &grad_u);
-                for l in 0..Lanes::<S>::COUNT {
-                    values[l] += weight * volume[l] * densities[l];
-                }
-            }
-            if let Some(split) = split {
-                let of_volume = Mean::new(&batch, split).values;
-                for l in 0..Lanes::<S>::COUNT {
-                    values[l] += volume[l] * of_volume[l];
-                }
-            }
-            // element by element, so that the sum is the same for any number of lanes
-            values.iter().take(elements.len()).for_each(|value| sum += value);
-        }
-        if sum.is_finite() { sum } else { f64::INFINITY }
+    fn range(&self, space: &FunctionSpace) -> Range<usize> {
+        self.elements(space)
     }
-}
-
-/// Writes the gradients of elements, N values each.
-pub struct Gradients<'a, const N: usize> {
-    pub elastic: &'a Elastic,
-    pub iterate: &'a Iterate<'a>,
-    pub elements: Range<usize>,
-    pub out: &'a mut [Vec3],
-}
-
-impl<const N: usize> WithSimd for Gradients<'_, N> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (law, split) = self.elastic.parts(self.iterate.space);
-        let zero = Lanes::splat(simd, 0.0);
-        let out = self.out.chunks_mut(N * Lanes::<S>::COUNT);
-        for (elements, out) in pieces(self.elements, Lanes::<S>::COUNT).zip(out) {
-            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
-            let mean = split.map(|split| Mean::new(&batch, split));
-            let mut forces = [[zero; 3]; N];
-            for (q, weight) in points::<N>(self.iterate) {
-                let g = batch.gradients(q);
-                let grad_u = batch.grad_u(&g);
-                let mut stress = first_piola(simd, law, &grad_u);
-                if let Some(mean) = &mean {
-                    mean.add_stress(&grad_u, &mut stress);
-                }
-                let stress = scaled(&stress, batch.volume * weight);
-                for (force, g) in forces.iter_mut().zip(&g) {
-                    for i in 0..3 {
-                        let along =
-                            stress[i][1].mul_add(g[1], stress[i][2].mul_add(g[2], force[i]));
-                        force[i] = stress[i][0].mul_add(g[0], along);
-                    }
-                }
-            }
-            for (a, force) in forces.iter().enumerate() {
-                for i in 0..3 {
-                    let values = force[i].to_array();
-                    for (element, value) in out.chunks_exact_mut(N).zip(values) {
-                        element[a][i] = value;
-                    }
-                }
+    fn energies<S: Simd, const N: usize>(&self, batch: &Batch<S, N>) -> [f64; MOST] {
+        let (law, split) = self.parts(batch.iterate.space);
+        let volume = batch.volume.to_array();
+        let mut values = [0.0; MOST];
+        for (q, weight) in points::<N>(batch.iterate) {
+            let grad_u = batch.grad_u(&batch.gradients(q));
+            let densities = energy_densities(batch.simd, law, &grad_u);
+            for l in 0..Lanes::<S>::COUNT {
+                values[l] += weight * volume[l] * densities[l];
             }
         }
+        if let Some(split) = split {
+            let of_volume = Mean::new(batch, split).values;
+            for l in 0..Lanes::<S>::COUNT {
+                values[l] += volume[l] * of_volume[l];
+            }
+        }
+        values
     }
-}
-
-/// Writes the lower blocks of the Hessians of elements in the order of [`pair_index`].
-pub struct Hessians<'a, const N: usize> {
-    pub elastic: &'a Elastic,
-    pub iterate: &'a Iterate<'a>,
-    pub kind: Hessian,
-    pub elements: Range<usize>,
-    pub blocks: &'a mut [[f64; 9]],
-}
-
-impl<const N: usize> WithSimd for Hessians<'_, N> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (law, split) = self.elastic.parts(self.iterate.space);
-        let pairs = pair_count(N);
-        let mut local = vec![[Lanes::splat(simd, 0.0); 9]; pairs];
-        let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
-        for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
-            let batch = Batch::<S, N>::new(simd, self.iterate, &elements);
-            local.fill([Lanes::splat(simd, 0.0); 9]);
-            let mean = split.map(|split| Mean::new(&batch, split));
-            let mut by_volume = [[Lanes::splat(simd, 0.0); 3]; N];
-            for (q, weight) in points::<N>(self.iterate) {
-                let g = batch.gradients(q);
-                let grad_u = batch.grad_u(&g);
-                let mut tangents = tangents(simd, law, &grad_u);
-                if let Some(mean) = &mean {
-                    mean.add_tangent(&grad_u, &mut tangents);
-                    add_mean_force(&grad_u, &g, weight, &mut by_volume);
-                }
-                if self.kind == Hessian::Projected {
-                    project(simd, law, &mut tangents, &grad_u);
-                }
-                add_point::<S, N>(&tangents, &g, batch.volume * weight, &mut local);
-            }
+    fn forces<S: Simd, const N: usize>(&self, batch: &Batch<S, N>) -> Nodal<S, N> {
+        let (law, split) = self.parts(batch.iterate.space);
+        let mean = split.map(|split| Mean::new(batch, split));
+        let mut forces = [[batch.splat(0.0); 3]; N];
+        for (q, weight) in points::<N>(batch.iterate) {
+            let g = batch.gradients(q);
+            let grad_u = batch.grad_u(&g);
+            let mut stress = first_piola(batch.simd, law, &grad_u);
             if let Some(mean) = &mean {
-                let stiffness = mean.stiffness(self.kind) * batch.volume;
-                add_rank_one(&by_volume, stiffness, &mut local);
+                mean.add_stress(&grad_u, &mut stress);
             }
-            for (pair, local) in local.iter().enumerate() {
-                for (entry, local) in local.iter().enumerate() {
-                    let values = local.to_array();
-                    for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
-                        element[pair][entry] = value;
-                    }
+            let stress = scaled(&stress, batch.volume * weight);
+            for (force, g) in forces.iter_mut().zip(&g) {
+                for i in 0..3 {
+                    let along = stress[i][1].mul_add(g[1], stress[i][2].mul_add(g[2], force[i]));
+                    force[i] = stress[i][0].mul_add(g[0], along);
                 }
             }
         }
+        forces
+    }
+
+    #[inline(always)]
+    fn write_blocks<S: Simd, const N: usize>(
+        &self,
+        batch: &Batch<S, N>,
+        kind: Hessian,
+        local: &mut Vec<[Lanes<S>; 9]>,
+        out: &mut Blocks,
+    ) {
+        let (simd, zero) = (batch.simd, batch.splat(0.0));
+        let (law, split) = self.parts(batch.iterate.space);
+        local.resize(pair_count(N), [zero; 9]);
+        local.fill([zero; 9]);
+        let mean = split.map(|split| Mean::new(batch, split));
+        let mut by_volume = [[zero; 3]; N];
+        for (q, weight) in points::<N>(batch.iterate) {
+            let g = batch.gradients(q);
+            let grad_u = batch.grad_u(&g);
+            let mut tangents = tangents(simd, law, &grad_u);
+            if let Some(mean) = &mean {
+                mean.add_tangent(&grad_u, &mut tangents);
+                add_mean_force(&grad_u, &g, weight, &mut by_volume);
+            }
+            if kind == Hessian::Projected {
+                project(simd, law, &mut tangents, &grad_u);
+            }
+            add_point::<S, N>(&tangents, &g, batch.volume * weight, local);
+        }
+        if let Some(mean) = &mean {
+            add_rank_one(&by_volume, mean.stiffness(kind) * batch.volume, local);
+        }
+        for (pair, block) in local.iter().enumerate() {
+            out.write(pair, block);
+        }
+    }
+
+    fn mixed_vjp<const N: usize>(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4] {
+        self.element_mixed::<N>(at, lambda, element)
+    }
+
+    fn parameter_count(&self) -> usize {
+        self.material.parameter_count()
+    }
+
+    fn parameters_vjp<const N: usize>(
+        &self,
+        at: &Iterate,
+        lambda: &[f64],
+        elements: Range<usize>,
+    ) -> Vec<f64> {
+        self.element_parameters::<N>(at, lambda, elements)
     }
 }
 
@@ -282,9 +251,9 @@ fn add_point<S: Simd, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::FunctionSpace;
+    use crate::energy::Energy;
+    use crate::energy::elements::tests::check_lanes;
     use crate::material::{MooneyRivlin, Ogden};
-    use crate::math::lanes::{Scalar, widest};
     use crate::math::random::Random;
 
     /// Elements that share no vertex, so strained that some tangents are indefinite, and that the
@@ -305,45 +274,15 @@ mod tests {
     #[test]
     fn bits_are_the_same_for_any_number_of_lanes() {
         let (space, rest, u) = bodies(21);
-        let iterate =
-            Iterate { space: &space, rest: &rest, u: &u, time: 1.0, multipliers: &[], step: None };
+        let iterate = Iterate::new(&space, &rest, &u, 1.0);
         let mooney = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
         let ogden = Ogden { terms: vec![(34e3, 2.9)], bulk: 1e6 };
         let laws: [Box<dyn Material>; 2] = [Box::new(mooney), Box::new(ogden)];
         let standard = laws.map(Elastic::whole);
         let mean = standard.clone().map(|elastic| elastic.with_mean_dilatation().expect("a part"));
         for elastic in standard.into_iter().chain(mean) {
-            let (elastic, iterate) = (&elastic, &iterate);
-            let values = || Values::<10> { elastic, iterate, elements: 0..21 };
-            let one = values().with_simd(Scalar);
-            assert!(one > 0.0 && one.is_finite());
-            assert_eq!(one.to_bits(), widest(values()).to_bits());
-            let gradients = |wide: bool| {
-                let mut out = vec![Vec3::zeros(); 210];
-                let work = Gradients::<10> { elastic, iterate, elements: 0..21, out: &mut out };
-                if wide {
-                    widest(work)
-                } else {
-                    work.with_simd(Scalar)
-                }
-                out
-            };
-            assert_eq!(gradients(false), gradients(true));
-            let hessians = |wide: bool, kind: Hessian| {
-                let mut blocks = vec![[0.0; 9]; 21 * 55];
-                let out = &mut blocks;
-                let work = Hessians::<10> { elastic, iterate, kind, elements: 0..21, blocks: out };
-                if wide {
-                    widest(work)
-                } else {
-                    work.with_simd(Scalar)
-                }
-                blocks
-            };
-            let exact = hessians(false, Hessian::Exact);
-            assert_eq!(exact, hessians(true, Hessian::Exact));
-            let projected = hessians(false, Hessian::Projected);
-            assert_eq!(projected, hessians(true, Hessian::Projected));
+            assert!(elastic.value(&iterate) > 0.0 && elastic.value(&iterate).is_finite());
+            let [exact, projected] = check_lanes(&elastic, &iterate);
             assert!(projected != exact, "no tangent is indefinite");
         }
     }

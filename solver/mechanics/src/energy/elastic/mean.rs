@@ -29,7 +29,7 @@
 
 use pulp::Simd;
 
-use super::elements::{Batch, Nodal, points};
+use crate::energy::elements::{Batch, Nodal, points};
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Split, add_j_hessian, j_minus_1};
 use crate::math::lanes::projection::Tangents;
@@ -158,7 +158,8 @@ pub(super) struct Dilatation<'a> {
 
 impl<'a> ElementLaw<'a> {
     pub(super) fn new(
-        (law, split): (&'a dyn Material, Option<&'a Split>),
+        law: &'a dyn Material,
+        split: Option<&'a Split>,
         at: &Iterate,
         element: usize,
     ) -> Self {

@@ -1,51 +1,18 @@
 //! Mean dilatation: derivatives, and what is known of it.
 
 use super::*;
-use crate::element::FunctionSpace;
+use crate::energy::elements::tests::Case;
+use crate::energy::{Energy, Hessian};
 use crate::material::LAWS;
+use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::math::sparse::Pattern;
-use crate::testing::{check_gradient, cube, flat, points};
+use crate::testing::cube;
 
 /// A cube of a degree with random displacements.
-struct Case {
-    space: FunctionSpace,
-    rest: Vec<Vec3>,
-    u: Vec<f64>,
-}
-
-impl Case {
-    fn new(degree: usize, size: f64) -> Self {
-        let mesh = cube(1, 0.0);
-        let mut random = Random::new(31);
-        let rest: Vec<Vec3> = mesh.vertices.iter().map(|x| x + 0.05 * random.vector()).collect();
-        let space = FunctionSpace::new(degree, rest.len(), mesh.tets);
-        let u = random.numbers(3 * space.node_count()).iter().map(|x| size * x).collect();
-        Self { space, rest, u }
-    }
-
-    fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step: None }
-    }
-
-    fn gradient(&self, elastic: &Elastic, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
-        let mut gradient = vec![0.0; u.len()];
-        elastic.add_gradient(&self.at(u, rest), &mut gradient);
-        gradient
-    }
-
-    /// The Hessian times a vector.
-    fn product(&self, elastic: &Elastic, kind: Hessian, by: &[f64]) -> Vec<f64> {
-        let n = self.space.nodes_per_element();
-        let pattern = Pattern::new(self.space.node_count(), self.space.element_nodes(), n, &[]);
-        let mut hessian = BlockMatrix::zeros(&pattern);
-        elastic.add_hessian(&self.at(&self.u, &self.rest), kind, &mut hessian);
-        hessian.multiply(by)
-    }
-
-    fn weights(&self) -> Vec<f64> {
-        Random::new(33).numbers(self.u.len())
-    }
+fn case(degree: usize, size: f64) -> Case {
+    let (mut mesh, mut random) = (cube(1, 0.0), Random::new(31));
+    mesh.vertices.iter_mut().for_each(|x| *x += 0.05 * random.vector());
+    Case::new(mesh, degree, &mut random, size)
 }
 
 /// The laws with a term of the change of volume alone: their elements as a whole, with their parameters.
@@ -54,10 +21,6 @@ fn laws() -> impl Iterator<Item = (&'static str, Elastic, &'static [f64])> {
         let mean = Elastic::whole((law.build)(law.sample)).with_mean_dilatation()?;
         Some((law.key, mean, law.sample))
     })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[test]
@@ -78,25 +41,14 @@ fn laws_without_a_term_of_the_volume_alone_have_no_mean_dilatation() {
 #[test]
 fn derivatives_pass_the_taylor_test() {
     for degree in [2, 3] {
-        let case = Case::new(degree, 0.03);
-        let (u, rest, weights) = (&case.u, &case.rest, case.weights());
-        for (_, elastic, _) in laws() {
-            let gradient = case.gradient(&elastic, u, rest);
-            check_gradient(u, &gradient, 1e-3, |u| elastic.value(&case.at(u, rest)));
-            let product = case.product(&elastic, Hessian::Exact, &weights);
-            let weighed =
-                |u: &[f64], rest: &[Vec3]| dot(&weights, &case.gradient(&elastic, u, rest));
-            check_gradient(u, &product, 1e-3, |u| weighed(u, rest));
-            let mut mixed = vec![0.0; 3 * rest.len()];
-            elastic.add_mixed_vjp(&case.at(u, rest), &weights, &mut mixed);
-            check_gradient(&flat(rest), &mixed, 1e-3, |x| weighed(u, &points(x)));
-        }
+        let case = case(degree, 0.03);
+        laws().for_each(|(_, elastic, _)| case.check_derivatives(&elastic, 1e-3));
     }
 }
 
 #[test]
 fn parameters_have_their_derivatives() {
-    let case = Case::new(2, 0.03);
+    let case = case(2, 0.03);
     let (u, rest, weights) = (&case.u, &case.rest, case.weights());
     for (key, elastic, sample) in laws() {
         let by = elastic.parameter_vjp(&case.at(u, rest), &weights);
@@ -120,7 +72,7 @@ fn parameters_have_their_derivatives() {
 fn a_homogeneous_deformation_is_that_of_the_standard_element() {
     let gradient = Mat3::new(0.2, 0.1, -0.05, 0.0, -0.1, 0.15, 0.1, 0.05, 0.3);
     for degree in [2, 3] {
-        let case = Case::new(degree, 0.0);
+        let case = case(degree, 0.0);
         let nodes = case.space.node_positions(&case.rest);
         let u: Vec<f64> = nodes.iter().flat_map(|x| (gradient * x).data.0[0]).collect();
         for (key, mean, _) in laws() {
@@ -139,7 +91,7 @@ fn a_homogeneous_deformation_is_that_of_the_standard_element() {
 /// Both elements are the same for degree 1, to the last bit.
 #[test]
 fn linear_elements_do_not_change() {
-    let case = Case::new(1, 0.03);
+    let case = case(1, 0.03);
     for (key, mean, _) in laws() {
         let standard = Elastic { mean: None, ..mean.clone() };
         let force = |elastic: &Elastic| case.gradient(elastic, &case.u, &case.rest);
@@ -150,22 +102,11 @@ fn linear_elements_do_not_change() {
 #[test]
 fn projected_hessians_are_positive_semidefinite() {
     // so strained that the exact Hessian is not
-    let case = Case::new(2, 0.08);
+    let case = case(2, 0.08);
     let mut indefinite = 0;
     for (key, elastic, _) in laws() {
-        let smallest = |kind: Hessian| {
-            let n = case.u.len();
-            let columns = (0..n).map(|i| {
-                let mut unit = vec![0.0; n];
-                unit[i] = 1.0;
-                nalgebra::DVector::from_vec(case.product(&elastic, kind, &unit))
-            });
-            let dense = nalgebra::DMatrix::from_columns(&columns.collect::<Vec<_>>());
-            let eigenvalues = dense.symmetric_eigenvalues();
-            eigenvalues.min() / eigenvalues.amax()
-        };
-        indefinite += usize::from(smallest(Hessian::Exact) < -1e-6);
-        let projected = smallest(Hessian::Projected);
+        indefinite += usize::from(case.smallest(&elastic, Hessian::Exact) < -1e-6);
+        let projected = case.smallest(&elastic, Hessian::Projected);
         assert!(projected > -1e-12, "{key}: {projected}");
     }
     assert!(indefinite > 2, "{indefinite} exact Hessians were indefinite");
@@ -174,7 +115,7 @@ fn projected_hessians_are_positive_semidefinite() {
 /// Fields of results: of a law in an element, the forces of the energy.
 #[test]
 fn stresses_at_points_are_those_of_the_forces() {
-    let case = Case::new(2, 0.03);
+    let case = case(2, 0.03);
     let at = case.at(&case.u, &case.rest);
     for (key, elastic, _) in laws() {
         let (mut energy, mut power) = (0.0, 0.0);

@@ -4,14 +4,15 @@
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-use super::{Direction, Fibres};
-use crate::energy::elastic::elements::{Batch, Nodal, pieces, points};
+use super::{Direction, Fibres, PARAMETERS};
+use crate::element::FunctionSpace;
+use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
 use crate::energy::{Hessian, Iterate};
 use crate::math::lanes::tensor::{Tensor, plus_identity, scaled};
 use crate::math::lanes::{Lanes, MOST};
-use crate::math::sparse::{pair_count, pair_index};
+use crate::math::sparse::pair_index;
 use mesh::Vec3;
 
 /// A vector in each lane.
@@ -44,12 +45,12 @@ fn apply<S: Simd>(a: &Tensor<S>, v: &Vector<S>) -> Vector<S> {
 
 /// a₀ at barycentric coordinates in each of some elements.
 #[inline(always)]
-fn directions<S: Simd>(
-    simd: S,
+fn directions<S: Simd, const N: usize>(
+    batch: &Batch<S, N>,
     direction: &Direction,
-    (iterate, elements): (&Iterate, &Range<usize>),
     lambda: &[f64],
 ) -> Vector<S> {
+    let Batch { iterate, elements, .. } = batch;
     let mut values = [[0.0; MOST]; 3];
     for lane in 0..Lanes::<S>::COUNT {
         let e = (elements.start + lane).min(elements.end - 1);
@@ -59,7 +60,7 @@ fn directions<S: Simd>(
             values[i][lane] = along[i];
         }
     }
-    values.map(|value| Lanes::load(simd, &value))
+    values.map(|value| Lanes::load(batch.simd, &value))
 }
 
 impl<S: Simd> Points<S> {
@@ -104,160 +105,120 @@ impl<S: Simd> Points<S> {
     }
 }
 
-/// The energy of some elements [J].
-pub struct Values<'a, const N: usize> {
-    pub fibres: &'a Fibres,
-    pub iterate: &'a Iterate<'a>,
-    pub elements: Range<usize>,
-}
-
-/// What is evaluated of consecutive elements: each quadrature point with its share of the volume.
-struct Evaluation<'a, S: Simd, const N: usize> {
-    batch: Batch<'a, S, N>,
-    fibres: &'a Fibres,
-    elements: Range<usize>,
-}
-
-impl<'a, S: Simd, const N: usize> Evaluation<'a, S, N> {
+impl Fibres {
+    /// The points of elements, and fractions of the volume: one where all is constant.
     #[inline(always)]
-    fn new(simd: S, fibres: &'a Fibres, iterate: &'a Iterate<'a>, elements: Range<usize>) -> Self {
-        Self { batch: Batch::new(simd, iterate, &elements), fibres, elements }
-    }
-
-    /// The points of the elements, and fractions of the volume: one where all is constant.
-    #[inline(always)]
-    fn points(&self) -> impl Iterator<Item = (usize, f64)> + use<'a, S, N> {
-        let weights = &self.batch.iterate.space.volume_table().weights;
-        let constant = N == 4 && self.fibres.direction.is_constant();
+    fn points<'a, const N: usize>(
+        &self,
+        iterate: &'a Iterate<'a>,
+    ) -> impl Iterator<Item = (usize, f64)> + use<'a, N> {
+        let weights = &iterate.space.volume_table().weights;
+        let constant = N == 4 && self.direction.is_constant();
         let all = weights.iter().copied().enumerate().filter(move |_| !constant);
-        points::<N>(self.batch.iterate).filter(move |_| constant).chain(all)
+        points::<N>(iterate).filter(move |_| constant).chain(all)
     }
 
     /// A point, with the gradients of the basis and ψ with its derivatives.
     #[inline(always)]
-    fn at(&self, q: usize) -> (Points<S>, Nodal<S, N>, Responses<S>) {
-        let (simd, iterate) = (self.batch.simd, self.batch.iterate);
-        let g = self.batch.gradients(q);
-        let lambda = &iterate.space.volume_table().points[q];
-        let elements = (iterate, &self.elements);
-        let along = directions(simd, &self.fibres.direction, elements, lambda);
-        let points = Points::new(self.fibres, &self.batch.grad_u(&g), along);
-        let responses = points.responses(simd, self.fibres);
+    fn at<S: Simd, const N: usize>(
+        &self,
+        batch: &Batch<S, N>,
+        q: usize,
+    ) -> (Points<S>, Nodal<S, N>, Responses<S>) {
+        let g = batch.gradients(q);
+        let lambda = &batch.iterate.space.volume_table().points[q];
+        let points =
+            Points::new(self, &batch.grad_u(&g), directions(batch, &self.direction, lambda));
+        let responses = points.responses(batch.simd, self);
         (points, g, responses)
     }
 }
 
-impl<const N: usize> WithSimd for Values<'_, N> {
-    type Output = f64;
+impl ElementEnergy for Fibres {
+    const NAME: &'static str = "fibre";
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let mut sum = 0.0;
-        for elements in pieces(self.elements, Lanes::<S>::COUNT) {
-            let count = elements.len();
-            let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
-            let volume = own.batch.volume.to_array();
-            let mut values = [0.0; MOST];
-            for (q, weight) in own.points() {
-                let densities = own.at(q).2[0].to_array();
-                for l in 0..Lanes::<S>::COUNT {
-                    values[l] += weight * volume[l] * densities[l];
-                }
-            }
-            // element by element, so that the sum is the same for any number of lanes
-            values.iter().take(count).for_each(|value| sum += value);
-        }
-        sum
+    type Memory<S: Simd, const N: usize> = Vec<Factors<S, N>>;
+
+    fn range(&self, _: &FunctionSpace) -> Range<usize> {
+        self.elements()
     }
-}
-
-/// Writes the gradients of elements, N values each.
-pub struct Gradients<'a, const N: usize> {
-    pub fibres: &'a Fibres,
-    pub iterate: &'a Iterate<'a>,
-    pub elements: Range<usize>,
-    pub out: &'a mut [Vec3],
-}
-
-impl<const N: usize> WithSimd for Gradients<'_, N> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let zero = Lanes::splat(simd, 0.0);
-        let out = self.out.chunks_mut(N * Lanes::<S>::COUNT);
-        for (elements, out) in pieces(self.elements, Lanes::<S>::COUNT).zip(out) {
-            let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
-            let mut forces = [[zero; 3]; N];
-            for (q, weight) in own.points() {
-                let (points, g, [_, slope, _]) = own.at(q);
-                let by_strain = scaled(&points.f, slope * own.batch.volume * (2.0 * weight));
-                for (force, g) in forces.iter_mut().zip(&g) {
-                    let pulled = apply(&by_strain, &points.structured(g));
-                    for i in 0..3 {
-                        force[i] += pulled[i];
-                    }
-                }
+    fn energies<S: Simd, const N: usize>(&self, batch: &Batch<S, N>) -> [f64; MOST] {
+        let volume = batch.volume.to_array();
+        let mut values = [0.0; MOST];
+        for (q, weight) in self.points::<N>(batch.iterate) {
+            let densities = self.at(batch, q).2[0].to_array();
+            for l in 0..Lanes::<S>::COUNT {
+                values[l] += weight * volume[l] * densities[l];
             }
-            for (a, force) in forces.iter().enumerate() {
+        }
+        values
+    }
+
+    #[inline(always)]
+    fn forces<S: Simd, const N: usize>(&self, batch: &Batch<S, N>) -> Nodal<S, N> {
+        let mut forces = [[batch.splat(0.0); 3]; N];
+        for (q, weight) in self.points::<N>(batch.iterate) {
+            let (points, g, [_, slope, _]) = self.at(batch, q);
+            let by_strain = scaled(&points.f, slope * batch.volume * (2.0 * weight));
+            for (force, g) in forces.iter_mut().zip(&g) {
+                let pulled = apply(&by_strain, &points.structured(g));
                 for i in 0..3 {
-                    let values = force[i].to_array();
-                    for (element, value) in out.chunks_exact_mut(N).zip(values) {
-                        element[a][i] = value;
-                    }
+                    force[i] += pulled[i];
                 }
+            }
+        }
+        forces
+    }
+
+    #[inline(always)]
+    fn write_blocks<S: Simd, const N: usize>(
+        &self,
+        batch: &Batch<S, N>,
+        kind: Hessian,
+        factors: &mut Vec<Factors<S, N>>,
+        out: &mut Blocks,
+    ) {
+        let zero = batch.splat(0.0);
+        factors.clear();
+        for (q, weight) in self.points::<N>(batch.iterate) {
+            let (points, g, [_, slope, curvature]) = self.at(batch, q);
+            let slope = match kind {
+                Hessian::Exact => slope,
+                Hessian::Projected => slope.if_positive(slope, zero),
+            };
+            let weight = batch.volume * weight;
+            factors.push(Factors::new(&points, &g, [weight * slope, weight * curvature]));
+        }
+        for a in 0..N {
+            for b in 0..=a {
+                out.write(pair_index(a, b), &block(factors, a, b, zero));
             }
         }
     }
-}
 
-/// Writes the lower blocks of the Hessians of elements in the order of [`pair_index`].
-pub struct Hessians<'a, const N: usize> {
-    pub fibres: &'a Fibres,
-    pub iterate: &'a Iterate<'a>,
-    pub kind: Hessian,
-    pub elements: Range<usize>,
-    pub blocks: &'a mut [[f64; 9]],
-}
+    fn mixed_vjp<const N: usize>(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4] {
+        self.element_mixed(at, lambda, element)
+    }
 
-impl<const N: usize> WithSimd for Hessians<'_, N> {
-    type Output = ();
+    fn parameter_count(&self) -> usize {
+        PARAMETERS
+    }
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (pairs, zero) = (pair_count(N), Lanes::splat(simd, 0.0));
-        let mut factors: Vec<Factors<S, N>> = Vec::new();
-        let blocks = self.blocks.chunks_mut(pairs * Lanes::<S>::COUNT);
-        for (elements, blocks) in pieces(self.elements, Lanes::<S>::COUNT).zip(blocks) {
-            let own = Evaluation::<S, N>::new(simd, self.fibres, self.iterate, elements);
-            factors.clear();
-            for (q, weight) in own.points() {
-                let (points, g, [_, slope, curvature]) = own.at(q);
-                let slope = match self.kind {
-                    Hessian::Exact => slope,
-                    Hessian::Projected => slope.if_positive(slope, zero),
-                };
-                let weight = own.batch.volume * weight;
-                factors.push(Factors::new(&points, &g, [weight * slope, weight * curvature]));
-            }
-            for a in 0..N {
-                for b in 0..=a {
-                    let pair = pair_index(a, b);
-                    for (entry, value) in block(&factors, a, b, zero).iter().enumerate() {
-                        let values = value.to_array();
-                        for (element, value) in blocks.chunks_exact_mut(pairs).zip(values) {
-                            element[pair][entry] = value;
-                        }
-                    }
-                }
-            }
-        }
+    fn parameters_vjp<const N: usize>(
+        &self,
+        at: &Iterate,
+        lambda: &[f64],
+        elements: Range<usize>,
+    ) -> Vec<f64> {
+        elements.flat_map(|e| self.element_parameters(at, lambda, e)).collect()
     }
 }
 
 /// What the blocks of a quadrature point are made of. All points are kept, so that each block is summed
 /// in registers and written once: else memory would take most of the time.
-struct Factors<S: Simd, const N: usize> {
+pub struct Factors<S: Simd, const N: usize> {
     /// 2 √(w ψ″) F H ∇φ_a.
     strains: Nodal<S, N>,
     /// ∇φ_a.

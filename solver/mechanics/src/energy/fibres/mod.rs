@@ -25,17 +25,12 @@ use std::ops::Range;
 
 use mesh::Vec3;
 
-use super::elastic::{Element, corner_gradients, with_nodes};
-use super::{Energy, Hessian, Iterate};
-use crate::element::{add_at, at};
+use super::Iterate;
+use super::elements::{Element, corner_gradients};
+use crate::element::at;
 use crate::material::Kinematics;
 use crate::material::fibre::{Fibre, Response};
-use crate::math::lanes::widest;
-use crate::math::pool::Pool;
-use crate::math::sparse::{BlockMatrix, pair_count};
 use crate::math::tensor::Mat3;
-use crate::parallel::{fill, map_merge, map_merge_waves};
-use batch::{Gradients, Hessians, Values};
 
 pub use direction::{Axis, Direction};
 
@@ -261,100 +256,5 @@ impl Fibres {
             }
         });
         out
-    }
-}
-
-impl Fibres {
-    fn shifted(&self, range: &Range<usize>) -> Range<usize> {
-        self.elements.start + range.start..self.elements.start + range.end
-    }
-
-    fn total<const N: usize>(&self, iterate: &Iterate) -> f64 {
-        let mut sum = 0.0;
-        map_merge(
-            self.elements.len(),
-            |r| widest(Values::<N> { fibres: self, iterate, elements: self.shifted(&r) }),
-            |_, part| sum += part,
-        );
-        if sum.is_finite() { sum } else { f64::INFINITY }
-    }
-
-    fn merge_gradients<const N: usize>(&self, iterate: &Iterate, out: &mut [f64]) {
-        let forces = fill(self.elements.len(), N, Vec3::zeros(), |r, out| {
-            let elements = self.shifted(&r);
-            widest(Gradients::<N> { fibres: self, iterate, elements, out });
-        });
-        let places = N * self.elements.start..N * self.elements.end;
-        iterate.space.incidence().add(places, &forces, out);
-    }
-
-    fn merge_hessians<const N: usize>(
-        &self,
-        iterate: &Iterate,
-        kind: Hessian,
-        out: &mut BlockMatrix,
-    ) {
-        let memory = Pool::default();
-        map_merge_waves(
-            self.elements.len(),
-            |r| {
-                let elements = self.shifted(&r);
-                let mut blocks = memory.overwritable(pair_count(N) * elements.len(), [0.0; 9]);
-                let out = &mut blocks;
-                widest(Hessians::<N> { fibres: self, iterate, kind, elements, blocks: out });
-                blocks
-            },
-            |r, parts| {
-                let blocks: Vec<&[[f64; 9]]> = parts.iter().map(|part| &part[..]).collect();
-                out.add_elements(self.shifted(&r), &blocks);
-                parts.into_iter().for_each(|part| memory.give(part));
-            },
-        );
-    }
-}
-
-impl Energy for Fibres {
-    fn name(&self) -> &'static str {
-        "fibre"
-    }
-
-    fn value(&self, iterate: &Iterate) -> f64 {
-        with_nodes!(iterate.space, self.total(iterate))
-    }
-
-    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
-        with_nodes!(iterate.space, self.merge_gradients(iterate, out));
-    }
-
-    fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        with_nodes!(iterate.space, self.merge_hessians(iterate, kind, out));
-    }
-
-    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        map_merge(
-            self.elements.len(),
-            |r| -> Vec<[Vec3; 4]> {
-                self.shifted(&r).map(|e| self.element_mixed(iterate, lambda, e)).collect()
-            },
-            |r, parts| {
-                for (e, part) in self.shifted(&r).zip(parts) {
-                    let vertices = iterate.space.tets()[e].iter().zip(&part);
-                    vertices.for_each(|(&v, part)| add_at(out, v, part));
-                }
-            },
-        );
-    }
-
-    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; PARAMETERS];
-        let mut add = |part: &[f64]| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
-        map_merge(
-            self.elements.len(),
-            |r| -> Vec<[f64; PARAMETERS]> {
-                self.shifted(&r).map(|e| self.element_parameters(iterate, lambda, e)).collect()
-            },
-            |_, parts| parts.iter().for_each(|part| add(part)),
-        );
-        sum
     }
 }

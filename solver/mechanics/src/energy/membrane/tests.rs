@@ -70,7 +70,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step: None }
+        Iterate::new(&self.space, rest, u, 1.0)
     }
 
     fn here(&self) -> Iterate<'_> {
@@ -251,14 +251,7 @@ fn a_homogeneous_deformation_has_the_energy_of_the_formula() {
                 .flat_map(|x| <[f64; 3]>::from(to * x - x))
                 .collect();
             let membrane = Membrane::new(&space, &facets, 2e-3, law);
-            let at = Iterate {
-                space: &space,
-                rest: &mesh.vertices,
-                u: &u,
-                time: 1.0,
-                multipliers: &[],
-                step: None,
-            };
+            let at = Iterate::new(&space, &mesh.vertices, &u, 1.0);
             let e = Strain::new(0.5 * (1.3 * 1.3 - 1.0), 0.5 * (1.1 * 1.1 - 1.0), 0.0);
             // two squares of 1 m²
             let exact = 2.0 * 2e-3 * membrane.sheet.energy_density(&e);

@@ -279,7 +279,8 @@ impl RigidLoad {
         part: &RigidSet,
         weights: Vec<f64>,
         force: Field,
-        (gravity, mass): (Field, f64),
+        gravity: Field,
+        mass: f64,
     ) -> Self {
         Self { force, gravity, mass, masters: part.masters().to_vec(), weights }
     }

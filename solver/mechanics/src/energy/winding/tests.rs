@@ -36,7 +36,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step: None }
+        Iterate::new(&self.space, rest, u, 1.0)
     }
 
     fn gradient(&self, thread: &Winding, u: &[f64], rest: &[Vec3]) -> Vec<f64> {

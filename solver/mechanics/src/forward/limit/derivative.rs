@@ -94,8 +94,8 @@ impl Limit {
         let mut lower = by_pressures;
         lower.push(0.0);
         let factor = workspace.linear().last().ok_or(Failure::Singular)?;
-        let around = (columns.clone(), columns);
-        let found = pin.solve(factor, around, DMatrix::zeros(count, count), (&by_u, lower));
+        let corner = DMatrix::zeros(count, count);
+        let found = pin.solve(factor, columns.clone(), columns, corner, &by_u, lower);
         let (a, b) = found.ok_or(Failure::Singular)?;
         let c = by_load - dot(&a, &rate.force) + dot(&b[..count - 1], &rate.gaps);
         let mut of_path = self.covector(0.0, 0.0);

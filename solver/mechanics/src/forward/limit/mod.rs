@@ -112,7 +112,7 @@ impl Limit {
         let mut mode = first_mode(problem, workspace, &state.iterate(problem))?;
         let pinned = largest_entry(&mode)?;
         let held = Sought { mode: &mode, kind, pin: &Pin { unknown: pinned, stiffness: 0.0 } };
-        state = back_to_path(problem, workspace, state, (&held, newton))?;
+        state = back_to_path(problem, workspace, state, &held, newton)?;
         let (mut history, mut changed, mut peak) = (Vec::new(), f64::INFINITY, 0.0_f64);
         for iterations in 0..=ITERATIONS {
             let at = state.iterate(problem);
@@ -124,7 +124,7 @@ impl Limit {
                 return Err(Failure::Inadmissible);
             }
             let pin = factor_pinned(problem, workspace, &at, pinned)?;
-            let null = null_vector(problem, workspace, &now.constraints, (&mode, &pin))?;
+            let null = null_vector(problem, workspace, &now.constraints, &mode, &pin)?;
             log::debug!("limit {iterations}  |g| {residual:.2e} N  {:.2e} N/m", null.stiffness);
             history.push(Left { residual, stiffness: null.stiffness, load: state.time });
             let settled = changed <= SETTLED * state.time.abs()
@@ -133,15 +133,16 @@ impl Limit {
             if settled {
                 let others = others(problem, workspace, &now.constraints);
                 let rate = LoadRate::of(problem, workspace, &at);
-                return Ok(Self::at(problem, state, (&now, null), (&rate, kind, history, others)));
+                let found = Self::at(problem, state, &now, null, &rate, kind, history);
+                return Ok(Self { others, ..found });
             }
             if iterations == ITERATIONS {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
             let sought = Sought { mode: &mode, kind, pin: &pin };
             let before = state.time;
-            state = sought.step(problem, workspace, &state, (&now, Some(&null)))?;
-            state = back_to_path(problem, workspace, state, (&sought, newton))?;
+            state = sought.step(problem, workspace, &state, &now, Some(&null))?;
+            state = back_to_path(problem, workspace, state, &sought, newton)?;
             changed = (state.time - before).abs();
             let length = norm(&null.v);
             mode = null.v.iter().map(|v| v / length).collect();
@@ -152,8 +153,11 @@ impl Limit {
     fn at(
         problem: &Problem,
         state: Configuration,
-        (now, null): (&Residual, Null),
-        (rate, kind, history, others): (&LoadRate, Kind, Vec<Left>, usize),
+        now: &Residual,
+        null: Null,
+        rate: &LoadRate,
+        kind: Kind,
+        history: Vec<Left>,
     ) -> Self {
         let mut mode_pressures = vec![0.0; state.multipliers.len()];
         for (constraint, pressure) in now.constraints.iter().zip(&null.pressures) {
@@ -161,7 +165,7 @@ impl Limit {
         }
         let (mode, by_load) = (problem.prolong(&null.v), null.along(rate));
         let Configuration { time: load, u, multipliers, .. } = state;
-        Self { load, u, multipliers, mode, mode_pressures, by_load, kind, others, history }
+        Self { load, u, multipliers, mode, mode_pressures, by_load, kind, others: 0, history }
     }
 }
 
@@ -177,9 +181,11 @@ impl Pin {
     fn solve(
         &self,
         factor: &Factorization,
-        (mut columns, mut rows): (Vec<Vec<f64>>, Vec<Vec<f64>>),
+        mut columns: Vec<Vec<f64>>,
+        mut rows: Vec<Vec<f64>>,
         corner: DMatrix<f64>,
-        (upper, mut lower): (&[f64], Vec<f64>),
+        upper: &[f64],
+        mut lower: Vec<f64>,
     ) -> Option<(Vec<f64>, Vec<f64>)> {
         let unit = |value: f64| {
             let mut unit = vec![0.0; upper.len()];
@@ -252,7 +258,8 @@ fn null_vector(
     problem: &Problem,
     workspace: &Workspace,
     constraints: &[Constraint],
-    (mode, pin): (&[f64], &Pin),
+    mode: &[f64],
+    pin: &Pin,
 ) -> Result<Null, Failure> {
     let factor = workspace.linear().last().ok_or(Failure::Singular)?;
     let mut columns = across(problem, constraints);
@@ -261,8 +268,8 @@ fn null_vector(
     let mut one = vec![0.0; count];
     one[count - 1] = 1.0;
     let zero = vec![0.0; mode.len()];
-    let around = (columns.clone(), columns);
-    let found = pin.solve(factor, around, DMatrix::zeros(count, count), (&zero, one));
+    let corner = DMatrix::zeros(count, count);
+    let found = pin.solve(factor, columns.clone(), columns, corner, &zero, one);
     let (v, mut pressures) = found.ok_or(Failure::Singular)?;
     let g = pressures.pop().ok_or(Failure::Singular)?;
     Ok(Null { v, pressures, stiffness: -g })
@@ -345,7 +352,8 @@ impl Sought<'_> {
         problem: &Problem,
         workspace: &mut Workspace,
         state: &Configuration<'a>,
-        (now, null): (&Residual, Option<&Null>),
+        now: &Residual,
+        null: Option<&Null>,
     ) -> Result<Configuration<'a>, Failure> {
         let rate = LoadRate::of(problem, workspace, &state.iterate(problem));
         let volumes = now.constraints.len();
@@ -384,7 +392,7 @@ impl Sought<'_> {
         }
         let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
         let factor = workspace.linear().last().ok_or(Failure::Singular)?;
-        let found = self.pin.solve(factor, (columns, rows), corner, (&upper, lower));
+        let found = self.pin.solve(factor, columns, rows, corner, &upper, lower);
         let (du, rest) = found.ok_or(Failure::Singular)?;
         let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
         Ok(step.cut(problem, workspace, state))
@@ -397,7 +405,8 @@ fn back_to_path<'a>(
     problem: &Problem,
     workspace: &mut Workspace,
     mut state: Configuration<'a>,
-    (sought, newton): (&Sought, &Newton),
+    sought: &Sought,
+    newton: &Newton,
 ) -> Result<Configuration<'a>, Failure> {
     for _ in 0..CORRECTIONS {
         let at = state.iterate(problem);
@@ -409,7 +418,7 @@ fn back_to_path<'a>(
         }
         let pin = factor_pinned(problem, workspace, &at, sought.pin.unknown)?;
         let again = Sought { pin: &pin, ..*sought };
-        state = again.step(problem, workspace, &state, (&now, None))?;
+        state = again.step(problem, workspace, &state, &now, None)?;
     }
     Ok(state)
 }

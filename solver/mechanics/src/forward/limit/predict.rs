@@ -36,6 +36,6 @@ impl Limit {
         for (constraint, gap) in change.constraints.iter_mut().zip(gaps) {
             constraint.volume = constraint.wanted + gap;
         }
-        Sought { mode: &mode, kind, pin: &pin }.step(problem, workspace, limit, (&change, None))
+        Sought { mode: &mode, kind, pin: &pin }.step(problem, workspace, limit, &change, None)
     }
 }

@@ -195,7 +195,7 @@ impl ArcFollower {
             Err(missed) => return Err(failed(missed.failure(), state.u, residuals)),
         };
         let longest = self.path.largest / self.path.first * from.progress.first;
-        match from.finish(workspace, state, balanced, (length, longest)) {
+        match from.finish(workspace, state, balanced, length, longest) {
             Ok(found) => Ok(found),
             Err((failure, u)) => Err(failed(failure, u, residuals)),
         }
@@ -286,7 +286,8 @@ impl<'a> From<'a> {
         workspace: &mut Workspace,
         state: Configuration,
         balanced: Balanced,
-        (length, longest): (f64, f64),
+        length: f64,
+        longest: f64,
     ) -> Result<Found, (Failure, Vec<f64>)> {
         let problem = self.problem;
         let at = state.iterate(problem);
@@ -305,7 +306,7 @@ impl<'a> From<'a> {
             return Err((Failure::Strayed { degrees }, state.u));
         }
         let negative = stability.negative;
-        let point = self.point(stability, &direction, (moved, state.time));
+        let point = self.point(stability, &direction, moved, state.time);
         let eased = (AIM / balanced.iterations.max(1) as f64).sqrt().clamp(0.5, GROWTH);
         let grown = if cosine < NEARLY_STRAIGHT { eased.min(1.0) } else { eased };
         let turning = direction.plus(&self.progress.direction.scaled(-1.0)).scaled(1.0 / moved);
@@ -361,7 +362,8 @@ impl<'a> From<'a> {
         &self,
         stability: Stability,
         direction: &Direction,
-        (moved, load): (f64, f64),
+        moved: f64,
+        load: f64,
     ) -> ArcPoint {
         let ArcProgress { negative: before, arc, rest_stiffness, direction: last, .. } =
             self.progress;

@@ -27,7 +27,7 @@ fn stepper(problem: &Problem) -> TimeStepper {
 
 /// The states of a path, at most `most`.
 fn follow(problem: &Problem, rest: &[Vec3], path: ArcLength, most: usize) -> Vec<LoadStep> {
-    follow_to(problem, rest, path, (most, false))
+    follow_to(problem, rest, path, most, false)
 }
 
 /// The same, or up to the first singular point.
@@ -35,7 +35,8 @@ fn follow_to(
     problem: &Problem,
     rest: &[Vec3],
     path: ArcLength,
-    (most, at_first): (usize, bool),
+    most: usize,
+    at_first: bool,
 ) -> Vec<LoadStep> {
     let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
     let mut follower = ArcFollower::new(path);
@@ -276,7 +277,7 @@ fn the_direct_method_converges_quadratically_from_afar() {
     let rise: f64 = 1.5;
     let (problem, rest, _) = arch(rise, 0.15);
     let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
-    let steps = follow_to(&problem, &rest, path, (40, true));
+    let steps = follow_to(&problem, &rest, path, 40, true);
     let start = configuration(&rest, steps.last().expect("states"));
     let mut workspace = Workspace::new(&problem);
     let limit = Limit::near(&problem, &mut workspace, &start, Kind::LimitPoint, &NEWTON);

@@ -22,6 +22,8 @@ pub(in crate::energy) struct Batch<'a, S: Simd, const N: usize> {
     to_rest: Tensor<S>,
     /// Rest volume [m³].
     pub(in crate::energy) volume: Lanes<S>,
+    /// The elements, of which there may be fewer than lanes.
+    pub(in crate::energy) elements: Range<usize>,
     /// Displacements of the nodes [m].
     u: Nodal<S, N>,
 }
@@ -32,7 +34,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
     pub(in crate::energy) fn new(
         simd: S,
         iterate: &'a Iterate<'a>,
-        elements: &Range<usize>,
+        elements: Range<usize>,
     ) -> Self {
         let mut indices = [elements.end - 1; MOST];
         for (index, e) in indices.iter_mut().zip(elements.clone()) {
@@ -69,7 +71,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
         let minors = cofactor(&edges);
         let det = determinant(&edges, &minors);
         let to_rest = scaled(&minors, det.recip());
-        Self { simd, iterate, to_rest, volume: det * (1.0 / 6.0), u }
+        Self { simd, iterate, to_rest, volume: det * (1.0 / 6.0), elements, u }
     }
 
     /// Rest gradients ∇φ_a of all nodes at quadrature point q.
@@ -106,14 +108,6 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
         }
         sum
     }
-}
-
-/// Cuts a range into pieces of at most `each`.
-pub(in crate::energy) fn pieces(
-    range: Range<usize>,
-    each: usize,
-) -> impl Iterator<Item = Range<usize>> {
-    range.clone().step_by(each).map(move |first| first..(first + each).min(range.end))
 }
 
 /// Quadrature points and fractions of the volume that they stand for. Where strain is constant
