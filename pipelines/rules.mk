@@ -225,10 +225,19 @@ build/fibre/pictures/inflated.png: $(WOUND:=/report.json) | setup
 build/fibre/report.html: $(addprefix build/fibre/pictures/,bending.svg inflated.png)
 
 # Its core is cast first, without the skin, in a mold of its own.
-build/fibre/core/model/model.json: $(call source,pipelines/fibre/model.geo) | setup
+to.fibre/core := build/fibre/core/body
+
+build/fibre/core/body/model/model.json: $(call source,pipelines/fibre/model.geo) | setup
 	$(BIN)/cad2fem model $< --unit mm --set skin=0 -o $(@D)
 
-build/fibre/report.html: build/fibre/core/mold.checks.txt
+build/fibre/core/plan.json: build/fibre/core/body/tagged.msh $(call source,pipelines/fibre/core/mold.toml) | setup
+	$(BIN)/fab mold $< --model build/fibre/core/body/model/model.stl --config pipelines/fibre/core/mold.toml --title "fibre, core" \
+		-o $(@D)
+
+build/fibre/core.checks.txt: build/fibre/core/plan.json | setup
+	$(BIN)/fab verify $(<D) -o $@
+
+build/fibre/report.html: build/fibre/core.checks.txt
 
 # The tube with one family of fibres and with two, at several angles: the last step of each run, and the thick tube
 # without finite elements.
@@ -403,8 +412,7 @@ $(chains)
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call mesh,fibre/tube,$(TUBE),))
-$(eval $(call mesh,fibre/core,build/fibre/core,))
-$(eval $(call cast,fibre/core,build/fibre/core,build/fibre/core/tagged.msh,build/fibre/core/tagged.msh))
+$(eval $(call mesh,fibre/core,build/fibre/core/body,))
 
 # Bodies with rules of their own.
 include $(wildcard pipelines/*/rules.mk)
