@@ -244,10 +244,10 @@ build/fibre/report.html: build/fibre/core.checks.txt
 TUBE := build/fibre/tube
 ANGLES := 5 15 30 45 54.74 60 65 75 85 90
 
-$(TUBE)/one/%/report.json: $(call source,pipelines/fibre/tube/sim.toml) $(TUBE)/tagged.msh | setup
+$(ANGLES:%=$(TUBE)/one/%/report.json): $(TUBE)/one/%/report.json: $(call source,pipelines/fibre/tube/sim.toml) $(TUBE)/tagged.msh | setup
 	$(BIN)/solver simulate $< --set fibre.right.angle=$* --final-only -o $(@D)
 
-$(TUBE)/two/%/report.json: $(call source,pipelines/fibre/tube/sim.two.toml) $(TUBE)/tagged.msh | setup
+$(ANGLES:%=$(TUBE)/two/%/report.json): $(TUBE)/two/%/report.json: $(call source,pipelines/fibre/tube/sim.two.toml) $(TUBE)/tagged.msh | setup
 	$(BIN)/solver simulate $< --set fibre.right.angle=$* --set fibre.left.angle=-$* --final-only -o $(@D)
 
 define angles
