@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: fibre-angles gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -36,6 +36,7 @@ gripper:  ## optimise a gripper of bellows for its force on a cylinder and by sh
 beam:  ## the same for a small beam, in a minute
 chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare, and make its molds
 pneunet:  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
+fibre:  ## bend a half-round tube that is wound with thread, with and without thread and paper, and make its molds
 walker:  ## design the pressures over time of a walker, and let it walk for 4 s
 worm:  ## design the chambers and the upper side of a worm for its way in a period
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
@@ -77,6 +78,8 @@ gripper-authors: build/gripper-authors/baseline/report.json  ## the gripper of G
 worm-authors: build/worm-authors/baseline/report.json  ## the worm of Gjoka et al. likewise
 
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
+
+fibre-angles:  ## what the angle of fibres does to a tube: length and twist, in ten minutes
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
 	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: four minutes on two cores"

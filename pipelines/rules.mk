@@ -26,6 +26,7 @@ build/%/done: build/%/report.html
 
 # Bodies that are cast as modelled and have walls that are checked under load, too.
 cast-loaded.pneunet := yes
+cast-loaded.fibre := yes
 
 # Force against displacement, with the cavity closed and vented.
 build/compression/vented/report.json: $(call source,pipelines/compression/sim.vented.toml) build/compression/tagged.msh | setup
@@ -199,6 +200,80 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
 
+# The wound actuator with its thread alone and with its paper alone, on the same mesh, beside the balance of moments.
+WOUND := build/fibre/baseline build/fibre/thread build/fibre/bare
+
+build/fibre/thread/report.json build/fibre/bare/report.json: build/fibre/%/report.json: $(call seen,pipelines/fibre/sim.%.toml) \
+		build/fibre/tagged.msh | setup
+	$(BIN)/solver simulate pipelines/fibre/sim.$*.toml -o $(@D)
+
+build/fibre/analytic.csv: $(call source,pipelines/fibre/analytic.py)
+	@mkdir -p $(@D)
+	$(PYTHON) -B $< > $@
+
+build/fibre/pictures/bending.svg: $(WOUND:=/report.json) build/fibre/analytic.csv | setup
+	$(BIN)/solver plot $(WOUND:=/report.json) --x "chambers.cavity.pressure*1e-3" --y probes.bending \
+		--labels "thread and paper,thread alone,paper alone,moments: pressure within the thread,moments: on the chamber" \
+		--points "build/fibre/analytic.csv:pressure [Pa]*1e-3,within the thread [°]" \
+		--points "build/fibre/analytic.csv:pressure [Pa]*1e-3,on the chamber [°]" \
+		--x-title "gauge pressure [kPa]" --y-title "bending [degrees]" -o $@
+
+build/fibre/pictures/inflated.png: $(WOUND:=/report.json) | setup
+	$(BIN)/cad2fem picture $(WOUND:=/result.vtu) --color displacement --view front \
+		--captions "thread and paper: 120 kPa,thread alone: 120 kPa,paper alone: 40 kPa" --title "wound actuator" -o $@
+
+build/fibre/report.html: $(addprefix build/fibre/pictures/,bending.svg inflated.png)
+
+# Its core is cast first, without the skin, in a mold of its own.
+to.fibre/core := build/fibre/core/body
+
+build/fibre/core/body/model/model.json: $(call source,pipelines/fibre/model.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm --set skin=0 -o $(@D)
+
+build/fibre/core/plan.json: build/fibre/core/body/tagged.msh $(call source,pipelines/fibre/core/mold.toml) | setup
+	$(BIN)/fab mold $< --model build/fibre/core/body/model/model.stl --config pipelines/fibre/core/mold.toml --title "fibre, core" \
+		-o $(@D)
+
+build/fibre/core.checks.txt: build/fibre/core/plan.json | setup
+	$(BIN)/fab verify $(<D) -o $@
+
+build/fibre/report.html: build/fibre/core.checks.txt
+
+# The tube with one family of fibres and with two, at several angles: the last step of each run, and the thick tube
+# without finite elements.
+TUBE := build/fibre/tube
+ANGLES := 5 15 30 45 54.74 60 65 75 85 90
+
+$(ANGLES:%=$(TUBE)/one/%/report.json): $(TUBE)/one/%/report.json: $(call source,pipelines/fibre/tube/sim.toml) $(TUBE)/tagged.msh | setup
+	$(BIN)/solver simulate $< --set fibre.right.angle=$* --final-only -o $(@D)
+
+$(ANGLES:%=$(TUBE)/two/%/report.json): $(TUBE)/two/%/report.json: $(call source,pipelines/fibre/tube/sim.two.toml) $(TUBE)/tagged.msh | setup
+	$(BIN)/solver simulate $< --set fibre.right.angle=$* --set fibre.left.angle=-$* --final-only -o $(@D)
+
+define angles
+$(TUBE)/$(1).jsonl: $(ANGLES:%=$(TUBE)/$(1)/%/report.json)
+	for angle in $(ANGLES); do tail -n 1 $(TUBE)/$(1)/$$$$angle/steps.jsonl | sed "s/^{/{\"angle\": $$$$angle, /"; done > $$@
+endef
+$(eval $(call angles,one))
+$(eval $(call angles,two))
+
+$(TUBE)/thick.csv: $(call source,pipelines/fibre/tube/thick.py)
+	@mkdir -p $(@D)
+	$(PYTHON) -B $< > $@
+
+$(TUBE)/pictures/longer.svg: $(TUBE)/one.jsonl $(TUBE)/two.jsonl $(TUBE)/thick.csv | setup
+	$(BIN)/solver plot $(filter %.jsonl,$^) --x angle --y "probes.longer*1e3" \
+		--labels "one family,two families,one: thick tube,two: thick tube" \
+		--points "$(TUBE)/thick.csv:angle [°],longer by one [mm]" --points "$(TUBE)/thick.csv:angle [°],longer by two [mm]" \
+		--x-title "angle between fibres and axis [degrees]" --y-title "longer by [mm]" -o $@
+
+$(TUBE)/pictures/twist.svg: $(TUBE)/one.jsonl $(TUBE)/thick.csv | setup
+	$(BIN)/solver plot $< --x angle --y probes.twist --labels "one family,one: thick tube" \
+		--points "$(TUBE)/thick.csv:angle [°],twist by one [°]" \
+		--x-title "angle between fibres and axis [degrees]" --y-title "twist [degrees]" -o $@
+
+fibre-angles: $(addprefix $(TUBE)/pictures/,longer.svg twist.svg)
+
 # The $(1) of Gjoka et al. 2024 through our chain: the boundary of their mesh $(4) as CAD surface, tetrahedra of our
 # own, tagged by the surfaces in $(5). Run file $(3) in their folder $(2), which is not part of the project.
 THEIRS := ../shared/data/pneumatic-actuator-design
@@ -324,6 +399,7 @@ view.walker := front
 view.worm := front
 view.arm := 30,55
 view.pneunet := -60,20
+view.fibre := -60,20
 
 section.walker = y=-1 --view front
 section.worm = y=-1 --view front
@@ -335,6 +411,8 @@ $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(chains)
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
+$(eval $(call mesh,fibre/tube,$(TUBE),))
+$(eval $(call mesh,fibre/core,build/fibre/core/body,))
 
 # Bodies with rules of their own.
 include $(wildcard pipelines/*/rules.mk)

@@ -1,6 +1,7 @@
 //! `[[fibre]]` and `[[winding]]` in scenes and design problems: reports, fields, derivatives by their
 //! numbers, and what is refused.
 
+use mesh::Vec3;
 use mesh::io::vtu::read_vtu;
 use mesh::io::write_tets;
 use tests::chamber;
@@ -31,20 +32,22 @@ stiffness = 50
 
 /// The chamber, whose long outer faces are one tag, with linear elements and these tables.
 fn workdir(tables: &str) -> Workdir {
+    workdir_with(tables, &[("side", &|_| true)])
+}
+
+/// The chamber with these tags of its long outer faces.
+fn workdir_with(tables: &str, sides: &[(&str, &dyn Fn(Vec3) -> bool)]) -> Workdir {
     let dir = chamber::workdir();
     let middle = |i: usize| (1..3).contains(&i);
     let hollow = |c: [usize; 3]| c[0] < 4 && middle(c[1]) && middle(c[2]);
     let mesh = block([5, 4, 4], 0.01, hollow, |p| p);
     let inner = |x: f64| x > 0.009 && x < 0.031;
-    let body = tag(
-        mesh,
-        &[
-            ("seat", &|p| p.x < 1e-6),
-            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
-            ("tip", &|p| p.x > 0.05 - 1e-6),
-            ("side", &|_| true),
-        ],
-    );
+    let ends: [(&str, &dyn Fn(Vec3) -> bool); 3] = [
+        ("seat", &|p| p.x < 1e-6),
+        ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
+        ("tip", &|p| p.x > 0.05 - 1e-6),
+    ];
+    let body = tag(mesh, &[&ends, sides].concat());
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
     dir.write("p1.toml", &(dir.text("p1.toml") + PROBES + tables));
     dir
@@ -115,6 +118,24 @@ fn fibres_and_threads_hold_a_chamber_and_are_reported() {
         table.starts_with("winding,start at rest x [m],") && table.lines().count() == 1 + segments
     );
     assert!(dir_thread.probe("out", "air") < dir.probe("bare", "air"));
+}
+
+/// Threshold, set before: 1e-9 of the volume, the order of sums apart.
+#[test]
+fn a_thread_passes_from_tag_to_tag() {
+    let whole = workdir(WINDING);
+    whole.solver("simulate p1.toml -o out").assert_good();
+    let list = |tags: &str| WINDING.replace("\"side\"", tags);
+    let halves: [(&str, &dyn Fn(Vec3) -> bool); 2] =
+        [("low", &|p| p.z < 0.02), ("high", &|_| true)];
+    let parts = workdir_with(&list(r#"["high", "low"]"#), &halves);
+    let run = parts.solver("simulate p1.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains("winding thread on high and low"), "{}", run.stderr);
+    assert!((volume(&parts, "out") / volume(&whole, "out") - 1.0).abs() < 1e-9);
+    let none = workdir(&list("[]")).solver("simulate p1.toml -o out");
+    assert!(none.stderr.contains("on = []: no tag"), "{}", none.stderr);
+    assert_eq!(none.code, Some(2));
 }
 
 /// The gradients by shape and by all numbers, as a user asks for them.

@@ -5,7 +5,8 @@ SetFactory("OpenCASCADE");
 DefineConstant[
     h = {4, Name "Longest edge"},
     rib = {2.27, Name "Thickness of the ribs"},
-    more = {0, Name "Added to outer wall and wall of the core, into the chambers"}
+    more = {0, Name "Added to outer wall and wall of the core, into the chambers"},
+    wound = {0, Name "1: the outside has a name of its own, for thread"}
 ];
 
 length = 102;
@@ -38,6 +39,17 @@ tip() = Surface In BoundingBox{-outer - t, -outer - t, -t, outer + t, outer + t,
 chamber() = Surface In BoundingBox{square - t, -inside, end - t, inside + t, inside, length + t};
 rest() = Boundary{ Volume{body()}; };
 rest() -= {clamped(), tip(), chamber()};
+If (wound)
+    outside() = {};
+    For s In {0 : #rest() - 1}
+        box() = BoundingBox Surface{rest(s)};
+        If (box(3) > outer - 1e-3 || box(0) < -outer + 1e-3 || box(4) > outer - 1e-3 || box(1) < -outer + 1e-3)
+            outside() += rest(s);
+        EndIf
+    EndFor
+    rest() -= {outside()};
+    Physical Surface("outside") = {outside()};
+EndIf
 
 Physical Surface("clamped") = {clamped()};
 Physical Surface("tip") = {tip()};

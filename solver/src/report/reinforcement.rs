@@ -49,7 +49,7 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
         }
         Winding {
             name: name.clone(),
-            on: on.clone(),
+            on: on.all().join(" and "),
             length,
             turns: points.is_empty().then(|| thread.course()),
             segments: thread.segments(),

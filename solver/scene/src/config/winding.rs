@@ -1,6 +1,7 @@
 //! `[[winding]]`: a thread that is wound on a tag.
 
 use anyhow::{Result, ensure};
+use measure::written::Names;
 use mechanics::material::slack::DEFAULT_SLACK;
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
@@ -19,8 +20,9 @@ const MOST_TURNS: f64 = 10_000.0;
 pub struct WindingConfig {
     /// What numbers and reports call it.
     pub name: String,
-    /// Tag of the facets, on the boundary or inside, in one layer around the axis.
-    pub on: String,
+    /// Tag of the facets, on the boundary or inside, in one layer around the axis; or a list, such as that of a
+    /// wall and of the sheet below the thread.
+    pub on: Names,
     /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread.
     pub stiffness: f64,
     /// The axis of a helix; or `points`.
@@ -89,6 +91,7 @@ impl WindingConfig {
             (None, None) => format!("line through {} points", points.len()),
         };
         let double = if *double { ", double" } else { "" };
+        let on = on.all().join(" and ");
         format!("winding {name} on {on}: {course}{double}, EA {stiffness:.3e} N")
     }
 
@@ -158,6 +161,13 @@ impl WindingConfig {
     fn check(&self) -> Result<()> {
         let key = |key: &str| self.title().key(key);
         let Self { stiffness, pretension, slack, phase, .. } = *self;
+        ensure!(
+            !self.on.all().is_empty(),
+            misfit!(
+                key("on"),
+                " = []: no tag; expected one that the thread is wound on, or several"
+            )
+        );
         ensure!(
             stiffness > 0.0 && stiffness.is_finite(),
             misfit!(

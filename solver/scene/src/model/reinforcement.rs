@@ -111,8 +111,9 @@ impl Scene {
     pub(super) fn windings(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Winding>> {
         let one = |winding: &WindingConfig| {
             let WindingConfig { on, stiffness, pretension, slack, .. } = winding;
-            let facets = body.tagged(on).with_context(|| winding.title())?;
-            let pieces = lay(winding, &facets, &body.mesh.vertices)?;
+            let tags = on.all().iter().map(|tag| body.tagged(tag));
+            let facets = tags.collect::<Result<Vec<_>, _>>().with_context(|| winding.title())?;
+            let pieces = lay(winding, &facets.concat(), &body.mesh.vertices)?;
             Ok(Winding::new(space, &pieces, [*stiffness, *pretension, *slack]))
         };
         self.config.winding.iter().map(one).collect()
@@ -133,7 +134,7 @@ fn lay(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Vec
         misfit!(
             winding.title(),
             ": the thread cannot be laid on \"{}\": {error}\n  {}",
-            winding.on,
+            winding.on.all().join("\" and \""),
             advice(&error)
         )
     };
