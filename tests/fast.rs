@@ -25,6 +25,8 @@ mod design_line;
 mod element_kinds;
 #[path = "fast/energies.rs"]
 mod energies;
+#[path = "fast/energy_in_time.rs"]
+mod energy_in_time;
 #[path = "fast/error_bars.rs"]
 mod error_bars;
 #[path = "fast/export.rs"]

@@ -132,7 +132,7 @@ fn a_thread_passes_from_tag_to_tag() {
     let run = parts.solver("simulate p1.toml -o out");
     run.assert_good();
     assert!(run.stderr.contains("winding thread on high and low"), "{}", run.stderr);
-    assert!((volume(&parts, "out") / volume(&whole, "out") - 1.0).abs() < 1e-9);
+    assert!((parts.probe("out", "air") / whole.probe("out", "air") - 1.0).abs() < 1e-9);
     let none = workdir(&list("[]")).solver("simulate p1.toml -o out");
     assert!(none.stderr.contains("on = []: no tag"), "{}", none.stderr);
     assert_eq!(none.code, Some(2));

@@ -76,6 +76,9 @@ fn what_has_no_limit_or_path_is_refused() {
 #[test]
 fn a_design_moves_away_from_its_limit() {
     let dir = chamber::near_its_limit();
+    let one_level =
+        dir.text("design.toml").replace("[[shape.level]]\nhandles = 3\niterations = 3\n", "");
+    dir.write("design.toml", &one_level);
     dir.solver("check design.toml --handles 3 --steps 5 --random 1").assert_good();
     dir.solver("optimize design.toml -o out").assert_good();
     let text = dir.text("out/history.jsonl");

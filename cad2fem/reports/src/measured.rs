@@ -101,7 +101,7 @@ pub struct Winding {
     pub segments: usize,
     /// Stored energy [J].
     pub energy: f64,
-    /// Smallest and largest force along it [N].
+    /// Smallest and largest force along it [N], each over as much of it as its segments are long on average.
     pub force: [f64; 2],
     /// Mean force along it [N].
     pub mean_force: f64,

@@ -430,7 +430,7 @@ impl Level {
 
 /// Each has been checked alone; the factors of all are kept at the same time.
 fn check_memory(scenarios: &[Scenario]) -> Result<()> {
-    let need: Need = scenarios.iter().map(|s| s.workspace().memory()).sum();
+    let need: Need = scenarios.iter().map(Scenario::memory).sum();
     let count = scenarios.len();
     memory::require(need).with_context(|| format!("{count} scenarios at the same time"))
 }

@@ -3,6 +3,7 @@
 
 mod changes;
 mod curvature;
+mod gradient;
 mod limit;
 mod run;
 mod terms;
@@ -12,15 +13,15 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use measure::probe::measure;
-use measure::quantity::{Equilibrium, Partials};
-use mechanics::adjoint::{self, Gradient};
+use mechanics::adjoint::Gradient;
 use mechanics::body::Body;
 use mechanics::element::{FunctionSpace, interpolate};
-use mechanics::energy::{Iterate, ParameterId};
+use mechanics::energy::Iterate;
 use mechanics::forward::{
     Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
+use mechanics::memory::Need;
 use mesh::Vec3;
 use program::Heartbeat;
 use scene::config::{DesignConfig, LIMIT, LevelConfig, LimitGoal, ScenarioConfig};
@@ -29,7 +30,6 @@ use scene::{ObjectiveBuilder, Scene, Weighted};
 pub use self::changes::scene_of;
 pub use self::limit::{Margin, SavedMargin};
 pub use self::run::Run;
-use self::terms::{Forces, add_partials};
 use super::offset::Offset;
 use super::validity;
 use crate::design::LoadMap;
@@ -155,10 +155,11 @@ impl Scenario {
         &self.problem
     }
 
-    /// What solving it needs.
+    /// What its solves need; that of a limit has a factor of its own.
     #[must_use]
-    pub fn workspace(&self) -> &Workspace {
-        &self.workspace
+    pub fn memory(&self) -> Need {
+        let one = self.workspace.memory();
+        std::iter::once(one).chain(self.limit.map(|_| one)).sum()
     }
 
     /// Whether the scene goes through time.
@@ -399,78 +400,6 @@ impl Scenario {
         let vertices = &body.mesh.vertices;
         let other = FunctionSpace::new(degree, vertices.len(), body.mesh.tets.clone());
         interpolate(space, designed, &other, vertices, run.states.displacements())
-    }
-
-    /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest
-    /// shape among it. Where it is linearised at the run, that saves a factorisation.
-    ///
-    /// # Errors
-    /// When the adjoint system has no accurate solution.
-    pub fn sweep(
-        &mut self,
-        run: &Run,
-        designed: &[Vec3],
-        body: &Body,
-        of: Option<&str>,
-        factor: f64,
-    ) -> Result<Gradient, Rejected> {
-        let (rest, states) = (&run.rest[..], &*run.states);
-        let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
-        let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.name);
-        let mut by_rest = vec![0.0; 3 * rest.len()];
-        let terms = &self.terms;
-        let partials = |_: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
-            let adjoint::Partials { by_u, by_contact, by_reaction } = out;
-            let (u, contact, reaction) = (by_u, by_contact, by_reaction);
-            let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
-            add_partials(terms.iter().filter(wanted), run, n, &forces[n], factor, &mut out);
-        };
-        let (problem, workspace) = (&*run.problem, &mut self.workspace);
-        let linearization = run.linearized(self.linearization.as_ref());
-        let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
-        let mut gradient = swept.map_err(|e| self.reject(e))?;
-        gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
-        self.add_by_laws(run, &forces, of, factor, &mut gradient);
-        if of.is_none_or(|name| name == LIMIT) {
-            self.add_limit(run, factor, &mut gradient)?;
-        }
-        if let Some(offset) = &self.offset {
-            offset.add_vjp(designed, &mut gradient.rest);
-        }
-        for plane in &body.planes {
-            // no shape moves them there
-            plane.vertices().iter().for_each(|v| gradient.rest[3 * v + plane.axis] = 0.0);
-        }
-        Ok(gradient)
-    }
-
-    /// Adds the partial derivatives of terms by the laws that they are made with, in each time step.
-    fn add_by_laws(
-        &self,
-        run: &Run,
-        forces: &[Forces],
-        of: Option<&str>,
-        factor: f64,
-        gradient: &mut Gradient,
-    ) {
-        let (rest, states) = (&run.rest[..], &*run.states);
-        for (n, Forces { contact, reaction }) in forces.iter().enumerate().skip(1) {
-            let state = states.state(n);
-            let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
-            let here = Equilibrium { space, rest, u, time, contact, reaction };
-            for term in self.terms.iter().filter(|term| of.is_none_or(|name| name == term.name)) {
-                let factor = factor * term.weight * term.factor * term.factors[n];
-                for (law, by) in term.quantity.by_laws(&here, factor) {
-                    gradient.parameters.add(n - 1, ParameterId::Material(law), by);
-                }
-            }
-        }
-    }
-
-    /// dJ by the variables of the loads, which have these values.
-    #[must_use]
-    pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
-        self.loads.vjp(loads, &self.swept(gradient))
     }
 
     /// Mean displacement of each tag over its rest area [m].

@@ -87,7 +87,7 @@ pub struct WindingSummary {
     pub length: f64,
     /// W [J].
     pub energy: f64,
-    /// Smallest and largest force along it [N].
+    /// Smallest and largest force along it [N], each over as much of it as its segments are long on average.
     pub force: [f64; 2],
     /// Mean force along it [N].
     pub mean_force: f64,
@@ -230,18 +230,21 @@ impl Winding {
     /// Measures of the thread at a state.
     #[must_use]
     pub fn summary(&self, iterate: &Iterate) -> WindingSummary {
-        let mut all = WindingSummary { force: [f64::INFINITY, 0.0], ..Default::default() };
+        let mut all = WindingSummary::default();
+        let mut pulled = Vec::new();
         for segment in &self.segments {
+            let (mut length, mut sum) = (0.0, 0.0);
             self.for_each_point(iterate, segment, |p| {
                 let (force, share) = (p.force(self), p.weight * p.long);
+                (length, sum) = (length + share, sum + share * force);
                 all.length += share;
                 all.energy += 0.5 * share * self.stiffness * p.square[0];
-                all.force = [all.force[0].min(force), all.force[1].max(force)];
-                all.mean_force += share * force;
                 all.taut += if force > 0.0 { share } else { 0.0 };
             });
+            pulled.push((length, sum));
         }
-        all.mean_force /= all.length;
+        all.mean_force = pulled.iter().map(|(_, sum)| sum).sum::<f64>() / all.length;
+        all.force = extremes(&pulled, all.length / pulled.len() as f64);
         all.taut /= all.length;
         all
     }
@@ -263,6 +266,22 @@ impl Winding {
         };
         self.segments.iter().map(one).collect()
     }
+}
+
+/// Smallest and largest mean force of stretches of a thread that are at least so long [m], from the length and ∫ N dS of
+/// its segments [m, N m]; a shorter rest at the end is left out. The strain in a short segment, which the corner of a
+/// facet cuts off, says more of the mesh than of the thread.
+fn extremes(segments: &[(f64, f64)], least: f64) -> [f64; 2] {
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    let (mut length, mut sum) = (0.0, 0.0);
+    for (long, pulled) in segments {
+        (length, sum) = (length + long, sum + pulled);
+        if length >= least {
+            (low, high) = (low.min(sum / length), high.max(sum / length));
+            (length, sum) = (0.0, 0.0);
+        }
+    }
+    [low, high]
 }
 
 impl Energy for Winding {

@@ -211,3 +211,11 @@ fn a_polyline_follows_the_surface() {
     let found = polyline(&gone, &x, &path);
     assert!(matches!(found, Err(LayError::Leaves { .. } | LayError::Misses)), "{found:?}");
 }
+
+/// The force in a short segment counts as a part of what it lies in.
+#[test]
+fn extreme_forces_are_those_of_stretches_as_long_as_segments() {
+    let [low, high] = extremes(&[(1.0, 2.0), (0.01, 1.0), (1.0, 3.0), (0.5, 9.0)], 0.6);
+    assert!((low - 2.0).abs() < 1e-12, "{low}");
+    assert!((high - 4.0 / 1.01).abs() < 1e-12, "{high}");
+}

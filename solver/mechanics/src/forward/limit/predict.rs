@@ -8,7 +8,7 @@ use crate::forward::stability::Kind;
 use crate::forward::tangent_system::Residual;
 use crate::forward::{Configuration, Failure, Problem, Workspace};
 
-/// Step of the one-sided difference, as a fraction of the motion.
+/// Half of the difference, as a fraction of the motion.
 const STEP: f64 = 1e-5;
 
 impl Limit {
@@ -27,12 +27,15 @@ impl Limit {
         let at = limit.iterate(problem);
         let mode = first_mode(problem, workspace, &at)?;
         let pin = factor_pinned(problem, workspace, &at, largest_entry(&mode)?)?;
-        let moved: Vec<Vec3> = at.rest.iter().zip(motion).map(|(x, d)| x + STEP * d).collect();
-        let mut change = Residual::of(problem, workspace, &at);
-        let after = Residual::of(problem, workspace, &Iterate { rest: &moved, ..at });
-        change.force.iter_mut().zip(&after.force).for_each(|(r, after)| *r = (after - *r) / STEP);
+        let mut moved = |by: f64| {
+            let rest: Vec<Vec3> = at.rest.iter().zip(motion).map(|(x, d)| x + by * d).collect();
+            Residual::of(problem, workspace, &Iterate { rest: &rest, ..at })
+        };
+        let (mut change, after) = (moved(-STEP), moved(STEP));
+        let slope = |before: f64, after: f64| (after - before) / (2.0 * STEP);
+        change.force.iter_mut().zip(&after.force).for_each(|(r, after)| *r = slope(*r, *after));
         let gaps: Vec<f64> =
-            change.gaps().iter().zip(after.gaps()).map(|(r, after)| (after - r) / STEP).collect();
+            change.gaps().iter().zip(after.gaps()).map(|(r, after)| slope(*r, after)).collect();
         for (constraint, gap) in change.constraints.iter_mut().zip(gaps) {
             constraint.volume = constraint.wanted + gap;
         }

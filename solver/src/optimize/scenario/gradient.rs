@@ -1,0 +1,87 @@
+//! The gradient of the objective of a run, backwards through its time steps.
+
+use measure::quantity::{Equilibrium, Partials};
+use mechanics::adjoint::{self, Gradient};
+use mechanics::body::Body;
+use mechanics::element::FunctionSpace;
+use mechanics::energy::ParameterId;
+use mesh::Vec3;
+use scene::Weighted;
+use scene::config::LIMIT;
+
+use super::terms::{Forces, add_partials};
+use super::{Rejected, Run, Scenario};
+
+impl Scenario {
+    /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest
+    /// shape among it. Where it is linearised at the run, that saves a factorisation.
+    ///
+    /// # Errors
+    /// When the adjoint system has no accurate solution.
+    pub fn sweep(
+        &mut self,
+        run: &Run,
+        designed: &[Vec3],
+        body: &Body,
+        of: Option<&str>,
+        factor: f64,
+    ) -> Result<Gradient, Rejected> {
+        let (rest, states) = (&run.rest[..], &*run.states);
+        let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
+        let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.name);
+        let mut by_rest = vec![0.0; 3 * rest.len()];
+        let terms = &self.terms;
+        let partials = |_: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
+            let adjoint::Partials { by_u, by_contact, by_reaction } = out;
+            let (u, contact, reaction) = (by_u, by_contact, by_reaction);
+            let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
+            add_partials(terms.iter().filter(wanted), run, n, &forces[n], factor, &mut out);
+        };
+        let (problem, workspace) = (&*run.problem, &mut self.workspace);
+        let linearization = run.linearized(self.linearization.as_ref());
+        let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
+        let mut gradient = swept.map_err(|e| self.reject(e))?;
+        gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        self.add_by_laws(run, &forces, of, factor, &mut gradient);
+        if of.is_none_or(|name| name == LIMIT) {
+            self.add_limit(run, factor, &mut gradient)?;
+        }
+        if let Some(offset) = &self.offset {
+            offset.add_vjp(designed, &mut gradient.rest);
+        }
+        for plane in &body.planes {
+            // no shape moves them there
+            plane.vertices().iter().for_each(|v| gradient.rest[3 * v + plane.axis] = 0.0);
+        }
+        Ok(gradient)
+    }
+
+    /// Adds the partial derivatives of terms by the laws that they are made with, in each time step.
+    fn add_by_laws(
+        &self,
+        run: &Run,
+        forces: &[Forces],
+        of: Option<&str>,
+        factor: f64,
+        gradient: &mut Gradient,
+    ) {
+        let (rest, states) = (&run.rest[..], &*run.states);
+        for (n, Forces { contact, reaction }) in forces.iter().enumerate().skip(1) {
+            let state = states.state(n);
+            let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
+            let here = Equilibrium { space, rest, u, time, contact, reaction };
+            for term in self.terms.iter().filter(|term| of.is_none_or(|name| name == term.name)) {
+                let factor = factor * term.weight * term.factor * term.factors[n];
+                for (law, by) in term.quantity.by_laws(&here, factor) {
+                    gradient.parameters.add(n - 1, ParameterId::Material(law), by);
+                }
+            }
+        }
+    }
+
+    /// dJ by the variables of the loads, which have these values.
+    #[must_use]
+    pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
+        self.loads.vjp(loads, &self.swept(gradient))
+    }
+}
