@@ -123,6 +123,11 @@ impl Limit {
             if !residual.is_finite() {
                 return Err(Failure::Inadmissible);
             }
+            let rough = wanted.max(ROUGH * now.scale);
+            if iterations == 0 && residual > rough {
+                // not on a path: Newton's method would go astray
+                return Err(Failure::IterationLimit { iterations, residual, wanted: rough });
+            }
             let pin = factor_pinned(problem, workspace, &at, pinned)?;
             let null = null_vector(problem, workspace, &now.constraints, &mode, &pin)?;
             log::debug!("limit {iterations}  |g| {residual:.2e} N  {:.2e} N/m", null.stiffness);

@@ -26,67 +26,84 @@ impl ArcFollower {
         workspace: &mut Workspace,
         rest: &[Vec3],
     ) -> Option<LoadStep> {
-        let progress = self.before.as_ref()?;
         let [.., before, beyond] = &stepper.progress.last[..] else { return None };
         let step = stepper.step()?;
-        let state = |at: &Reached| Configuration {
-            rest,
-            time: at.time,
-            step: Some(step),
-            u: at.u.clone(),
-            multipliers: at.multipliers.clone(),
+        let state = |at: &Reached| {
+            let (u, multipliers) = (at.u.clone(), at.multipliers.clone());
+            Configuration { rest, time: at.time, step: Some(step), u, multipliers }
         };
-        let (before, beyond) = (state(before), state(beyond));
-        let last = before.iterate(problem);
-        let from = From { problem, last, step, progress, end: self.path.end };
-        let across = from.change(&beyond.iterate(problem)).length(progress.scale);
-        let (low, high) = (progress.direction.load, self.progress.as_ref()?.direction.load);
-        let mut bracket = Bracket { low: (0.0, low), high: (across, high), low_moved: None };
-        let mut nearest = None;
+        // the next state is sought from the one below, which a state that is found takes the place of
+        let (mut below, mut above) = (state(before), state(beyond));
+        let mut progress = self.before.clone()?;
+        let mut rates = Rates::new(progress.direction.load, self.progress.as_ref()?.direction.load);
+        let (mut nearest, mut part) = (None, 1.0);
         for _ in 0..TRIED {
-            let Some(length) = bracket.next() else { break };
-            let progress = ArcProgress { length, ..progress.clone() };
-            let from = From { progress: &progress, ..from };
-            let Ok(found) = self.attempt(&from, stepper, workspace) else { break };
+            let last = below.iterate(problem);
+            let mut from = From { problem, last, step, progress: &progress, end: self.path.end };
+            let across = from.change(&above.iterate(problem)).length(progress.scale);
+            let length = part * across * rates.zero()?;
+            let shortened = ArcProgress { length, ..progress.clone() };
+            from.progress = &shortened;
+            let Ok(found) = self.attempt(&from, stepper, workspace) else {
+                part *= 0.5;
+                continue;
+            };
             let rate = found.progress.direction.load;
             log::debug!("limit point: dt/ds = {rate:.3e} at load {:.9}", found.step.time);
+            let (u, multipliers) = (found.step.u.clone(), found.step.multipliers.clone());
+            let here =
+                Configuration { rest, time: found.step.time, step: Some(step), u, multipliers };
             nearest = Some(found.step);
-            if rate.abs() <= NEAR * (high - low).abs() {
+            if rates.is_near(rate) {
                 break;
             }
-            bracket.take((length, rate));
+            if rates.take(rate) {
+                (below, progress) = (here, found.progress);
+            } else {
+                above = here;
+            }
+            part = 1.0;
         }
         nearest
     }
 }
 
-/// Two arguments of a function with values of different signs.
-struct Bracket {
-    low: (f64, f64),
-    high: (f64, f64),
+/// dt/ds below and above a limit point.
+struct Rates {
+    below: f64,
+    above: f64,
+    /// Their difference at first.
+    change: f64,
     /// Whether the lower one was the last that a new one took the place of.
-    low_moved: Option<bool>,
+    below_moved: Option<bool>,
 }
 
-impl Bracket {
-    /// Where the line through both vanishes; none where the signs are the same.
-    fn next(&self) -> Option<f64> {
-        let ((a, low), (b, high)) = (self.low, self.high);
-        (low * high < 0.0).then(|| (a * high - b * low) / (high - low))
+impl Rates {
+    fn new(below: f64, above: f64) -> Self {
+        Self { below, above, change: (below - above).abs(), below_moved: None }
     }
 
-    /// Puts a value between them in place of that with its sign. The value of an end that stays again is halved, so
-    /// that both move.
-    fn take(&mut self, new: (f64, f64)) {
-        let moves_low = new.1 * self.low.1 > 0.0;
-        let again = self.low_moved == Some(moves_low);
-        let (goes, stays) = if moves_low {
-            (&mut self.low, &mut self.high)
+    /// The fraction of the way from below to above where the line through both vanishes; none where the signs are
+    /// the same.
+    fn zero(&self) -> Option<f64> {
+        (self.below * self.above < 0.0).then(|| self.below / (self.below - self.above))
+    }
+
+    fn is_near(&self, rate: f64) -> bool {
+        rate.abs() <= NEAR * self.change
+    }
+
+    /// Puts a rate in place of that with its sign, and says whether that is the one below. The other one is halved
+    /// where it stays again, so that both move.
+    fn take(&mut self, rate: f64) -> bool {
+        let moves_below = rate * self.below > 0.0;
+        let half = if self.below_moved == Some(moves_below) { 0.5 } else { 1.0 };
+        if moves_below {
+            (self.below, self.above) = (rate, half * self.above);
         } else {
-            (&mut self.high, &mut self.low)
-        };
-        *goes = new;
-        stays.1 *= if again { 0.5 } else { 1.0 };
-        self.low_moved = Some(moves_low);
+            (self.below, self.above) = (half * self.below, rate);
+        }
+        self.below_moved = Some(moves_below);
+        moves_below
     }
 }
