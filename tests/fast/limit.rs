@@ -92,11 +92,12 @@ fn a_design_moves_away_from_its_limit() {
         let expected = 100.0 * (3.0 - factor(line)).max(0.0).powi(2);
         assert!((term(line) - expected).abs() < 1e-9 * expected.max(1.0), "{line}");
     }
-    // the path from the equilibrium on finds the same limit as the design
+    // the limit that is followed from shape to shape is one of the path, and next to the first
     dir.write("end.toml", &dir.text("p1.toml").replace("body.msh", "out/design.msh"));
     dir.solver("simulate end.toml -o end").assert_good();
     let found = dir.json("end/report.json")["limit"]["factor"].as_f64().unwrap();
-    assert!((found / factor(last) - 1.0).abs() < 1e-6, "{found} {last}");
+    assert!(found < factor(last) * (1.0 + 1e-6), "{found} {last}");
+    assert!(found > 0.98 * factor(last), "{found} {last}");
 }
 
 #[test]
