@@ -1,11 +1,11 @@
 //! The gradient of the load of a limit.
 //!
-//! The loads of a state are held but for the pressures p of some chambers, which are t p; a limit is at the load t, and
+//! All loads of a state are held, and the pressures p of some chambers grow to t p. With t the load of the limit,
 //!
 //! dt = Σ λ · ∂R + μ · ∂(V − V*)
 //!
-//! with the covectors of [`Limit::covectors`]. No adjoint system is solved at a limit point. By p it is t times that by
-//! the pressure there: where nothing else loads the body, t p does not change with p.
+//! with the covectors of [`Limit::covectors`]. No adjoint system is solved at a limit point. The derivative by p is t
+//! times the one by the pressure t p. Where nothing else loads the body, t p does not change with p.
 
 use mesh::Vec3;
 
@@ -17,7 +17,7 @@ use crate::forward::{Covector, Failure, Limit, Problem, State, Workspace};
 pub struct Grown<'a> {
     /// The problem with its loads over time.
     pub problem: &'a Problem,
-    /// Its loads held, but for the pressures that grow ([`Problem::held`]).
+    /// The problem whose loads are held, but for the pressures that grow ([`Problem::held`]).
     pub held: &'a Problem,
     /// Rest vertices [m].
     pub rest: &'a [Vec3],

@@ -411,7 +411,7 @@ impl ParameterGradients {
         self.steps[step].push((id, by));
     }
 
-    /// Those of each term in a time step, counted from 0.
+    /// Gradients of each term in a time step, counted from 0.
     #[must_use]
     pub fn of_step(&self, step: usize) -> Vec<(ParameterId, Vec<f64>)> {
         self.steps[step].clone()

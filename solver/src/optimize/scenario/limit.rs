@@ -40,7 +40,7 @@ pub(super) struct AtLimit {
     u: Vec<f64>,
 }
 
-/// A margin but for the displacement, as it is kept.
+/// What a checkpoint has of a margin; the displacement lies in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedMargin {
     factor: f64,
