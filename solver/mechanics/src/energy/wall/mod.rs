@@ -26,7 +26,7 @@ use mesh::Vec3;
 use super::Iterate;
 use super::rim::{Rim, rims};
 use crate::element::{FunctionSpace, add_at, at};
-use crate::math::sparse::BlockMatrix;
+use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::math::tensor::{Mat3, cross_matrix};
 use crate::parallel::map_merge;
 use crate::symmetry::Plane;
@@ -245,22 +245,34 @@ impl Wall {
             return self.add_plugged_stiffness(space, &x, scale, out);
         }
         let of_facet = |nodes: &[usize]| {
-            let mut blocks = vec![Mat3::zeros(); nodes.len() * nodes.len()];
+            // of the pairs of nodes (a, b ≤ a)
+            let mut blocks = vec![Mat3::zeros(); pair_count(nodes.len())];
             points(space, nodes, &x, |_, p| {
-                let by: Vec<Mat3> = (0..nodes.len()).map(|b| p.normal_by(b)).collect();
-                for (a, blocks) in blocks.chunks_exact_mut(nodes.len()).enumerate() {
-                    for (b, block) in blocks.iter_mut().enumerate() {
+                let mut by = [Mat3::zeros(); MOST_NODES];
+                by.iter_mut()
+                    .take(nodes.len())
+                    .enumerate()
+                    .for_each(|(b, by)| *by = p.normal_by(b));
+                for a in 0..nodes.len() {
+                    for b in 0..=a {
                         // S is symmetric once assembled, so its symmetric part is it
                         let both = p.values[a] * by[b] + p.values[b] * by[a].transpose();
-                        *block += 0.5 * scale * p.weight * both;
+                        blocks[pair_index(a, b)] += 0.5 * scale * p.weight * both;
                     }
                 }
             });
             blocks
         };
         self.for_each_facet(of_facet, |nodes, blocks| {
-            for (&a, blocks) in nodes.iter().zip(blocks.chunks_exact(nodes.len())) {
-                nodes.iter().zip(blocks).for_each(|(&b, block)| out.add_lower(a, b, block));
+            for (a, &row) in nodes.iter().enumerate() {
+                for (b, &column) in nodes[..=a].iter().enumerate() {
+                    let block = &blocks[pair_index(a, b)];
+                    if row >= column {
+                        out.add_lower(row, column, block);
+                    } else {
+                        out.add_lower(column, row, &block.transpose());
+                    }
+                }
             }
         });
     }
