@@ -208,6 +208,8 @@ struct Run<'a> {
     /// Load steps of a static scene that an interrupted run has made.
     done: usize,
     start: Instant,
+    /// Times between which it goes [s].
+    way: [f64; 2],
 }
 
 impl<'a> Run<'a> {
@@ -232,7 +234,21 @@ impl<'a> Run<'a> {
         }
         let states = all_states(scene, &stepper, if timed { done } else { 0 });
         let (last, start) = (None, Instant::now());
-        Self { scene, problem, probes, workspace, stepper, follower, last, states, done, start }
+        let reached = stepper.progress.last.last();
+        let way = [reached.map_or(stepper.progress.time, |last| last.time), scene.end()];
+        Self {
+            scene,
+            problem,
+            probes,
+            workspace,
+            stepper,
+            follower,
+            last,
+            states,
+            done,
+            start,
+            way,
+        }
     }
 
     /// Goes through some of the scene's time steps; the result says where that ends early.
@@ -246,6 +262,7 @@ impl<'a> Run<'a> {
             return self.go_to_load(writer, checkpoint);
         }
         let count = time_steps.end;
+        self.way[1] = time_steps.clone().last().map_or(self.way[1], |n| self.scene.times()[n]);
         let mut leapt = false;
         for n in time_steps {
             let before = self.stepper.progress.reached().to_vec();
@@ -325,11 +342,12 @@ impl<'a> Run<'a> {
             None => stepper.next(self.problem, workspace, rest, end)?,
         };
         log::info!(
-            "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s",
+            "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s{}",
             self.scene.progress(step.time),
             step.newton_iterations,
             step.residual,
-            self.start.elapsed().as_secs_f64()
+            self.start.elapsed().as_secs_f64(),
+            self.left(step.time).map(|s| format!("  about {} left", about(s))).unwrap_or_default()
         );
         if step.smallest_volume_ratio <= 0.0 {
             let ratio = step.smallest_volume_ratio;
@@ -343,6 +361,14 @@ impl<'a> Run<'a> {
             states.push(end, self.stepper.progress.integrator.last().clone());
         }
         Ok(step)
+    }
+
+    /// How long the rest of the way takes, at the mean speed so far [s]; none of a path, whose end is not known, and
+    /// of less than a second and a half.
+    fn left(&self, time: f64) -> Option<f64> {
+        let [from, to] = self.way;
+        let left = self.start.elapsed().as_secs_f64() * (to - time) / (time - from);
+        (self.follower.is_none() && left.is_finite() && left >= 1.5).then_some(left)
     }
 
     /// What is known of the state at the end, and surfaces that have passed through each other.
