@@ -43,6 +43,8 @@ mod gallery;
 mod hostile_page;
 #[path = "fast/limit.rs"]
 mod limit;
+#[path = "fast/lines.rs"]
+mod lines;
 #[path = "fast/locking.rs"]
 mod locking;
 #[path = "fast/keep.rs"]

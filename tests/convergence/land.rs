@@ -110,7 +110,12 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let elastic = |_: &_| Energies::elastic(Box::new(Guccione));
     let mut body = Equilibrium::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&body.problem.space, &below);
-    let gas = Chamber { wall, gas: Box::new(Isobaric { pressure: 4.0.into() }), multiplier: None };
+    let gas = Chamber {
+        wall,
+        gas: Box::new(Isobaric { pressure: 4.0.into() }),
+        multiplier: None,
+        memory: None,
+    };
     let newton = Newton { iterations: 60, relative: 1e-8, absolute: 0.0, negligible: 0.0 };
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
     let node = body.nodes().iter().position(tip).expect("an even number of halves");

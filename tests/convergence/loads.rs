@@ -34,6 +34,7 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
             wall,
             gas: Box::new(Isobaric { pressure: 20e3.into() }),
             multiplier: None,
+            memory: None,
         }),
         Box::new(BodyForce::whole(FORCE.into())),
         Box::new(BodyForce::whole(field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]))),

@@ -2,7 +2,7 @@
 
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::{
-    Constraint, Energy, GasLaw, Hessian, Iterate, Multiplier, Potential, RankOne, Wall,
+    Constraint, Energy, GasLaw, Hessian, Iterate, Moment, Potential, RankOne, Wall,
 };
 use mechanics::math::sparse::BlockMatrix;
 use mesh::Vec3;
@@ -67,8 +67,9 @@ impl SymmetricGas {
     pub fn state(&self, iterate: &Iterate) -> (f64, f64, Potential) {
         let rest = self.volume(iterate.space, |n| iterate.space.node_position(iterate.rest, n));
         let volume = self.volume(iterate.space, deformed(iterate));
-        let multiplier = iterate.multipliers.first().map_or_else(Multiplier::default, |m| *m);
-        (volume, rest, self.gas.at(volume, rest, iterate.time, multiplier))
+        let multiplier = iterate.multipliers.first().copied().unwrap_or_default();
+        let moment = Moment { time: iterate.time, multiplier, past: None };
+        (volume, rest, self.gas.at(volume, rest, &moment))
     }
 }
 

@@ -73,6 +73,7 @@ fn refine(surface: &SurfaceMesh) -> SurfaceMesh {
 
 /// Asserts Taylor slopes of 2 ± 0.1 along the gradient and two random
 /// directions, each of length `size` in the maximum norm.
+#[track_caller]
 pub fn check_gradient(x: &[f64], gradient: &[f64], size: f64, value: impl Fn(&[f64]) -> f64) {
     let mut random = Random::new(13);
     let mut directions = vec![gradient.to_vec()];

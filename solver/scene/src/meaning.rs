@@ -30,7 +30,12 @@ pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
         Refused::Gas { ambient, .. } if !(*ambient > 0.0 && ambient.is_finite()) => "ambient",
         Refused::Gas { .. } => "exponent",
         Refused::Compliance { .. } => "compliance",
-        Refused::Vacuum { .. } => "fill",
+        Refused::Line { resistance, .. } if !(*resistance > 0.0 && resistance.is_finite()) => {
+            "resistance"
+        }
+        Refused::Line { leak, .. } if !(*leak >= 0.0 && leak.is_finite()) => "leak",
+        Refused::Line { .. } => "ambient",
+        Refused::Vacuum { key, .. } => key,
     };
     Some(KeyPath::of(key).told(error))
 }

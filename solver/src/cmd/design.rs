@@ -105,7 +105,8 @@ fn file_name(path: &Path) -> Result<String> {
 
 /// The tag that may move.
 fn moved(arguments: &Arguments, scene: &Scene) -> Result<String> {
-    let chambers: Vec<&str> = scene.config.chamber.iter().map(|c| c.on.as_str()).collect();
+    let chambers: Vec<&str> =
+        scene.config.chamber.iter().flat_map(|c| c.on.all()).map(String::as_str).collect();
     let moved = match (&arguments.moved, &chambers[..]) {
         (Some(tag), _) => tag.clone(),
         (None, [only]) => (*only).to_owned(),
@@ -122,7 +123,7 @@ fn moved(arguments: &Arguments, scene: &Scene) -> Result<String> {
 fn pressed(name: &str, moved: &str, pressure: f64, scene: &Scene) -> Result<String> {
     ensure!(pressure.is_finite(), "--pressure {pressure}: must be a number, in pascals");
     ensure!(
-        scene.config.chamber.iter().any(|chamber| chamber.on == moved),
+        scene.config.chamber.iter().any(|chamber| chamber.name == moved),
         "--pressure: \"{moved}\" is no [[chamber]] of the scene"
     );
     let (name, moved) = (quoted(name), quoted(moved));

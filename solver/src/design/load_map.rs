@@ -93,19 +93,16 @@ impl LoadMap {
                 false => map.add_parameter(design, scene, edge)?,
             }
         }
-        for (i, ChamberConfig { on, gas, .. }) in scene.config.chamber.iter().enumerate() {
-            let (id, schedule) = (ChamberId::of(i), gas.schedule());
+        for (i, chamber) in scene.config.chamber.iter().enumerate() {
+            let (id, schedule) = (ChamberId::of(i), chamber.gas.schedule());
             if !map.numbers.iter().any(|n| schedule.uses(&n.name)) {
                 continue;
             }
             ensure!(
                 map.curves.iter().all(|c| c.chamber != id),
-                misfit!(
-                    KeyPath::list("chamber").on(on),
-                    ": a [[parameter]] changes it, too; keep one of them"
-                )
+                misfit!(chamber.title(), ": a [[parameter]] changes it, too; keep one of them")
             );
-            map.named.push((id, gas.clone()));
+            map.named.push((id, chamber.gas.clone()));
         }
         Ok(map)
     }
@@ -114,7 +111,7 @@ impl LoadMap {
         let on = design.on.clone();
         let title = KeyPath::list("chamber").on(&on);
         let mut chambers = scene.config.chamber.iter().enumerate();
-        let Some((i, ChamberConfig { gas, .. })) = chambers.find(|(_, found)| found.on == on)
+        let Some((i, ChamberConfig { gas, .. })) = chambers.find(|(_, found)| found.name == on)
         else {
             bail!(misfit!(title, ": the scene has no [[chamber]] there"));
         };

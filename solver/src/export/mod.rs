@@ -126,9 +126,9 @@ impl Deck {
         let end = scene.end();
         let mut pressures = Vec::new();
         for chamber in &scene.config.chamber {
-            let tag = tags.iter().position(|tag| tag.name == chamber.on);
-            let pressure = chamber.gas.pressure().map(|pressure| pressure.at(end));
-            pressures.extend(tag.zip(pressure));
+            let Some(pressure) = chamber.gas.pressure() else { continue };
+            let own = (0..tags.len()).filter(|&i| chamber.is_on(&tags[i].name));
+            pressures.extend(own.map(|tag| (tag, pressure.at(end))));
         }
         Ok(Self {
             title: scene.path.display().to_string(),

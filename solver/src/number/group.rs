@@ -73,7 +73,7 @@ impl Group {
         let chamber = |number: &Number| &scene.config.chamber[number.owner()];
         Self::of(scene, "chamber", Change::Offset, |number| {
             let own = chamber(number);
-            is_pressure(own.gas.key()) && on.is_none_or(|on| own.on == on)
+            is_pressure(own.gas.key()) && on.is_none_or(|on| own.name == on)
         })
     }
 

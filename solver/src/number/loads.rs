@@ -24,14 +24,14 @@ pub(super) const CHAMBER: Kind = Kind {
             own.next().map_or("1", |key| key.unit)
         };
         let chambers = scene.config.chamber.iter().enumerate();
-        chambers.map(|(i, c)| (format!("{}.{}", c.on, c.gas.key()), unit(c), [i, 0])).collect()
+        chambers.map(|(i, c)| (format!("{}.{}", c.name, c.gas.key()), unit(c), [i, 0])).collect()
     },
     value: nothing_added,
     set: Setting::AddedTo(chamber),
     check: any,
     derivative: |swept, [chamber, _]| {
-        let on = &swept.scene.config.chamber[chamber].on;
-        let own = swept.problem.energies.chambers().filter(|(_, named)| named.name == *on);
+        let name = &swept.scene.config.chamber[chamber].name;
+        let own = swept.problem.energies.chambers().filter(|(_, named)| named.name == *name);
         let steps = 0..swept.by.parameters.steps();
         let sum = |id| steps.clone().map(|n| swept.by.parameters.chamber(n, id)).sum::<f64>();
         own.map(|(id, _)| sum(id)).sum()

@@ -333,7 +333,7 @@ pub fn apply(scene: &mut Scene, path: &Path) -> Result<AsCast> {
 
 fn found(scene: &Scene, measured: &Measured, path: &Path) -> Result<AsCast> {
     let tags = if measured.walls.is_empty() {
-        scene.config.chamber.iter().map(|chamber| chamber.on.clone()).collect()
+        scene.config.chamber.iter().flat_map(|chamber| chamber.on.all()).cloned().collect()
     } else {
         measured.walls.clone()
     };

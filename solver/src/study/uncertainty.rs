@@ -142,7 +142,7 @@ fn numbers(scene: &Scene, config: &UncertaintyConfig) -> Result<Vec<Off>> {
     all.extend(["creep", "mullins"].into_iter().flat_map(|of| softening(scene, of)));
     if let Some(off) = config.pressure {
         let chambers = scene.config.chamber.iter().filter(|c| is_pressure(c.gas.key()));
-        let each = chambers.map(|c| (c.on.clone(), Group::pressure(scene, Some(&c.on))));
+        let each = chambers.map(|c| (c.name.clone(), Group::pressure(scene, Some(&c.name))));
         let (whole, each) = (Group::pressure(scene, None), if_several(each.collect()));
         all.extend(Off::each("pressure", both(off), whole, each));
     }

@@ -9,13 +9,19 @@
 //! deformed wall and turns with it: a follower load. The one parameter is the number that
 //! the law follows over time ([`GasLaw::schedule`]), at the iterate's load. The dense
 //! second term is never assembled, see [`Energy::rank_one`].
+//!
+//! A law may remember its gas: the one internal variable of the chamber is then the amount above that at
+//! rest, M = (p_a + P) V − p_a V₀ [J].
 
 use mesh::Vec3;
 
-use super::gas_law::{GasLaw, Potential};
+use super::gas_law::{GasLaw, Moment, Past, Potential};
 use super::wall::{Wall, positions, rest_positions};
-use super::{Constraint, Energy, Hessian, Iterate, Multiplier, RankOne};
-use crate::element::at;
+use super::{
+    Constraint, Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent,
+    RankOne,
+};
+use crate::element::FunctionSpace;
 use crate::math::linear::dot;
 use crate::math::sparse::BlockMatrix;
 
@@ -28,6 +34,8 @@ pub struct Chamber {
     pub gas: Box<dyn GasLaw>,
     /// Index of its multiplier, if the law prescribes the volume.
     pub multiplier: Option<usize>,
+    /// Place of its gas among all internal variables, if the law remembers it and the scene goes through time.
+    pub memory: Option<usize>,
 }
 
 impl Chamber {
@@ -39,9 +47,23 @@ impl Chamber {
 
     fn state_at(&self, iterate: &Iterate, x: impl Fn(usize) -> Vec3 + Sync) -> (f64, Potential) {
         let volume = self.wall.volume(iterate.space, x);
-        let multiplier =
-            self.multiplier.map_or_else(Multiplier::default, |i| iterate.multipliers[i]);
-        (volume, self.gas.at(volume, self.rest_volume(iterate), iterate.time, multiplier))
+        (volume, self.gas.at(volume, self.rest_volume(iterate), &self.moment(iterate)))
+    }
+
+    fn moment(&self, iterate: &Iterate) -> Moment {
+        let multiplier = self.multiplier.map(|i| iterate.multipliers[i]).unwrap_or_default();
+        let past = self.memory.zip(iterate.step).map(|(place, step)| {
+            let amount = step.internal.get(place).copied().unwrap_or(0.0);
+            Past { h: step.internal_h, amount }
+        });
+        Moment { time: iterate.time, multiplier, past }
+    }
+
+    /// ∂V/∂u at the nodes [m²].
+    fn volume_gradient(&self, iterate: &Iterate) -> Vec<f64> {
+        let mut gradient = vec![0.0; iterate.u.len()];
+        self.wall.add_wall_gradient(iterate.space, positions(iterate), 1.0, &mut gradient);
+        gradient
     }
 
     /// Adds P λᵀ S at the nodes [N/m]: λᵀ ∂²E/∂u² at fixed pressure.
@@ -49,6 +71,16 @@ impl Chamber {
         let x = positions(iterate);
         let (_, gas) = self.state_at(iterate, x);
         self.wall.add_stiffness_vjp(iterate.space, x, lambda, gas.pressure, out);
+    }
+
+    /// Ambient pressure of a law that remembers its gas [Pa].
+    fn ambient(&self) -> f64 {
+        self.gas.remembers().expect("only such a law has a memory")
+    }
+
+    fn pressure_by_parameter(&self, iterate: &Iterate) -> Option<f64> {
+        let volume = self.wall.volume(iterate.space, positions(iterate));
+        self.gas.pressure_by_parameter(volume, self.rest_volume(iterate), &self.moment(iterate))
     }
 
     /// Volume behind the rest wall [m³].
@@ -104,19 +136,14 @@ impl Energy for Chamber {
         if gas.stiffness == 0.0 {
             return None;
         }
-        let mut vector = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, x, 1.0, &mut vector);
-        Some(RankOne { scale: gas.stiffness, vector })
+        Some(RankOne { scale: gas.stiffness, vector: self.volume_gradient(iterate) })
     }
 
     fn constraint(&self, iterate: &Iterate) -> Option<Constraint> {
         let multiplier = self.multiplier?;
         let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.time)?.volume;
-        let x = positions(iterate);
-        let volume = self.wall.volume(iterate.space, x);
-        let mut gradient = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, x, 1.0, &mut gradient);
-        Some(Constraint { multiplier, volume, wanted, gradient })
+        let volume = self.wall.volume(iterate.space, positions(iterate));
+        Some(Constraint { multiplier, volume, wanted, gradient: self.volume_gradient(iterate) })
     }
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
@@ -130,23 +157,68 @@ impl Energy for Chamber {
             return;
         }
         // and X changes the pressure through both volumes
-        let mut gradient = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, x, 1.0, &mut gradient);
-        let along: f64 =
-            (0..iterate.space.node_count()).map(|i| at(&gradient, i).dot(&at(lambda, i))).sum();
+        let along = dot(&self.volume_gradient(iterate), lambda);
         self.wall.add_volume_gradient(iterate.space, x, gas.stiffness * along, out);
         let rest = rest_positions(iterate);
         self.wall.add_volume_gradient(iterate.space, rest, -gas.pressure_by_rest * along, out);
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let by = self.pressure_by_parameter(iterate);
+        by.map(|by| -by * dot(&self.volume_gradient(iterate), lambda)).into_iter().collect()
+    }
+
+    fn internal_variables(&self) -> Option<&dyn InternalVariables> {
+        self.memory.map(|_| self as &dyn InternalVariables)
+    }
+
+    fn add_past_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
+        let Some((place, step)) = self.memory.zip(iterate.step) else { return };
+        if step.internal.is_empty() {
+            return;
+        }
+        out.internal.resize(step.internal.len(), 0.0);
+        let (_, gas) = self.state(iterate);
+        out.internal[place] -= gas.pressure_by_past * dot(&self.volume_gradient(iterate), lambda);
+    }
+}
+
+/// The gas above that at rest [J], where the law remembers it.
+impl InternalVariables for Chamber {
+    fn count(&self, _: &FunctionSpace) -> usize {
+        1
+    }
+
+    fn values(&self, iterate: &Iterate) -> Vec<f64> {
+        let (volume, gas) = self.state(iterate);
+        let ambient = self.ambient();
+        vec![(ambient + gas.pressure) * volume - ambient * self.rest_volume(iterate)]
+    }
+
+    fn add_vjp(
+        &self,
+        iterate: &Iterate,
+        cotangents: &[f64],
+        by_u: &mut [f64],
+        by_rest: &mut [f64],
+    ) -> InternalCotangent {
+        let bar = self.memory.map_or(0.0, |place| cotangents[place]);
+        let ((volume, gas), ambient) = (self.state(iterate), self.ambient());
+        let by_volume = bar * (ambient + gas.pressure - volume * gas.stiffness);
+        let by_rest_volume = bar * (volume * gas.pressure_by_rest - ambient);
         let x = positions(iterate);
-        let volume = self.wall.volume(iterate.space, x);
-        let Some(by) = self.gas.pressure_by_parameter(volume, self.rest_volume(iterate)) else {
-            return Vec::new();
-        };
-        let mut gradient = vec![0.0; iterate.u.len()];
-        self.wall.add_wall_gradient(iterate.space, x, -by, &mut gradient);
-        vec![dot(&gradient, lambda)]
+        self.wall.add_wall_gradient(iterate.space, x, by_volume, by_u);
+        self.wall.add_volume_gradient(iterate.space, x, by_volume, by_rest);
+        self.wall.add_volume_gradient(
+            iterate.space,
+            rest_positions(iterate),
+            by_rest_volume,
+            by_rest,
+        );
+        let by_parameter = self.pressure_by_parameter(iterate).unwrap_or(0.0);
+        InternalCotangent {
+            past: vec![bar * volume * gas.pressure_by_past],
+            parameters: vec![bar * volume * by_parameter],
+        }
     }
 }

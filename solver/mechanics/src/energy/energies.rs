@@ -158,7 +158,7 @@ pub enum ParameterId {
     RigidLoad(usize),
     /// Coefficient of friction.
     Friction,
-    /// What a chamber is prescribed by: pressure, fill, change or factor of the volume.
+    /// What a chamber is prescribed by: pressure, fill, change or factor of the volume, injected volume or supply.
     Chamber(ChamberId),
 }
 

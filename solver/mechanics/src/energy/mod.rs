@@ -32,7 +32,7 @@ pub use energies::{
 };
 pub use fibres::{Axis, Direction, FibreMean, FibreSummary, Fibres};
 pub use friction::Friction;
-pub use gas_law::{GasLaw, IdealGas, Isobaric, Potential, PrescribedVolume};
+pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolume};
 pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};

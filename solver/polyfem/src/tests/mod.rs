@@ -211,7 +211,7 @@ fn loads_keep_their_sense_and_reach_every_body_with_their_id() {
     assert_eq!(config.fixed[2].displacement.at(x, 0.5), Vec3::new(0.05, 0.0, 0.2));
     assert_eq!(config.gravity.at(x, 0.5), Vec3::new(0.0, -1.0, -9.8));
     assert_eq!(config.traction[0].traction.at(x, 0.5), Vec3::new(0.0, 12.0, 1.0));
-    assert_eq!(config.chamber[0].on, "block.s3");
+    assert_eq!(config.chamber[0].name, "block.s3");
     assert_eq!(config.chamber[0].gas.schedule().at(1.0), 60.0);
     let nobody = "scene.json: no body has a facet with this id".to_owned();
     assert_eq!(imported.left()[&nobody], ["/boundary_conditions/dirichlet_boundary/2"]);

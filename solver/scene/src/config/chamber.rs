@@ -4,7 +4,8 @@
 use std::borrow::Cow;
 
 use anyhow::{Result, ensure};
-use mechanics::energy::GasLaw;
+use measure::written::Names;
+use mechanics::energy::{GasLaw, Isobaric};
 use program::schema::add_keys;
 use program::{KeyPath, Misfit, misfit, read_key};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -15,12 +16,14 @@ use serde_json::json;
 
 use super::gas;
 
-/// A chamber of a scene: the tag of its wall, and the keys of one of the laws in
+/// A chamber of a scene: the tags of its wall, and the keys of one of the laws in
 /// [`GAS_LAWS`](mechanics::energy::gas_law::GAS_LAWS).
 #[derive(Clone, Debug)]
 pub struct ChamberConfig {
-    /// Tag name of the wall.
-    pub on: String,
+    /// What paths and messages call it: the tag of its wall, if it has no other name.
+    pub name: String,
+    /// Tags of the wall. Hollows of several tags are one chamber: they share their gas, as on a manifold.
+    pub on: Names,
     /// Whether plugs close what is open of it.
     pub plug: bool,
     /// What is behind it.
@@ -31,17 +34,40 @@ impl ChamberConfig {
     /// What messages call it.
     #[must_use]
     pub fn title(&self) -> KeyPath {
-        title(&self.on)
+        match &self.on {
+            Names::One(tag) if *tag == self.name => title(tag),
+            _ => KeyPath::list("chamber").named(&self.name),
+        }
+    }
+
+    /// Whether a tag is of its wall.
+    #[must_use]
+    pub fn is_on(&self, tag: &str) -> bool {
+        self.on.all().iter().any(|own| own == tag)
     }
 
     fn read(mut keys: toml::Table) -> Result<Self, Misfit> {
-        let on: String = read_key(&keys, "on")?.ok_or_else(|| Misfit::missing_field("on"))?;
-        let title = title(&on);
+        let on: Names = read_key(&keys, "on")?.ok_or_else(|| Misfit::missing_field("on"))?;
+        let name = match (read_key(&keys, "name")?, &on) {
+            (Some(name), _) => name,
+            (None, Names::One(tag)) => tag.clone(),
+            (None, Names::Several(tags)) => {
+                return Err(misfit!(
+                    KeyPath::of("on"),
+                    ": {} tags; expected a `name`, by which paths call the chamber",
+                    tags.len()
+                ));
+            }
+        };
+        let mut chamber =
+            Self { name, on, plug: false, gas: Box::new(Isobaric { pressure: 0.0.into() }) };
+        let title = chamber.title();
         let plug =
             read_key(&keys, "plug").map_err(|what| what.titled(title.clone().key("plug")))?;
-        keys.retain(|key, _| !["on", "plug"].contains(&key));
-        let gas = gas::read(&keys).map_err(|what| what.titled(title))?;
-        Ok(Self { on, plug: plug.unwrap_or(false), gas })
+        keys.retain(|key, _| !["name", "on", "plug"].contains(&key));
+        chamber.gas = gas::read(&keys).map_err(|what| what.titled(title))?;
+        chamber.plug = plug.unwrap_or(false);
+        Ok(chamber)
     }
 }
 
@@ -52,6 +78,9 @@ fn title(on: &str) -> KeyPath {
 impl Serialize for ChamberConfig {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
+        if !matches!(&self.on, Names::One(tag) if *tag == self.name) {
+            map.serialize_entry("name", &self.name)?;
+        }
         map.serialize_entry("on", &self.on)?;
         if self.plug {
             map.serialize_entry("plug", &true)?;
@@ -76,10 +105,16 @@ impl JsonSchema for ChamberConfig {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let mut schema = gas::schema(generator);
-        let on = json!({ "type": "string", "description": "Tag of its wall." });
+        let name = json!({ "type": "string", "description": "What paths and messages call it; if not given, the \
+            tag of its wall." });
+        let mut on = generator.subschema_for::<Names>().to_value();
+        on["description"] =
+            "Tag of its wall; or a list of those of several hollows that share their gas, as on a \
+            manifold."
+                .into();
         let plug = json!({ "type": "boolean", "default": false, "description": "Whether plugs, on which the gas \
             pushes and which move with it, close what is open of the wall, so that its rim need not be fixed." });
-        add_keys(&mut schema, &[("on", on, true), ("plug", plug, false)]);
+        add_keys(&mut schema, &[("name", name, false), ("on", on, true), ("plug", plug, false)]);
         schema
     }
 }
@@ -89,7 +124,7 @@ impl JsonSchema for ChamberConfig {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChamberDesign {
-    /// Tag of its wall; the scene prescribes the pressure there.
+    /// Its name in the scene, as a rule the tag of its wall; the scene prescribes the pressure there.
     pub on: String,
     /// Smallest and largest slope [Pa/s].
     pub slope: [f64; 2],

@@ -214,13 +214,21 @@ impl SimConfig {
         let moments = self.moments();
         for (i, chamber) in self.chamber.iter().enumerate() {
             chamber.gas.check(&moments).with_context(|| chamber.title())?;
+            let earlier = &self.chamber[..i];
+            for (k, tag) in chamber.on.all().iter().enumerate() {
+                let taken = earlier.iter().any(|other| other.is_on(tag));
+                ensure!(
+                    !taken && !chamber.on.all()[..k].contains(tag),
+                    chamber.title().told(format!(
+                        "\"{tag}\" is the wall of two chambers: keep one [[chamber]] on it"
+                    ))
+                );
+            }
             ensure!(
-                self.chamber[..i].iter().all(|other| other.on != chamber.on),
-                chamber.title().told(format!(
-                    "\"{}\" is the wall of two chambers: keep one [[chamber]] on it",
-                    chamber.on
-                ))
+                earlier.iter().all(|other| other.name != chamber.name),
+                chamber.title().told(format!("two [[chamber]] are called \"{}\"", chamber.name))
             );
+            ensure!(!chamber.on.all().is_empty(), chamber.title().told("on = []: name a tag"));
         }
         Ok(())
     }

@@ -28,8 +28,10 @@ pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>, Misfit> {
     })?;
     let schedule = schedule.ok_or_else(|| missing(selecting))?;
     let others = law.keys.iter().filter(|key| !key.selects);
-    let number =
-        |key: &Key| keys.get(key.name).map_or_else(|| Err(missing(key)), |v| number(key, v));
+    let number = |key: &Key| match (keys.get(key.name), key.default) {
+        (Some(value), _) => number(key, value),
+        (None, default) => default.ok_or_else(|| missing(key)),
+    };
     let numbers = others.map(number).collect::<Result<Vec<_>, _>>()?;
     Ok((law.build)(selecting.name, schedule, &numbers))
 }
@@ -39,7 +41,8 @@ fn select(keys: &Table) -> Result<(&'static Row, &'static Key), Misfit> {
     let all = || GAS_LAWS.iter().flat_map(|row| row.keys.iter().map(move |key| (row, key)));
     let known = |name: &String| all().any(|(_, key)| key.name == *name);
     if let Some(unknown) = keys.keys().find(|name| !known(name)) {
-        let known: Vec<&str> = ["on"].into_iter().chain(all().map(|(_, key)| key.name)).collect();
+        let known: Vec<&str> =
+            ["name", "on", "plug"].into_iter().chain(all().map(|(_, key)| key.name)).collect();
         return Err(KeyPath::word(unknown).unknown("field", unknown, &known));
     }
     let selecting: Vec<_> = all().filter(|(_, key)| key.selects).collect();
@@ -100,10 +103,14 @@ fn form(law: &Row, selecting: &Key, schedule: &Json) -> Schema {
     let property = |key: &Key| {
         let mut value = if key.selects { schedule.clone() } else { json!({ "type": "number" }) };
         value["description"] = format!("{} [{}].", key.meaning, key.unit).into();
+        if let Some(default) = key.default {
+            value["default"] = default.into();
+        }
         (key.name.to_owned(), value)
     };
     let properties: serde_json::Map<String, Json> = own().map(property).collect();
-    let required: Vec<&str> = own().map(|key| key.name).collect();
+    let needed = own().filter(|key| key.default.is_none());
+    let required: Vec<&str> = needed.map(|key| key.name).collect();
     json_schema!({
         "type": "object",
         "title": law.name,
@@ -127,6 +134,8 @@ mod tests {
             "volume_change = { t = [0, 1], value = [0, 2e-6] }",
             "volume_factor = 1.5",
             "injected = \"2e-6*t\"\ncompliance = 1e-11",
+            "supply = 60e3\nresistance = 1e9\nleak = 1e-12\nambient = 95e3",
+            "checked_supply = \"60e3*t\"\nresistance = 1e9\nleak = 0\nambient = 95e3",
         ] {
             let table: toml::Table = toml::from_str(text).expect("TOML");
             let law = read(&table).expect(text);
@@ -147,7 +156,7 @@ mod tests {
     #[test]
     fn exactly_one_key_selects_the_law() {
         let all = "pressure [Pa], fill [Pa], volume_change [m³], \
-                   volume_factor [1], injected [m³]";
+                   volume_factor [1], injected [m³], supply [Pa], checked_supply [Pa]";
         for (text, words) in [
             ("", &["expected exactly one of", all, "found none"][..]),
             ("ambient = 1e5", &[all, "found none"]),
@@ -161,6 +170,7 @@ mod tests {
             ("fill = 1\nambient = 1e5\nexponent = \"a\"", &["exponent", "\"a\""]),
             ("pressure = [1]", &["a number, an expression"]),
             ("injected = 1e-6", &["missing field `compliance`"]),
+            ("supply = 1e5", &["missing field `resistance`"]),
             ("pressures = 1", &["unknown field `pressures`", "`pressure`, `fill`"]),
         ] {
             let error = read(&toml::from_str(text).expect("TOML")).expect_err(text).to_string();

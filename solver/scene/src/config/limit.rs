@@ -118,7 +118,7 @@ impl SimConfig {
         let pressures: Vec<&str> = self
             .chamber
             .iter()
-            .filter_map(|chamber| chamber.gas.pressure().map(|_| chamber.on.as_str()))
+            .filter_map(|chamber| chamber.gas.pressure().map(|_| chamber.name.as_str()))
             .collect();
         let known = pressures.join(", ");
         ensure!(

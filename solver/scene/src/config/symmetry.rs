@@ -39,7 +39,7 @@ impl SimConfig {
                         .number(i + 1)
                         .told(format!("two [[symmetry]] are on \"{tag}\": keep one"))
                 );
-                let chamber = self.chamber.iter().any(|c| c.on == *tag).then_some("[[chamber]]");
+                let chamber = self.chamber.iter().any(|c| c.is_on(tag)).then_some("[[chamber]]");
                 let traction = self.traction.iter().any(|t| t.on == *tag).then_some("[[traction]]");
                 if let Some(load) = chamber.or(traction) {
                     anyhow::bail!(cut(tags).told(format!(

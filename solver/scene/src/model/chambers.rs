@@ -17,7 +17,8 @@ const PENALTY: f64 = 10.0;
 const OFF_PLANE: f64 = 1e-9;
 
 impl Scene {
-    /// The chambers of a body, by the tags of their walls, in the order of the scene.
+    /// The chambers of a body by their names, in the order of the scene; `internal` variables are of the terms
+    /// before.
     ///
     /// # Errors
     /// When a tag is missing or closes no volume that gas could fill.
@@ -25,14 +26,17 @@ impl Scene {
         &self,
         body: &Body,
         space: &FunctionSpace,
+        internal: usize,
     ) -> Result<Vec<(String, Chamber)>> {
         let context = || self.path.display().to_string();
         let nodes = space.node_positions(&body.mesh.vertices);
         let moments = self.config.moments();
-        let (mut chambers, mut prescribed) = (Vec::new(), 0);
+        let (mut chambers, mut prescribed, mut remembered) = (Vec::new(), 0, 0);
         for config in &self.config.chamber {
-            let on = &config.on;
-            let facets = body.facets(on).with_context(context)?;
+            let mut facets = Vec::new();
+            for tag in config.on.all() {
+                facets.extend(body.facets(tag).with_context(context)?);
+            }
             let mut wall = Wall::cut_by(&body.planes, space, &facets);
             if config.plug {
                 ensure!(
@@ -48,9 +52,10 @@ impl Scene {
             let volume = wall.volume(space, |n| nodes[n]);
             if config.gas.needs_space() && volume <= 0.0 {
                 bail!(config.title().told(format!(
-                    "{}: \"{on}\": the volume behind the wall is {volume:.3e} m³, must be \
+                    "{}: \"{}\": the volume behind the wall is {volume:.3e} m³, must be \
                      positive\n  the tag is not the wall of a chamber",
-                    self.path.display()
+                    self.path.display(),
+                    config.name
                 )));
             }
             let wanted = |t: f64| config.gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
@@ -70,7 +75,11 @@ impl Scene {
             }
             let multiplier = config.gas.wanted(volume, 0.0).map(|_| prescribed);
             prescribed += usize::from(multiplier.is_some());
-            chambers.push((on.clone(), Chamber { wall, gas: config.gas.clone(), multiplier }));
+            let remembers = self.config.time.is_some() && config.gas.remembers().is_some();
+            let memory = remembers.then_some(internal + remembered);
+            remembered += usize::from(remembers);
+            let chamber = Chamber { wall, gas: config.gas.clone(), multiplier, memory };
+            chambers.push((config.name.clone(), chamber));
         }
         Ok(chambers)
     }

@@ -264,7 +264,8 @@ impl Scene {
         energies.membranes = self.sheets(body, space)?;
         energies.fibres = self.fibres(body, space)?;
         energies.windings = self.windings(body, space)?;
-        for (name, chamber) in self.chambers(body, space)? {
+        let internal = energies.internal_count(space);
+        for (name, chamber) in self.chambers(body, space, internal)? {
             chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
             energies = energies.with_chamber(name, chamber);
         }

@@ -2,6 +2,7 @@
 
 use super::membrane::to_equilibrium;
 use super::*;
+use crate::energy::Isobaric;
 use crate::energy::{Axis, Direction, Fibres, Winding, polyline};
 use crate::material::fibre::Fibre;
 use crate::material::{Lame, NeoHookean};
@@ -57,7 +58,8 @@ impl Reinforced {
         energies.windings.push(Winding::new(&space, &pieces, numbers));
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
-        energies = energies.with_chamber("around", Chamber { wall, gas, multiplier: None });
+        energies =
+            energies.with_chamber("around", Chamber { wall, gas, multiplier: None, memory: None });
         let problem = Problem::new(space, energies, &fixed);
         let workspace = Workspace::new(&problem);
         (problem, workspace)

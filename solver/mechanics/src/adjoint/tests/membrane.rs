@@ -1,6 +1,7 @@
 //! Gradients of runs of blocks with sheets on their faces and inside.
 
 use super::*;
+use crate::energy::Isobaric;
 use crate::energy::Membrane;
 use crate::material::sheet::{LAWS, Sheet, TensionField};
 use crate::material::{Lame, NeoHookean};
@@ -46,7 +47,8 @@ impl Sheets {
         energies.membranes.push(Membrane::new(&space, &sheets, 2e-3 * factors[0], law));
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
-        energies = energies.with_chamber("around", Chamber { wall, gas, multiplier: None });
+        energies =
+            energies.with_chamber("around", Chamber { wall, gas, multiplier: None, memory: None });
         let problem = Problem::new(space, energies, &fixed);
         let workspace = Workspace::new(&problem);
         (problem, workspace)

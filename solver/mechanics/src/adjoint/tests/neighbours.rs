@@ -9,7 +9,7 @@ impl Case {
     /// The derivative of the number of the chamber by the pressure that it stands for.
     pub(super) fn by_pressure(&self) -> f64 {
         match self.inside {
-            Inside::Pressure | Inside::Gas => 1.0,
+            Inside::Pressure | Inside::Gas | Inside::Supply | Inside::CheckedSupply => 1.0,
             Inside::Volume => CHANGE,
             Inside::Factor => FACTOR,
         }

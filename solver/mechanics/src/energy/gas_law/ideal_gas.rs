@@ -6,26 +6,24 @@
 //! p_a  ambient pressure [Pa]
 //! γ    1 isothermal, 1.4 adiabatic for air
 
-use super::{GasLaw, Key, Multiplier, Potential, Refused, Row};
+use super::{GasLaw, Key, Moment, Potential, Refused, Row};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
     name: "ideal gas",
     formula: "P = (P₀ + p_a)(V₀/V)^γ − p_a",
     keys: &[
-        Key {
-            name: "fill",
-            unit: "Pa",
-            meaning: "P₀, gauge pressure in the rest volume, where the chamber is closed",
-            selects: true,
-        },
-        Key { name: "ambient", unit: "Pa", meaning: "p_a, ambient pressure", selects: false },
-        Key {
-            name: "exponent",
-            unit: "1",
-            meaning: "γ ≥ 1, polytropic exponent: 1 isothermal, 1.4 adiabatic for air",
-            selects: false,
-        },
+        Key::selecting(
+            "fill",
+            "Pa",
+            "P₀, gauge pressure in the rest volume, where the chamber is closed",
+        ),
+        Key::number("ambient", "Pa", "p_a, ambient pressure"),
+        Key::number(
+            "exponent",
+            "1",
+            "γ ≥ 1, polytropic exponent: 1 isothermal, 1.4 adiabatic for air",
+        ),
     ],
     source: "polytropic law",
     build: |_, fill, numbers| {
@@ -45,13 +43,13 @@ pub struct IdealGas {
 }
 
 impl GasLaw for IdealGas {
-    fn at(&self, v: f64, rest: f64, time: f64, _: Multiplier) -> Potential {
+    fn at(&self, v: f64, rest: f64, moment: &Moment) -> Potential {
         let &Self { ref fill, ambient, exponent } = self;
         if v <= 0.0 {
             let value = f64::INFINITY;
-            return Potential { value, pressure: 0.0, stiffness: 0.0, pressure_by_rest: 0.0 };
+            return Potential { value, ..Potential::default() };
         }
-        let full = fill.at(time) + ambient;
+        let full = fill.at(moment.time) + ambient;
         let ratio = rest / v;
         let absolute = full * ratio.powf(exponent);
         // ∫ (V₀/V)^γ dV from V₀, a logarithm at γ = 1
@@ -65,6 +63,7 @@ impl GasLaw for IdealGas {
             pressure: absolute - ambient,
             stiffness: exponent * absolute / v,
             pressure_by_rest: exponent * absolute / rest,
+            pressure_by_past: 0.0,
         }
     }
 
@@ -91,12 +90,12 @@ impl GasLaw for IdealGas {
         }
         let full = |&t: &f64| (t, fill.at(t) + ambient);
         match moments.iter().map(full).find(|&(_, full)| full.is_nan() || full <= 0.0) {
-            Some((t, full)) => Err(Refused::Vacuum { full, t }),
+            Some((t, full)) => Err(Refused::Vacuum { key: "fill", full, t }),
             None => Ok(()),
         }
     }
 
-    fn pressure_by_parameter(&self, v: f64, rest: f64) -> Option<f64> {
+    fn pressure_by_parameter(&self, v: f64, rest: f64, _: &Moment) -> Option<f64> {
         Some((rest / v).powf(self.exponent))
     }
 

@@ -7,25 +7,23 @@
 //!
 //! As C → 0 the volume is prescribed: V = V₀ + V_i.
 
-use super::{GasLaw, Key, Multiplier, Potential, Refused, Row};
+use super::{GasLaw, Key, Moment, Potential, Refused, Row};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
     name: "injected liquid",
     formula: "P = (V_i + V₀ − V)/C",
     keys: &[
-        Key {
-            name: "injected",
-            unit: "m³",
-            meaning: "V_i, volume of liquid that a syringe has injected; negative: drawn out",
-            selects: true,
-        },
-        Key {
-            name: "compliance",
-            unit: "m³/Pa",
-            meaning: "C > 0, volume that tubing and syringe take up per pressure",
-            selects: false,
-        },
+        Key::selecting(
+            "injected",
+            "m³",
+            "V_i, volume of liquid that a syringe has injected; negative: drawn out",
+        ),
+        Key::number(
+            "compliance",
+            "m³/Pa",
+            "C > 0, volume that tubing and syringe take up per pressure",
+        ),
     ],
     source: "conservation of volume",
     build: |_, injected, numbers| Box::new(InjectedLiquid { injected, compliance: numbers[0] }),
@@ -41,13 +39,14 @@ pub struct InjectedLiquid {
 }
 
 impl GasLaw for InjectedLiquid {
-    fn at(&self, v: f64, rest: f64, time: f64, _: Multiplier) -> Potential {
-        let stored = self.injected.at(time) + rest - v;
+    fn at(&self, v: f64, rest: f64, moment: &Moment) -> Potential {
+        let stored = self.injected.at(moment.time) + rest - v;
         Potential {
             value: stored * stored / (2.0 * self.compliance),
             pressure: stored / self.compliance,
             stiffness: 1.0 / self.compliance,
             pressure_by_rest: 1.0 / self.compliance,
+            pressure_by_past: 0.0,
         }
     }
 
@@ -77,7 +76,7 @@ impl GasLaw for InjectedLiquid {
         false
     }
 
-    fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
+    fn pressure_by_parameter(&self, _: f64, _: f64, _: &Moment) -> Option<f64> {
         Some(1.0 / self.compliance)
     }
 

@@ -2,18 +2,13 @@
 //!
 //! Φ = −P (V − V₀)
 
-use super::{GasLaw, Key, Multiplier, Potential, Row};
+use super::{GasLaw, Key, Moment, Potential, Row};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
     name: "isobaric",
     formula: "Φ = −P (V − V₀)",
-    keys: &[Key {
-        name: "pressure",
-        unit: "Pa",
-        meaning: "P, gauge pressure at any volume; positive inflates",
-        selects: true,
-    }],
+    keys: &[Key::selecting("pressure", "Pa", "P, gauge pressure at any volume; positive inflates")],
     source: "work of a constant pressure",
     build: |_, pressure, _| Box::new(Isobaric { pressure }),
 };
@@ -26,9 +21,9 @@ pub struct Isobaric {
 }
 
 impl GasLaw for Isobaric {
-    fn at(&self, v: f64, rest: f64, time: f64, _: Multiplier) -> Potential {
-        let pressure = self.pressure.at(time);
-        Potential { value: -pressure * (v - rest), pressure, stiffness: 0.0, pressure_by_rest: 0.0 }
+    fn at(&self, v: f64, rest: f64, moment: &Moment) -> Potential {
+        let pressure = self.pressure.at(moment.time);
+        Potential { value: -pressure * (v - rest), pressure, ..Potential::default() }
     }
 
     fn schedule(&self) -> &Schedule {
@@ -51,7 +46,7 @@ impl GasLaw for Isobaric {
         false
     }
 
-    fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
+    fn pressure_by_parameter(&self, _: f64, _: f64, _: &Moment) -> Option<f64> {
         Some(1.0)
     }
 

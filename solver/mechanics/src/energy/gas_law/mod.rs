@@ -8,6 +8,7 @@ mod ideal_gas;
 mod injected;
 mod isobaric;
 mod prescribed_volume;
+mod supplied;
 
 use std::fmt::Debug;
 
@@ -18,10 +19,11 @@ pub use ideal_gas::IdealGas;
 pub use injected::InjectedLiquid;
 pub use isobaric::Isobaric;
 pub use prescribed_volume::PrescribedVolume;
+pub use supplied::SuppliedGas;
 
 /// The laws, in the order in which they are listed.
 pub const GAS_LAWS: &[Row] =
-    &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW, injected::ROW];
+    &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW, injected::ROW, supplied::ROW];
 
 /// A gas law: what to write, what it means, how to build it.
 pub struct Row {
@@ -49,6 +51,20 @@ pub struct Key {
     pub meaning: &'static str,
     /// Whether it selects the law: a chamber has exactly one such key.
     pub selects: bool,
+    /// What it is where it is not written; none where it has to be.
+    pub default: Option<f64>,
+}
+
+impl Key {
+    /// A key that selects its law.
+    const fn selecting(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
+        Self { name, unit, meaning, selects: true, default: None }
+    }
+
+    /// A number that has to be written.
+    const fn number(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
+        Self { name, unit, meaning, selects: false, default: None }
+    }
 }
 
 /// A gas that cannot be.
@@ -70,9 +86,24 @@ pub enum Refused {
         /// Volume per pressure [m³/Pa].
         compliance: f64,
     },
-    /// The fill is below a vacuum.
-    #[error("ambient + fill = {full} Pa at t = {t} must be positive")]
+    /// A constant of a line is out of range.
+    #[error(
+        "resistance = {resistance} Pa s/m³ and ambient = {ambient} Pa must be positive, leak = {leak} m³/(Pa s) \
+         at least 0, all finite"
+    )]
+    Line {
+        /// Pressure per flow [Pa s/m³].
+        resistance: f64,
+        /// Flow per pressure [m³/(Pa s)].
+        leak: f64,
+        /// Ambient pressure [Pa].
+        ambient: f64,
+    },
+    /// The fill or supply is below a vacuum.
+    #[error("ambient + {key} = {full} Pa at t = {t} must be positive")]
     Vacuum {
+        /// What is added to the ambient pressure.
+        key: &'static str,
         /// Absolute pressure [Pa].
         full: f64,
         /// Time [s].
@@ -82,11 +113,10 @@ pub enum Refused {
 
 /// A gas law with its numbers.
 pub trait GasLaw: Debug + Send + Sync {
-    /// Φ and its derivatives at volume `v` of a chamber with rest volume `rest` [m³], at
-    /// a load; `multiplier` is that of a prescribed volume, and ignored by other laws.
-    fn at(&self, v: f64, rest: f64, time: f64, multiplier: Multiplier) -> Potential;
-    /// The one number that it follows over time, the parameter p: pressure, fill, change
-    /// or factor.
+    /// Φ and its derivatives at volume `v` of a chamber with rest volume `rest` [m³].
+    fn at(&self, v: f64, rest: f64, moment: &Moment) -> Potential;
+    /// The one number that it follows over time, the parameter p: pressure, fill, change,
+    /// factor, injected volume or supply.
     fn schedule(&self) -> &Schedule;
     /// The schedule of that number, to be changed.
     fn schedule_mut(&mut self) -> &mut Schedule;
@@ -113,7 +143,12 @@ pub trait GasLaw: Debug + Send + Sync {
         true
     }
     /// ∂P/∂p at a volume, where the law does not prescribe the volume.
-    fn pressure_by_parameter(&self, v: f64, rest: f64) -> Option<f64>;
+    fn pressure_by_parameter(&self, v: f64, rest: f64, moment: &Moment) -> Option<f64>;
+    /// Ambient pressure p_a of a law that remembers from step to step how much gas it has more than at rest,
+    /// M = (p_a + P) V − p_a V₀ [J].
+    fn remembers(&self) -> Option<f64> {
+        None
+    }
     /// V*, where the law prescribes it.
     fn wanted(&self, _rest: f64, _load: f64) -> Option<Wanted> {
         None
@@ -128,8 +163,28 @@ impl Clone for Box<dyn GasLaw> {
     }
 }
 
-/// Φ and its derivatives at one volume.
+/// When, and after what, a chamber is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Time [s].
+    pub time: f64,
+    /// Multiplier of a prescribed volume, which other laws ignore.
+    pub multiplier: Multiplier,
+    /// What the step in time begins with, for a law that remembers its gas; none in a static scene.
+    pub past: Option<Past>,
+}
+
+/// The gas that a step in time begins with, by which the rate at its end is Ṁ = (M − M°)/h.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Past {
+    /// h [s].
+    pub h: f64,
+    /// M°, above that at rest [J].
+    pub amount: f64,
+}
+
+/// Φ and its derivatives at one volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Potential {
     /// Φ [J]; infinite for V ≤ 0 of a fixed amount of gas.
     pub value: f64,
@@ -139,6 +194,8 @@ pub struct Potential {
     pub stiffness: f64,
     /// ∂P/∂V₀ [Pa/m³].
     pub pressure_by_rest: f64,
+    /// ∂P/∂M° of a law that remembers its gas [1/m³]; else 0.
+    pub pressure_by_past: f64,
 }
 
 /// A volume V* that a chamber shall have.

@@ -8,7 +8,8 @@
 //! P̂ and k belong to the iterate: `forward` finds the P̂ for which V = V*, and P is then
 //! the pressure at which the volume is V*, for any k.
 
-use super::{GasLaw, Key, Multiplier, Potential, Row, Wanted};
+use super::{GasLaw, Key, Moment, Potential, Row, Wanted};
+use crate::energy::Multiplier;
 use crate::schedule::Schedule;
 
 const CHANGE: &str = "volume_change";
@@ -18,13 +19,8 @@ pub(super) const ROW: Row = Row {
     name: "prescribed volume",
     formula: "V = V*, at the pressure that it needs; this is the Lagrange multiplier",
     keys: &[
-        Key {
-            name: CHANGE,
-            unit: "m³",
-            meaning: "V* − V₀, volume that is pumped in",
-            selects: true,
-        },
-        Key { name: FACTOR, unit: "1", meaning: "V*/V₀, 1 at rest", selects: true },
+        Key::selecting(CHANGE, "m³", "V* − V₀, volume that is pumped in"),
+        Key::selecting(FACTOR, "1", "V*/V₀, 1 at rest"),
     ],
     source: "augmented Lagrangian: Nocedal and Wright, chapters 17 and 18",
     build: |key, schedule, _| {
@@ -61,15 +57,16 @@ impl PrescribedVolume {
 }
 
 impl GasLaw for PrescribedVolume {
-    fn at(&self, v: f64, rest: f64, time: f64, multiplier: Multiplier) -> Potential {
-        let Multiplier { pressure, penalty } = multiplier;
-        let Wanted { volume, by_rest, .. } = self.at_load(rest, time);
+    fn at(&self, v: f64, rest: f64, moment: &Moment) -> Potential {
+        let Multiplier { pressure, penalty } = moment.multiplier;
+        let Wanted { volume, by_rest, .. } = self.at_load(rest, moment.time);
         let gap = v - volume;
         Potential {
             value: (0.5 * penalty * gap - pressure) * gap,
             pressure: pressure - penalty * gap,
             stiffness: penalty,
             pressure_by_rest: penalty * by_rest,
+            pressure_by_past: 0.0,
         }
     }
 
@@ -94,7 +91,7 @@ impl GasLaw for PrescribedVolume {
         matches!(self, Self::Factor(_))
     }
 
-    fn pressure_by_parameter(&self, _: f64, _: f64) -> Option<f64> {
+    fn pressure_by_parameter(&self, _: f64, _: f64, _: &Moment) -> Option<f64> {
         None
     }
 

@@ -185,7 +185,7 @@ fn sphere(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
     let wall: Vec<[usize; 3]> = wall.copied().collect();
     let wall = Wall::cut_by(&planes, &space, &wall);
     let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
-    let chamber = Chamber { wall, gas, multiplier: None };
+    let chamber = Chamber { wall, gas, multiplier: None, memory: None };
     // bulk modulus 2000 times the shear modulus 1
     let material = NeoHookean(Lame::new(2.9995, 0.49975));
     let elastic = crate::energy::Elastic::whole(Box::new(material)).with_mean_dilatation();
