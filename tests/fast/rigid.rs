@@ -1,5 +1,6 @@
 //! Rigid parts of scenes, by the program: a plate that is glued to the top of a block with a closed chamber.
 
+use mesh::Vec3;
 use mesh::io::write_tets;
 use tests::workdir::Workdir;
 use tests::{block, tag};
@@ -156,4 +157,46 @@ fn air_is_pumped_below_a_flat_wall() {
     let air = &report["chambers"]["bottom"];
     assert!((air["volume"].as_f64().unwrap() / 2e-8 - 1.0).abs() < 1e-9, "{air}");
     assert!(air["pressure"].as_f64().unwrap() > 0.0, "{air}");
+}
+
+/// Also where the first vertex of the mesh is an inner one, which no guide holds.
+#[test]
+fn a_guided_body_falls_straight() {
+    let dir = Workdir::new();
+    let mut mesh = block([2, 2, 2], 5e-3, |_| false, |p| p);
+    let middle = |p: &Vec3| (p - Vec3::repeat(5e-3)).norm() < 1e-9;
+    let inner = mesh.vertices.iter().position(middle).unwrap();
+    mesh.vertices.swap(0, inner);
+    let swapped = |v: usize| {
+        if v == 0 {
+            inner
+        } else if v == inner {
+            0
+        } else {
+            v
+        }
+    };
+    mesh.tets.iter_mut().flatten().for_each(|v| *v = swapped(*v));
+    let body = tag(mesh, &[("skin", &|_| true)]);
+    write_tets(&dir.path("cube.msh"), &body.mesh, &body.tags).unwrap();
+    dir.write(
+        "fall.toml",
+        "degree = 2\ngravity = [3, 2, -9.81]\n\n[[body]]\nname = \"cube\"\nmesh = \"cube.msh\"\n\
+         material = { kind = \"neo-hookean\", young = 1e6, poisson = 0.4, density = 1000 }\n\n\
+         [[rigid]]\non = \"cube\"\nalong = \"z\"\nturns = false\n\n\
+         [time]\nend = 0.1\nsteps = 10\nmethod = \"implicit-euler\"\n",
+    );
+    dir.solver("simulate fall.toml -o out").assert_good();
+    let steps = dir.text("out/steps.jsonl");
+    let last: serde_json::Value = serde_json::from_str(steps.lines().last().unwrap()).unwrap();
+    let moved: Vec<f64> = last["rigid"]["cube"]["displacement"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect();
+    // g h² n (n + 1)/2 of implicit Euler
+    let fallen = -9.81 * 0.01 * 0.01 * 55.0;
+    assert!(moved[0] == 0.0 && moved[1] == 0.0, "{moved:?}");
+    assert!((moved[2] / fallen - 1.0).abs() < 1e-9, "{moved:?} {fallen}");
 }

@@ -60,8 +60,8 @@ pub struct OffThePart {
 }
 
 impl RigidSet {
-    /// Some nodes, by ascending number and without repetition, with the positions of all nodes at rest [m].
-    /// None where there are no nodes.
+    /// Some nodes without repetition, with the positions of all nodes at rest [m]. Of nodes that do as well, the first is
+    /// a master. None where there are no nodes.
     #[must_use]
     pub fn new(nodes: &[usize], positions: &[Vec3], moves: Moves) -> Option<Self> {
         let &first = nodes.first()?;

@@ -1,6 +1,6 @@
 //! The rigid parts of a scene: their nodes, how they may move, and the terms of their energy.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
@@ -50,7 +50,7 @@ impl Scene {
         }
     }
 
-    /// Nodes of a part, ascending.
+    /// Nodes of a part, those of its surface first: only these are guided, and one of them has to lead.
     fn nodes_of_rigid(
         &self,
         part: &RigidConfig,
@@ -58,7 +58,12 @@ impl Scene {
         space: &FunctionSpace,
     ) -> Result<Vec<usize>> {
         if let Some(own) = self.parts.iter().position(|own| self.is_body(part, &own.config.name)) {
-            return Ok(nodes_of(body, own, space));
+            let facets = body.facets(&part.on)?;
+            let outside: BTreeSet<usize> =
+                facets.iter().flat_map(|&f| space.facet_nodes(f)).collect();
+            let mut nodes = nodes_of(body, own, space);
+            nodes.sort_by_key(|node| !outside.contains(node));
+            return Ok(nodes);
         }
         let facets = body.tagged(&part.on).with_context(|| part.title())?;
         let mut nodes: Vec<usize> = facets.iter().flat_map(|&f| space.facet_nodes(f)).collect();
