@@ -1,5 +1,6 @@
 //! What the log says of a cascade.
 
+use mechanics::forward::about;
 use scene::config::LevelConfig;
 
 use crate::optimize::{Checkpoint, Level, shares};
@@ -11,8 +12,8 @@ pub fn time_left(levels: &[LevelConfig], checkpoint: &Checkpoint) -> String {
     }
     let all: usize = levels[checkpoint.level..].iter().map(|l| l.iterations).sum();
     let left = all.saturating_sub(checkpoint.iteration) as f64;
-    let minutes = left * checkpoint.spent_s / (checkpoint.iteration + 1) as f64 / 60.0;
-    format!("  about {minutes:.0} min left")
+    let seconds = left * checkpoint.spent_s / (checkpoint.iteration + 1) as f64;
+    format!("  about {} left", about(seconds))
 }
 
 /// Says what a level has gained, and whether one term has hidden the others.
