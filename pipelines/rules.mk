@@ -186,6 +186,35 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 
 build/finger/report.html: build/finger/pictures/target.png
 
+# The finger wound with thread: its design, how far it is from ballooning, walls that are off, and its mold.
+build/finger/wound/report.json: $(call seen,$(patsubst %,pipelines/finger/%.toml,design design.wound sim sim.wound)) \
+		build/finger/tagged.msh | setup
+	$(BIN)/solver optimize pipelines/finger/design.wound.toml -o $(@D)
+
+build/finger/wound/inflated/report.json: build/finger/wound/report.json
+	$(BIN)/solver simulate pipelines/finger/sim.wound.toml --mesh $(<D)/design.msh --curve -o $(@D)
+
+build/finger/wound/tolerance/tolerance.json: build/finger/wound/report.json
+	$(BIN)/fab tolerance $(<D)/design.msh --scene pipelines/finger/sim.wound.toml --printer prusa-mk4 -o $(@D)
+
+build/finger/wound/mold/plan.json: build/finger/wound/inflated/report.json $(call seen,pipelines/finger/mold.toml pipelines/finger/mold.wound.toml)
+	$(BIN)/fab mold build/finger/wound/design.msh --model build/finger/model/model.stl --from build/finger/tagged.msh \
+		--config pipelines/finger/mold.wound.toml --title "finger, wound" -o $(@D)
+
+build/finger/wound/mold.checks.txt: build/finger/wound/mold/plan.json
+	$(BIN)/fab verify $(<D) --simulation build/finger/wound/inflated -o $@
+
+build/finger/wound/pictures/inflated.png: build/finger/wound/inflated/report.json
+	$(BIN)/cad2fem picture $(<D)/result.vtu build/finger/model/bent/model.stl --color displacement --view $(view.finger) \
+		--captions "wound and optimised,target" --title "finger at 120 kPa" -o $@
+
+build/finger/wound/pictures/objective.svg: build/finger/wound/report.json
+	$(BIN)/solver plot $(<D)/history.jsonl --y objective,terms.tip,terms.skin --labels "objective,tip,skin" --log \
+		--x-title "accepted shapes" -o $@
+
+build/finger/wound/done: $(addprefix build/finger/wound/,tolerance/tolerance.json mold.checks.txt pictures/inflated.png pictures/objective.svg)
+	@touch $@
+
 # The PneuNet without the paper in its floor, on the same mesh.
 build/pneunet/bare/report.json: $(call source,pipelines/pneunet/sim.bare.toml) build/pneunet/tagged.msh | setup
 	$(BIN)/solver simulate $< -o $(@D)
@@ -230,9 +259,13 @@ to.fibre/core := build/fibre/core/body
 build/fibre/core/body/model/model.json: $(call source,pipelines/fibre/model.geo) | setup
 	$(BIN)/cad2fem model $< --unit mm --set skin=0 -o $(@D)
 
-build/fibre/core/plan.json: build/fibre/core/body/tagged.msh $(call source,pipelines/fibre/core/mold.toml) | setup
+build/fibre/core/plan.json: build/fibre/core/body/tagged.msh build/fibre/baseline/report.json \
+		$(call source,pipelines/fibre/core/mold.toml) | setup
 	$(BIN)/fab mold $< --model build/fibre/core/body/model/model.stl --config pipelines/fibre/core/mold.toml --title "fibre, core" \
 		-o $(@D)
+
+# The skin is what is left to pour around it.
+build/fibre/mold/plan.json: build/fibre/core/body/tagged.msh
 
 build/fibre/core.checks.txt: build/fibre/core/plan.json | setup
 	$(BIN)/fab verify $(<D) -o $@

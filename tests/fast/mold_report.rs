@@ -1,7 +1,7 @@
 //! `mold.json` is what its schema says: each key is there, and no other.
 
 use serde_json::{Value, json};
-use tests::chamber;
+use tests::chamber::{self, SIM};
 use tests::reported::{check_mold, is_no_mold};
 
 /// Pointers to all objects in a value, to itself first.
@@ -46,4 +46,57 @@ fn a_key_more_or_less_is_found() {
         }
     }
     assert!(required > 60, "the schema asks for {required} keys");
+}
+
+/// Along the line on its top that the scene lays a thread on.
+#[test]
+fn the_casting_sheet_says_how_to_wind() {
+    let dir = chamber::workdir();
+    dir.write("bare.toml", SIM);
+    let line = "[[winding]]\nname = \"seam\"\non = \"top\"\nstiffness = 50\nstrength = 5\n\
+                points = [[0.006, 0.02, 0.04], [0.034, 0.02, 0.04]]\n";
+    dir.write("wound.toml", &format!("{SIM}\n{line}"));
+    for scene in ["bare", "wound"] {
+        dir.solver(&format!("simulate {scene}.toml --final-only -o {scene}")).assert_good();
+    }
+    let mold = |report: &str| {
+        dir.write("mold.toml", &format!("wound = \"{report}\"\n"));
+        dir.command_of("fab", "mold body.msh --config mold.toml --no-pictures -o mold")
+            .output()
+            .unwrap()
+    };
+    for (report, words) in [
+        ("bare/report.json", "no threads in it"),
+        ("wound.toml", "not a report of `solver simulate`"),
+        ("nowhere.json", "nowhere.json"),
+    ] {
+        let run = mold(report);
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.code() == Some(2) && said.contains(words), "{report}: {said}");
+    }
+    dir.write("around.toml", "around = \"body.msh\"\n");
+    let run = dir
+        .command_of("fab", "mold body.msh --config around.toml --no-pictures -o around")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(
+        run.status.code() == Some(1)
+            && said.contains("mL already; expected the mesh of a body within"),
+        "{said}"
+    );
+    let run = mold("wound/report.json");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let report = dir.json("mold/mold.json");
+    check_mold(&report);
+    let length = report["threads"][0]["length"].as_f64().unwrap();
+    assert!((length / 28.0 - 1.0).abs() < 1e-6, "{length}");
+    let sheet = dir.text("mold/cast.md");
+    for words in [
+        "0.2 m of thread that bears 5.0 N (`seam`)",
+        "Lay the thread `seam` on `top`",
+        "28 mm, without slack",
+    ] {
+        assert!(sheet.contains(words), "{words}: {sheet}");
+    }
 }

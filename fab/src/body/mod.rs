@@ -15,4 +15,5 @@ pub mod layout;
 pub mod orientation;
 mod slivers;
 pub mod source;
+pub mod thread;
 pub mod weight;

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
-use mesh::io::IoError;
+use mesh::io::{IoError, read_tets};
+use mesh::measure::volume;
 use program::schema::SchemaArguments;
 use program::{Changes, Progress};
 
@@ -21,7 +22,9 @@ use crate::body::collar::{self, Collar};
 use crate::body::files::{Body, BodyFiles};
 use crate::body::layer::Layer;
 use crate::body::source::{CastPart, Input, NamedFile};
+use crate::body::thread::Thread;
 use crate::config::{Casts, Config};
+use crate::geometry::MM;
 use crate::plan::report::{PlanReport, entries};
 use crate::plan::{Plan, Refused};
 
@@ -82,6 +85,10 @@ pub struct Planned {
     pub collars: Vec<Collar>,
     /// Sheets that are laid in.
     pub layers: Vec<Layer>,
+    /// Threads that are wound on it.
+    pub threads: Vec<Thread>,
+    /// Volume of what lies in the mold already [mm³].
+    pub inside: f64,
     /// Logs what the run is doing.
     pub progress: Progress,
 }
@@ -98,6 +105,8 @@ impl Task {
         let Body { boundary, file } = files.read(&config.chamber, config.surface)?;
         let layer = |tag: &String| Layer::find(&file, tag).map_err(|message| anyhow!(message));
         let layers = self.named(config.layers.iter().map(layer).collect::<Result<_>>())?;
+        let threads = self.named(self.threads(&config))?;
+        let inside = self.named(self.inside(&config))?;
         let triangles = boundary.cast.triangles.len();
         let progress = Progress::new(triangles);
         progress.step(&format!("measuring a body of {triangles} triangles"));
@@ -108,7 +117,25 @@ impl Task {
             log::info!("the finished cast weighs {}", weight.in_words());
         }
         let report = self.report(&plan, &boundary, &config)?;
-        Ok(Planned { config, boundary, plan, report, collars, layers, progress })
+        Ok(Planned { config, boundary, plan, report, collars, layers, threads, inside, progress })
+    }
+
+    /// The threads that are wound on the casting.
+    fn threads(&self, config: &Config) -> Result<Vec<Thread>> {
+        config.wound.as_ref().map_or(Ok(Vec::new()), |report| Thread::read(&self.beside(report)))
+    }
+
+    /// Volume of what lies in the mold already [mm³].
+    fn inside(&self, config: &Config) -> Result<f64> {
+        let Some(mesh) = &config.around else { return Ok(0.0) };
+        let mesh = read_tets(&self.beside(mesh)).context("around")?.mesh;
+        Ok(volume(&mesh) * MM.powi(3))
+    }
+
+    /// A path from the folder of the configuration.
+    fn beside(&self, path: &Path) -> PathBuf {
+        let folder = self.config.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        folder.join(path)
     }
 
     /// Plans the task again, without methods that were tried.

@@ -13,7 +13,7 @@ use crate::config::Config;
 use crate::config::fitting::Tube;
 use crate::config::method::Method;
 use crate::files::export::printable;
-use crate::files::report::{CAST, MoldReport, OUTSIDE, Role};
+use crate::files::report::{CAST, Cast, MoldReport, OUTSIDE, Role};
 use crate::geometry::MM;
 use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
@@ -86,6 +86,8 @@ fn molds(task: &Task, planned: &Planned) -> Result<Vec<(Entry, MoldFiles)>> {
         let mut files = MoldFiles::of_casting(&mold, task, planned, entry)?;
         files.report.collars = fitted_tubes(&planned.collars, &mold, &planned.config);
         files.report.layers = task.named(laid_in(&planned.layers, &mold, &casting.name))?;
+        files.report.threads = planned.threads.clone();
+        task.named(enclose(&mut files.report.cast, planned.inside))?;
         files.prove(&entry.name, against, &planned.report, planned.progress)?;
         molds.push((entry.clone(), files));
     }
@@ -125,6 +127,21 @@ fn fitted_tubes(collars: &[Collar], mold: &Mold, config: &Config) -> Vec<FittedT
     let tube = config.fitting.as_ref().and_then(|fitting| fitting.tube().ok());
     let fitted = |tube: &Tube| collars.iter().map(|c| c.fitted_tube(tube, &mold.frame)).collect();
     tube.as_ref().map_or(Vec::new(), fitted)
+}
+
+/// Leaves room for what lies in the mold already [mm³].
+fn enclose(cast: &mut Cast, inside: f64) -> Result<()> {
+    if inside >= cast.volume {
+        let [inside, volume] = [inside, cast.volume].map(|v| v / 1e3);
+        let message = format!(
+            "around: {inside:.2} mL lie in a mold of {volume:.2} mL already; expected the mesh of a body within the \
+             one that is cast"
+        );
+        return Err(Unusable(message).into());
+    }
+    cast.inside_ml = inside / 1e3;
+    cast.silicone_ml -= cast.inside_ml;
+    Ok(())
 }
 
 /// The sheets that lie in what a mold casts, for mold.json.

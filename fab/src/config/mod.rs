@@ -20,7 +20,7 @@ mod parting;
 mod sprue;
 mod vents;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use library::{Chemistry, printers, silicones};
@@ -106,6 +106,12 @@ table! {
         /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
         /// casting that is open on top, and level there.
         layers: Vec<String> = Vec::new() => "none", any;
+        /// Report of `solver simulate`, from the folder of this file: its threads are wound on the casting, as
+        /// `cast.md` then says.
+        wound: Option<PathBuf> = None => "none", any;
+        /// Mesh of what is cast already and lies in the mold, from the folder of this file: the silicone around it, such
+        /// as a skin over a wound core, is what is left to pour.
+        around: Option<PathBuf> = None => "none", any;
         /// Which surface is cast: `"carried"`, that of the model which `--model` names, carried as a design moved the
         /// mesh; `"model"`, the same with designed chambers as the tetrahedra have them; or `"mesh"`, the boundary of
         /// the tetrahedra, which is off the model by up to the mesher's envelope.

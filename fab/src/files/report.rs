@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::{CastPart, Input};
+use crate::body::thread::Thread;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
@@ -74,6 +75,8 @@ pub struct MoldReport {
     pub collars: Vec<FittedTube>,
     /// Sheets that are laid in, from below.
     pub layers: Vec<LaidIn>,
+    /// Threads that are wound on the casting.
+    pub threads: Vec<Thread>,
     /// Channels and gaps.
     pub features: Vec<Outline>,
     /// What a person should know.
@@ -142,7 +145,9 @@ pub struct Cast {
     pub volume: f64,
     /// Handles of the solid before its coordinates were rounded.
     pub genus: i32,
-    /// Silicone to fill the mold with its sprue, vents and funnel, without waste [mL].
+    /// What is cast already and lies in the mold [mL].
+    pub inside_ml: f64,
+    /// Silicone to fill the rest of the mold with its sprue, vents and funnel, without waste [mL].
     pub silicone_ml: f64,
     /// Area of the walls of its chambers [mm²].
     pub chamber_area: f64,
@@ -267,6 +272,7 @@ impl MoldReport {
                 file: CAST.into(),
                 volume,
                 genus: handles(&mold.cast),
+                inside_ml: 0.0,
                 silicone_ml: (volume + channels + head) / 1e3,
                 chamber_area,
                 weight,
@@ -274,6 +280,7 @@ impl MoldReport {
             casting: config.casting.clone(),
             collars: Vec::new(),
             layers: Vec::new(),
+            threads: Vec::new(),
             features: mold.features.iter().map(outline).collect(),
             findings: mold
                 .findings

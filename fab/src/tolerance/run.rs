@@ -65,5 +65,9 @@ fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
         found.push((format!("tags.{name}.mean_displacement"), "m", tag.mean_displacement));
         found.push((format!("tags.{name}.max_displacement"), "m", tag.max_displacement));
     }
+    if let Some(limit) = &end.limit {
+        // where it balloons no earlier than it was asked for, that is a bound
+        found.push(("limit.factor".to_owned(), "1", limit.factor.unwrap_or(limit.stable_to)));
+    }
     Ok(found)
 }

@@ -33,7 +33,9 @@ pub struct Sheet {
     pub body_ml: f64,
     /// What the casting weighs when it is finished, if the density of its silicone is known.
     pub weight: Option<Weight>,
-    /// The body with sprue and vents [mL].
+    /// What is cast already and lies in the mold [mL].
+    pub inside_ml: f64,
+    /// The body with sprue and vents, less what lies in the mold [mL].
     pub mold_ml: f64,
     /// What stays in the cup, as a share of `mold_ml` [1].
     pub waste: f64,
@@ -136,6 +138,7 @@ impl Sheet {
             silicone: silicone.map(|s| Pour::new(s, mix_ml)),
             body_ml: report.cast.volume / MM3,
             weight: report.cast.weight,
+            inside_ml: report.cast.inside_ml,
             mold_ml,
             waste: casting.waste,
             mix_ml,
@@ -192,7 +195,15 @@ impl Sheet {
             rows.push(("silicone", format!("{}, {}", pour.name, pour.vendor)));
         }
         rows.push(("body", format!("{:.2} mL", self.body_ml)));
-        rows.push(("with sprue and vents", format!("{:.2} mL", self.mold_ml)));
+        if self.inside_ml > 0.0 {
+            rows.push(("… cast before, in the mold", format!("{:.2} mL", self.inside_ml)));
+        }
+        let poured = if self.inside_ml > 0.0 {
+            "left, with sprue and vents"
+        } else {
+            "with sprue and vents"
+        };
+        rows.push((poured, format!("{:.2} mL", self.mold_ml)));
         rows.push((
             "to mix",
             format!("{:.1} mL, {:.0} % of it for the cup", self.mix_ml, 100.0 * self.waste),

@@ -6,6 +6,7 @@ use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
 use crate::body::layer::LaidIn;
 use crate::body::source::CastPart;
+use crate::body::thread::Thread;
 use crate::body::weight::Weight;
 use crate::config::method::{Castings, Leaving};
 use crate::files::report::{MoldReport, Outline, Role};
@@ -37,6 +38,9 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
     for layer in &report.layers {
         let [width, depth] = layer.size();
         add(1, format!("{}, cut by `{}`: {width:.1} × {depth:.1} mm", layer.tag, layer.file()));
+    }
+    for thread in report.threads.iter().filter(|_| !is_wax(report)) {
+        add(1, thread.item());
     }
     if let Some(filament) = report.method.core.filament() {
         add(1, format!("{}, for the core", filament.item));
@@ -104,6 +108,7 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.push("Cut off what stood in the sprue and the vents.".into());
     }
     steps.extend(sheet.weight.map(|weight| weigh(&weight)));
+    steps.extend(report.threads.iter().map(Thread::in_words));
     if is_half(report) {
         steps.push(keep_clean(report).into());
         return steps;
@@ -187,7 +192,8 @@ fn try_out(report: &MoldReport, cores: &[&str]) -> String {
 /// Which core goes where.
 fn put(cores: &[&str], report: &MoldReport) -> String {
     if let [core] = cores {
-        return format!(", put {core} into its socket");
+        let on = if report.cast.inside_ml > 0.0 { ", with what was cast on it," } else { "" };
+        return format!(", put {core}{on} into its socket");
     }
     let chamber = |k: usize| match report.chambers.get(k).map_or("", String::as_str) {
         "" => String::new(),

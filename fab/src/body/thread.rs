@@ -1,0 +1,180 @@
+//! Threads that are wound on the casting, as `solver simulate` found them.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use reports::{Simulation, Winding};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::geometry::MM;
+
+/// A thread, or two that cross, on the casting.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Thread {
+    /// The name in the scene.
+    pub name: String,
+    /// Tag that it is wound on.
+    pub on: String,
+    /// Length, of both if there are two [mm].
+    pub length: f64,
+    /// Turns of a helix, those of both if there are two.
+    pub turns: Option<f64>,
+    /// Height that a turn climbs [mm]; negative for a left-handed screw.
+    pub pitch: Option<f64>,
+    /// Angle to the axis, where the scene has that in place of the pitch [°].
+    pub angle: Option<f64>,
+    /// Where it starts along the axis, from the point of the scene [mm].
+    pub start: Option<f64>,
+    /// Where it ends [mm].
+    pub end: Option<f64>,
+    /// Whether a second thread of the other hand crosses it.
+    pub double: bool,
+    /// Largest force in the simulation [N].
+    pub force: f64,
+    /// The break force over that, if it is known [1].
+    pub margin: Option<f64>,
+}
+
+impl Thread {
+    /// The threads of a report of `solver simulate`.
+    ///
+    /// # Errors
+    /// If it cannot be read, is no such report, or has no threads.
+    pub fn read(report: &Path) -> Result<Vec<Self>> {
+        let context = || format!("wound: {}", report.display());
+        let text = mesh::io::read_text(report).with_context(context)?;
+        let simulation: Simulation = serde_json::from_str(&text)
+            .with_context(|| format!("{}: not a report of `solver simulate`", context()))?;
+        let written = simulation.config["winding"].as_array().cloned().unwrap_or_default();
+        let found = simulation.end.and_then(|end| end.windings).unwrap_or_default();
+        ensure!(
+            !found.is_empty(),
+            "{}: no threads in it; expected the report of a scene with [[winding]]",
+            context()
+        );
+        let of = |thread: &Winding| written.iter().find(|w| w["name"] == thread.name.as_str());
+        Ok(found
+            .iter()
+            .map(|thread| Self::new(thread, of(thread).unwrap_or(&Value::Null)))
+            .collect())
+    }
+
+    /// A thread, with what the scene says of it.
+    fn new(thread: &Winding, written: &Value) -> Self {
+        let number = |key: &str| written[key].as_f64();
+        Self {
+            name: thread.name.clone(),
+            on: thread.on.clone(),
+            length: thread.length * MM,
+            turns: thread.turns,
+            pitch: number("pitch").map(|pitch| pitch * MM),
+            angle: number("angle"),
+            start: number("start").map(|start| start * MM),
+            end: number("end").map(|end| end * MM),
+            double: written["double"] == true,
+            force: thread.force[1],
+            margin: thread.margin,
+        }
+    }
+
+    /// What to have.
+    #[must_use]
+    pub fn item(&self) -> String {
+        let strength =
+            self.margin.map(|margin| format!(" that bears {:.1} N", margin * self.force));
+        // to hold and to tie
+        let length = self.length / 1e3 + if self.double { 0.4 } else { 0.2 };
+        format!("{length:.1} m of thread{} (`{}`)", strength.unwrap_or_default(), self.name)
+    }
+
+    /// What to do.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let Self { name, on, length, .. } = self;
+        let Some(turns) = self.turns else {
+            return format!(
+                "Lay the thread `{name}` on `{on}` along the line of the scene, {length:.0} mm, without slack. {}",
+                self.bonded()
+            );
+        };
+        let each = turns / if self.double { 2.0 } else { 1.0 };
+        let climb = match (self.pitch, self.angle) {
+            (Some(pitch), _) => format!(", {:.2} mm apart", pitch.abs()),
+            (None, Some(angle)) => format!(", {:.0}° to the axis", angle.abs()),
+            (None, None) => String::new(),
+        };
+        let way = match (self.start, self.end) {
+            (Some(start), Some(end)) => format!(" from {start:.1} to {end:.1} mm along the axis"),
+            _ => String::new(),
+        };
+        let left = self.pitch.or(self.angle).is_some_and(|climb| climb < 0.0);
+        let hand = |left: bool| if left { "left-handed" } else { "right-handed" };
+        let second = match self.double {
+            true => format!(
+                " Then wind the second, {}, over it from the same start to the same end: they cross twice in each turn.",
+                hand(!left)
+            ),
+            false => String::new(),
+        };
+        format!(
+            "Tie the thread `{name}` around `{on}` at its start with two half hitches. Wind it as a {} screw, {each:.1} turns{climb}{way}, \
+             taut but without cutting into the silicone, and tie it at its end.{second} That is {:.2} m in all. {}",
+            hand(left),
+            length / 1e3,
+            self.bonded()
+        )
+    }
+
+    fn bonded(&self) -> String {
+        format!(
+            "Bond it all along, by a thin coat of the same silicone or by the skin that is cast over it: simulated is a \
+             thread that does not slide, with up to {:.1} N in it.",
+            self.force
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn helix(pitch: Option<f64>, angle: Option<f64>, double: bool) -> Thread {
+        Thread {
+            name: "thread".into(),
+            on: "skin".into(),
+            length: 2995.0,
+            turns: Some(39.0),
+            pitch,
+            angle,
+            start: Some(2.0),
+            end: Some(80.0),
+            double,
+            force: 2.2,
+            margin: Some(5.0),
+        }
+    }
+
+    #[test]
+    fn a_helix_is_wound_by_hand_turns_and_pitch() {
+        let words = helix(Some(4.0), None, true).in_words();
+        for part in [
+            "a right-handed screw, 19.5 turns, 4.00 mm apart from 2.0 to 80.0 mm along the axis",
+            "wind the second, left-handed, over it",
+            "That is 2.99 m in all",
+            "up to 2.2 N",
+        ] {
+            assert!(words.contains(part), "{part}: {words}");
+        }
+        let words = helix(None, Some(-75.0), false).in_words();
+        assert!(words.contains("a left-handed screw, 39.0 turns, 75° to the axis"), "{words}");
+        assert!(!words.contains("second"), "{words}");
+    }
+
+    #[test]
+    fn there_is_more_thread_than_is_wound() {
+        assert_eq!(helix(None, None, true).item(), "3.4 m of thread that bears 11.0 N (`thread`)");
+    }
+}
