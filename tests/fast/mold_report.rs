@@ -74,6 +74,14 @@ fn the_casting_sheet_says_how_to_wind() {
         let said = String::from_utf8_lossy(&run.stderr);
         assert!(run.status.code() == Some(2) && said.contains(words), "{report}: {said}");
     }
+    dir.write("first.toml", "[casting]\nfirst_shot = true\n");
+    let run = dir
+        .command_of("fab", "mold body.msh --config first.toml --no-pictures -o first")
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let first = dir.text("first/cast.md");
+    assert!(first.contains("Leave the core inside") && !first.contains("Glue the tube"), "{first}");
     dir.write("around.toml", "around = \"body.msh\"\n");
     let run = dir
         .command_of("fab", "mold body.msh --config around.toml --no-pictures -o around")

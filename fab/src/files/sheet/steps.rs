@@ -113,10 +113,23 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.push(keep_clean(report).into());
         return steps;
     }
+    if report.casting.first_shot {
+        steps.push(into_second_mold(&cores));
+        return steps;
+    }
     if !report.chambers.is_empty() {
         steps.extend(finish(sheet.leak_test_kpa, report));
     }
     steps
+}
+
+/// What becomes of a casting that another one goes around.
+fn into_second_mold(cores: &[&str]) -> String {
+    let inside =
+        if cores.is_empty() { String::new() } else { format!(" with {} inside", and(cores)) };
+    format!(
+        "Clean it with alcohol, and put it{inside} into the second mold; pins of that one go through the same holes."
+    )
 }
 
 /// What the face is glued to where the casting is cut.
@@ -348,6 +361,11 @@ fn open(sheet: &Sheet, report: &MoldReport, shells: &[&str], cores: &[&str]) -> 
         [one] => format!("Peel the casting out of {one}."),
         _ => format!("Take off {}, in this order.", taken.join(", ")),
     };
+    if report.casting.first_shot {
+        return vec![
+            off + " Leave the core inside, and the holes of pins open: a second casting goes around it.",
+        ];
+    }
     let (them, inlets) = match cores.len() {
         1 => ("it", "the inlet"),
         _ => ("them", "their inlets"),
