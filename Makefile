@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: finger-wound fibre-angles gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-lift finger-wound fibre-angles gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -72,6 +72,8 @@ gallery: $(SHOWN:%=build/%/done)  ## make all bodies and one page that shows the
 	@$(PYTHON) pipelines/gallery.py build/gallery $(foreach b,$(or $(SHOWN),$(BODIES)),$(b)=pipelines/$(b)=build/$(b))
 
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
+
+gripper-lift: build/gripper/lift/lift.svg  ## let the gripper take cylinders of 20 to 200 g from a table: which it holds
 
 finger-wound: build/finger/wound/done  ## design the finger with thread around it, and make its mold
 

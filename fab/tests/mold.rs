@@ -262,7 +262,7 @@ fn bad_configurations() {
     for (config, message) in [
         (
             "wal = 1",
-            "mold.toml:2:1: unknown field `wal`; did you mean `wall`? expected one of `chamber`, `method`, `layers`, `surface`",
+            "mold.toml:2:1: unknown field `wal`; did you mean `wall`? expected one of `chamber`, `method`, `layers`, `wound`, `around`, `surface`",
         ),
         (
             "chamber = \"hole\"",

@@ -57,6 +57,35 @@ $(call to,gripper)/pictures/section.png: $(call to,gripper)/tagged.msh $(call to
 	$(BIN)/cad2fem picture $< $(call to,gripper)/optimize/design.gripper.msh --view left \
 		--captions "as modelled,designed" --title "gripper, halves at rest" -o $@
 
+# How heavy a cylinder can it be? Masses [g] by densities [kg/m³] of 36.95 mL.
+MASSES := 20 50 100 150 200
+density.20 := 541
+density.50 := 1353
+density.100 := 2707
+density.150 := 4060
+density.200 := 5413
+LIFT := $(call to,gripper)/lift
+
+$(LIFT)/model/model.json: $(call source,$(call from,gripper)/cylinder/model.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm --set length=60 -o $(@D)
+
+$(LIFT)/table/model.json: $(call source,$(call from,gripper)/cylinder/table.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm -o $(@D)
+
+$(LIFT)/volume.msh: $(LIFT)/model/model.json $(call source,$(call from,gripper)/cylinder/cad2fem.toml) | setup
+	$(BIN)/cad2fem tetmesh $(LIFT)/model/model.stl --config $(call from,gripper)/cylinder/cad2fem.toml -o $@
+
+$(LIFT)/tagged.msh: $(LIFT)/volume.msh $(call source,$(call from,gripper)/cylinder/tags.toml) | setup
+	$(BIN)/tagger tag $< --config $(call from,gripper)/cylinder/tags.toml --patches $(LIFT)/model/patches -o $@
+
+$(MASSES:%=$(LIFT)/%/report.json): $(LIFT)/%/report.json: $(call source,$(call from,gripper)/sim.lift.toml) $(LIFT)/tagged.msh \
+		$(LIFT)/table/model.json $(call to,gripper)/tagged.msh | setup
+	$(BIN)/solver simulate $< --final-only --set body.cylinder.material.density=$(density.$*) -o $(@D)
+
+$(LIFT)/lift.svg: $(MASSES:%=$(LIFT)/%/report.json) | setup
+	$(BIN)/solver plot $^ --x t --y "probes.fall*1e3" --labels "20 g,50 g,100 g,150 g,200 g" \
+		--x-title "time [s]: air until 1, then the table falls" --y-title "height of the cylinder [mm]" -o $@
+
 # Half of it was designed: the mold is that of the whole.
 $(call to,gripper)/whole.msh: $(call to,gripper)/optimize/report.json | setup
 	$(BIN)/solver mirror $(call to,gripper)/optimize/design.gripper.msh --on cut -o $@

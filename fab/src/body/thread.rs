@@ -145,7 +145,7 @@ mod tests {
         Thread {
             name: "thread".into(),
             on: "skin".into(),
-            length: 2995.0,
+            length: 2994.0,
             turns: Some(39.0),
             pitch,
             angle,
