@@ -86,7 +86,7 @@ validation: build/validation/done  ## simulate bodies that were measured by othe
 fibre-angles:  ## what the angle of fibres does to a tube: length and twist, in ten minutes
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
-	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: four minutes on two cores"
+	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: about seven minutes on two cores"
 	@cargo build --release --locked --workspace --bins
 
 install: setup  ## programs, man pages and completions into PREFIX, /usr/local if not given; the checkout must stay
