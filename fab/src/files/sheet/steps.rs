@@ -114,7 +114,7 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         return steps;
     }
     if report.casting.first_shot {
-        steps.push(into_second_mold(&cores));
+        steps.push(into_second_mold(report, &cores));
         return steps;
     }
     if !report.chambers.is_empty() {
@@ -124,12 +124,14 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
 }
 
 /// What becomes of a casting that another one goes around.
-fn into_second_mold(cores: &[&str]) -> String {
+fn into_second_mold(report: &MoldReport, cores: &[&str]) -> String {
     let inside =
         if cores.is_empty() { String::new() } else { format!(" with {} inside", and(cores)) };
-    format!(
-        "Clean it with alcohol, and put it{inside} into the second mold; pins of that one go through the same holes."
-    )
+    let pins = match report.holds.iter().any(|hold| !hold.lengths.is_empty()) {
+        true => " Its pins go through the same holes.",
+        false => "",
+    };
+    format!("Clean it with alcohol, and put it{inside} into the second mold.{pins}")
 }
 
 /// What the face is glued to where the casting is cut.

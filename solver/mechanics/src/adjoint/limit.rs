@@ -17,7 +17,7 @@ use crate::forward::{Covector, Failure, Limit, Problem, State, Workspace};
 pub struct Grown<'a> {
     /// The problem with its loads over time.
     pub problem: &'a Problem,
-    /// The problem whose loads are held, but for the pressures that grow ([`Problem::held`]).
+    /// The problem with all loads held, except the pressures that grow ([`Problem::held`]).
     pub held: &'a Problem,
     /// Rest vertices [m].
     pub rest: &'a [Vec3],

@@ -124,7 +124,7 @@ impl JsonSchema for ChamberConfig {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChamberDesign {
-    /// Its name in the scene, as a rule the tag of its wall; the scene prescribes the pressure there.
+    /// Name of the chamber in the scene, or the tag of its wall if it has none. The scene prescribes its pressure.
     pub on: String,
     /// Smallest and largest slope [Pa/s].
     pub slope: [f64; 2],

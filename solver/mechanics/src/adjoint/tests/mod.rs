@@ -346,6 +346,7 @@ fn check(case: &Case, forces: bool) {
     // numbers, each relative to itself
     let of = |id: ParameterId| gradient.parameters.total(id);
     let one = |id: ParameterId| of(id).first().copied().unwrap_or(0.0);
+    // without contact the remainder of a smaller change is lost in rounding
     let part = if case.hits() { 1e-3 } else { 8e-3 };
     let with = |p: &[f64], by: &[f64]| {
         check_gradient(p, by, part * size, |p| {

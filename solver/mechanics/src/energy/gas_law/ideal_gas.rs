@@ -6,7 +6,7 @@
 //! p_a  ambient pressure [Pa]
 //! γ    1 isothermal, 1.4 adiabatic for air
 
-use super::{GasLaw, Key, Moment, Potential, Refused, Row};
+use super::{GasLaw, Key, Moment, Potential, Refused, Row, check_full};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
@@ -88,11 +88,7 @@ impl GasLaw for IdealGas {
         if !(ambient > 0.0 && exponent >= 1.0 && (ambient + exponent).is_finite()) {
             return Err(Refused::Gas { ambient, exponent });
         }
-        let full = |&t: &f64| (t, fill.at(t) + ambient);
-        match moments.iter().map(full).find(|&(_, full)| full.is_nan() || full <= 0.0) {
-            Some((t, full)) => Err(Refused::Vacuum { key: "fill", full, t }),
-            None => Ok(()),
-        }
+        check_full(self.key(), fill, ambient, moments)
     }
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, _: &Moment) -> Option<f64> {

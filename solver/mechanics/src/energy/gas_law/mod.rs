@@ -209,5 +209,19 @@ pub struct Wanted {
     pub by_parameter: f64,
 }
 
+/// Refuses a gauge pressure that is below a vacuum at some moment [s].
+fn check_full(
+    key: &'static str,
+    gauge: &Schedule,
+    ambient: f64,
+    moments: &[f64],
+) -> Result<(), Refused> {
+    let full = |&t: &f64| (t, gauge.at(t) + ambient);
+    match moments.iter().map(full).find(|&(_, full)| full.is_nan() || full <= 0.0) {
+        Some((t, full)) => Err(Refused::Vacuum { key, full, t }),
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests;

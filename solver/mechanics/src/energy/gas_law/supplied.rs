@@ -20,7 +20,7 @@
 //! Source: conservation of mass, Boyle's law; a flow in proportion to the difference of pressures is that of
 //! Hagen and Poiseuille in a thin line.
 
-use super::{GasLaw, Key, Moment, Past, Potential, Refused, Row};
+use super::{GasLaw, Key, Moment, Past, Potential, Refused, Row, check_full};
 use crate::schedule::Schedule;
 
 const SUPPLY: &str = "supply";
@@ -103,7 +103,7 @@ impl Curve {
 }
 
 impl SuppliedGas {
-    /// The curves with the line open and shut; without it, as in a chamber that a valve has shut.
+    /// The curves with the line open, and with its valve shut.
     fn curves(&self, rest: f64, past: &Past, supply: f64) -> [Curve; 2] {
         let ambient = self.ambient;
         let shut =
@@ -172,11 +172,7 @@ impl GasLaw for SuppliedGas {
         if !(sound && (resistance + ambient + leak).is_finite()) {
             return Err(Refused::Line { resistance, leak, ambient });
         }
-        let full = |&t: &f64| (t, supply.at(t) + ambient);
-        match moments.iter().map(full).find(|&(_, full)| full.is_nan() || full <= 0.0) {
-            Some((t, full)) => Err(Refused::Vacuum { key: self.key(), full, t }),
-            None => Ok(()),
-        }
+        check_full(self.key(), supply, ambient, moments)
     }
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, moment: &Moment) -> Option<f64> {
