@@ -103,42 +103,6 @@ build/chamber/pictures/study.png: $(patsubst %,$(STUDY)/%/report.json,6/P1 6/P2 
 
 build/chamber/report.html: build/chamber/pictures/study.png
 
-# Simulations beside measurements on real silicone.
-VALIDATION := build/validation
-
-# Body $(1), suffix of its scene $(2).
-define validate
-$(VALIDATION)/$(1)/$(2)/report.json: $(call source,pipelines/validation/$(1)/sim.$(2).toml) $(VALIDATION)/$(1)/tagged.msh | setup
-	$(BIN)/solver simulate $$< -o $$(@D)
-
-$(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
-endef
-$(foreach b,membrane rings beam arm,$(eval $(call validate,$(b),after)))
-$(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
-$(eval $(call validate,beam,datasheet))
-
-$(VALIDATION)/errors.json: $(call source,pipelines/validation/validation.toml) $(call source,$(wildcard pipelines/validation/measured/*.csv)) | setup
-	$(BIN)/solver validate $< -o $(@D)
-
-$(VALIDATION)/calibration/calibration.json: $(call source,pipelines/validation/beam/calibrate.toml pipelines/validation/beam/sim.datasheet.toml) \
-		$(call source,pipelines/validation/measured/dragon-skin-10-beam.csv) $(VALIDATION)/beam/tagged.msh | setup
-	$(BIN)/solver calibrate $< -o $(@D)
-
-$(VALIDATION)/pictures/membrane.png: $(VALIDATION)/membrane/after/report.json | setup
-	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,002 008 012) --cut y=0 --color displacement --view 0,12 --edges \
-		--captions "10 mm,40 mm,55 mm" --title "membrane under 14.7 N" -o $@
-
-$(VALIDATION)/pictures/beam.png: $(patsubst %,$(VALIDATION)/beam/%/report.json,before datasheet) | setup
-	$(BIN)/cad2fem picture $(^:report.json=result.vtu) --color displacement --view front \
-		--captions "before,data sheet" --title "beam with 0.51 N" -o $@
-
-$(VALIDATION)/pictures/arm.png: $(VALIDATION)/arm/after/report.json | setup
-	$(BIN)/cad2fem picture $(<:report.json=result.vtu) --cut y=0 --color displacement --view front \
-		--title "arm at 10 kPa" -o $@
-
-$(VALIDATION)/done: $(VALIDATION)/errors.json $(VALIDATION)/calibration/calibration.json $(patsubst %,$(VALIDATION)/pictures/%.png,membrane beam arm)
-	@touch $@
-
 # The frog without a cascade, for comparison.
 build/frog/paper/vertices/report.json: $(call source,pipelines/frog/design.vertices.toml pipelines/frog/sim.paper.toml) \
 		build/frog/paper/tagged.msh | setup
@@ -443,7 +407,6 @@ $(foreach s,$(SCENES),$(eval $(call scene,$(s),build/$(s),)))
 $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(chains)
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
-$(foreach b,membrane rings beam arm,$(eval $(call mesh,validation/$(b),build/validation/$(b),)))
 $(eval $(call mesh,fibre/tube,$(TUBE),))
 $(eval $(call mesh,fibre/core,build/fibre/core/body,))
 

@@ -30,6 +30,8 @@ mod patch;
 mod pile;
 #[path = "convergence/pressed_cube.rs"]
 mod pressed_cube;
+#[path = "convergence/rigid.rs"]
+mod rigid;
 #[path = "convergence/ring.rs"]
 mod ring;
 #[path = "convergence/scene_loads.rs"]

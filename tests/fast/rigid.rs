@@ -200,3 +200,51 @@ fn a_guided_body_falls_straight() {
     assert!(moved[0] == 0.0 && moved[1] == 0.0, "{moved:?}");
     assert!((moved[2] / fallen - 1.0).abs() < 1e-9, "{moved:?} {fallen}");
 }
+
+/// A moment about the block's axis turns the plate, and the bottom bears it.
+#[test]
+fn a_moment_turns_a_plate() {
+    let turned = |moment: &str| {
+        let dir = with_plate(&format!("moment = [0, 0, {moment}]\n"));
+        dir.solver("simulate plate.toml -o out").assert_good();
+        let report = dir.json("out/report.json");
+        let last = report["steps"].as_array().unwrap().last().unwrap().clone();
+        last["rigid"]["top"]["rotation"][2].as_f64().unwrap()
+    };
+    let small = turned("1e-5");
+    assert!(small > 1e-4, "{small}");
+    let twice = turned("2e-5");
+    assert!((twice / small - 2.0).abs() < 1e-2, "{small} {twice}");
+    assert!((turned("-1e-5") + small).abs() < 0.02 * small);
+}
+
+#[test]
+fn moments_that_turn_nothing_are_refused() {
+    refused("moment = [0, 0, 1]\nturns = false\n", &["moment", "about z", "turns = false"]);
+}
+
+/// A plate that shares an edge with what is fixed is hinged there; one that shares more is refused.
+#[test]
+fn a_plate_hinges_on_an_edge_that_is_fixed() {
+    let dir = with_plate("force = [0, 0, 0.2]\n");
+    let body = tag(
+        block([3, 3, 4], 5e-3, |c| c == [1, 1, 1] || c == [1, 1, 2], |p| p),
+        &[
+            ("bottom", &|c| c.x < 1e-9),
+            ("top", &|c| c.z > 0.02 - 1e-9),
+            ("sides", &|c| {
+                c.z < 1e-9 || [c.x, c.y].into_iter().any(|x| !(1e-9..=0.015 - 1e-9).contains(&x))
+            }),
+            ("air", &|_| true),
+        ],
+    );
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    dir.solver("simulate plate.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let last = report["steps"].as_array().unwrap().last().unwrap();
+    let turn = [0, 1, 2].map(|k| last["rigid"]["top"]["rotation"][k].as_f64().unwrap());
+    assert!(turn[1] < -1e-4 && turn[0].abs() < 1e-5 && turn[2].abs() < 1e-5, "{turn:?}");
+    let all = dir.text("plate.toml").replace("[[fixed]]", "[[fixed]]\non = \"sides\"\n\n[[fixed]]");
+    dir.write("all.toml", &all);
+    dir.solver("simulate all.toml -o all").assert_refused(2, &["top", "on no line", "[[fixed]]"]);
+}

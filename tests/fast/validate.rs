@@ -33,6 +33,9 @@ name = "ours"
 steps = "steps.jsonl"
 "#;
 
+const CONDITION: &str =
+    "condition = [{ measured = \"height [mm]\", simulated = \"height*1e3\" }]\n";
+
 fn workdir() -> Workdir {
     let dir = Workdir::new();
     dir.write("table.csv", &format!("{TITLES}{POINTS}"));
@@ -86,7 +89,26 @@ fn bad_input_is_refused_by_name() {
         ("table.csv", "height [mm]", "rise [mm]", &["no column \"height [mm]\"", "rise [mm]"]),
         ("table.csv", "height [mm]", "height [m]", &["but \"height [m]\": mind the unit"]),
         ("validation.toml", "trial a [Pa]", "trial c [Pa]", &["\"trial c [Pa]\"", "trial b [Pa]"]),
-        ("table.csv", "trial a [Pa]", "trial a", &["trial a [Pa]", "mind the unit"]),
+        (
+            "validation.toml",
+            "y = [\"trial a [Pa]\"",
+            "y = [\"trial a\"",
+            &["trial a [Pa]", "mind the unit"],
+        ),
+        (
+            "validation.toml",
+            "{ measured",
+            "{ value = 1, measured",
+            &["either measured", "or value"],
+        ),
+        (
+            "validation.toml",
+            "plot =",
+            "band = [\"ours\", \"theirs\"]\nplot =",
+            &["band", "\"theirs\""],
+        ),
+        ("validation.toml", "plot =", "passage = \"peak\"\nplot =", &["condition: 1", "none"]),
+        ("validation.toml", CONDITION, "", &["condition: none", "passage = \"first\""]),
         ("validation.toml", "table.csv", "tables.csv", &["tables.csv", "No such file"]),
         ("validation.toml", "steps.jsonl", "step.jsonl", &["step.jsonl", "No such file"]),
         ("table.csv", "380", "NaN", &["line 3", "trial a [Pa]", "NaN", "finite number"]),
@@ -110,4 +132,76 @@ fn bad_input_is_refused_by_name() {
         run.assert_refused(2, words);
         assert_eq!(dir.files("out"), [""; 0], "{to}");
     }
+}
+
+/// Tables whose titles have no unit, lines that have a run each, a maximum of a run, and a band.
+#[test]
+fn tables_are_taken_as_they_are() {
+    let dir = Workdir::new();
+    dir.write("walls.csv", "wall_mm,buckles\n1,10\n2,30\n3,50\n");
+    let run = |peak: f64| {
+        format!("{{\"t\": 1, \"p\": 0}}\n{{\"t\": 2, \"p\": {peak}}}\n{{\"t\": 3, \"p\": 0}}\n")
+    };
+    for (name, peak) in [("thin", 11.0), ("thick", 33.0), ("stiff", 36.0), ("soft", 27.0)] {
+        dir.write(&format!("{name}.jsonl"), &run(peak));
+    }
+    dir.write(
+        "validation.toml",
+        r#"
+[[row]]
+name = "walls"
+measured = "walls.csv"
+x = "wall_mm [mm]"
+y = ["buckles [kPa]"]
+passage = "peak"
+simulated = "p"
+tolerance = [-0.2, 0.2]
+reason = "made up"
+plot = "walls"
+
+[[row.run]]
+name = "ours"
+where = { wall_mm = 1 }
+steps = "thin.jsonl"
+
+[[row.run]]
+name = "ours"
+where = { wall_mm = 2 }
+steps = "thick.jsonl"
+
+[[row]]
+name = "band"
+measured = "walls.csv"
+where = { wall_mm = 2 }
+x = "wall_mm [mm]"
+y = ["buckles [kPa]"]
+condition = [{ value = 2, simulated = "t" }]
+simulated = "p"
+tolerance = [-0.1, 0.1]
+plot = "band"
+band = ["soft", "stiff"]
+
+[[row.run]]
+name = "soft"
+steps = "soft.jsonl"
+
+[[row.run]]
+name = "stiff"
+steps = "stiff.jsonl"
+"#,
+    );
+    dir.solver("validate validation.toml -o out").assert_good();
+    let rows = dir.json("out/errors.json")["rows"].clone();
+    assert_eq!([&rows[0]["unit"], &rows[0]["reason"]], ["kPa", "made up"]);
+    assert_eq!(rows[0]["simulated"], serde_json::json!([11.0, 33.0]));
+    assert_eq!(
+        [&rows[1]["run"], &rows[1]["within"]],
+        [&serde_json::json!("soft … stiff"), &serde_json::json!(true)]
+    );
+    assert_eq!(rows[1]["simulated"], serde_json::json!([30.0]), "inside of the band");
+    assert_eq!(rows[1]["ends"][0]["simulated"], serde_json::json!([27.0]));
+    let made = dir.command_of("cad2fem", "report out -o page.html").output().expect("it runs");
+    assert!(made.status.success(), "{made:?}");
+    let page = dir.text("page.html");
+    assert!(page.contains("Beside measurements") && page.contains("made up"), "{page}");
 }

@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use solver::study::validation::{Comparison, Config, Point};
+use reports::{Comparison, MeasuredPoint};
+use solver::study::validation::Config;
 use tests::workdir::repository;
 
 use crate::make;
@@ -42,7 +43,7 @@ fn the_membrane_follows_membrane_theory() {
     assert_eq!(rows.len(), 1);
     for row in rows {
         let (force, mut found) = (14.715, (row.simulated[0].unwrap(), 1.5));
-        let reached = |&(point, _): &(&Point, _)| point.x <= REACHED;
+        let reached = |&(point, _): &(&MeasuredPoint, _)| point.x <= REACHED;
         for (point, simulated) in row.measured.iter().zip(&row.simulated).filter(reached) {
             found = equilibrium(force, 1e-3 * point.x, found);
             let error = simulated.unwrap() / found.0 - 1.0;

@@ -13,7 +13,7 @@ use crate::prose::script_data;
 use crate::script::{RESULTS, linked};
 use crate::store::Store;
 use crate::survey::Survey;
-use crate::{contents, facts};
+use crate::{contents, facts, validation};
 
 pub(crate) const STYLE: &str = include_str!("../web/page.css");
 pub(crate) const LICENCE: &str = include_str!("../vendor/three/LICENSE");
@@ -39,6 +39,7 @@ pub fn assemble(
         main {
             (viewer())
             (facts::results(survey)?)
+            (validation::all(survey)?)
             (facts::checks(survey)?)
             (facts::casting(survey)?)
             (contents::links(survey, output)?)

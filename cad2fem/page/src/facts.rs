@@ -14,7 +14,7 @@ use crate::survey::{Survey, name};
 use crate::wall;
 
 /// A table.
-fn table(head: &[&str], rows: &[Vec<Markup>]) -> Markup {
+pub(crate) fn table(head: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         div.scroll {
             table {
@@ -26,7 +26,7 @@ fn table(head: &[&str], rows: &[Vec<Markup>]) -> Markup {
 }
 
 /// A row of a table of texts.
-fn texts<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> Vec<Markup> {
+pub(crate) fn texts<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> Vec<Markup> {
     cells.into_iter().map(|cell| html! { (cell.as_ref()) }).collect()
 }
 
@@ -36,7 +36,7 @@ fn lines<T: maud::Render>(lines: &[T]) -> Markup {
 }
 
 /// A section of the page; nothing if it has no content.
-fn section(id: &str, title: &str, content: &Markup) -> Markup {
+pub(crate) fn section(id: &str, title: &str, content: &Markup) -> Markup {
     html! { @if !content.0.is_empty() { section id=(id) { h2 { (title) } (content) } } }
 }
 
@@ -244,7 +244,7 @@ pub fn pictures(paths: &[PathBuf]) -> Result<Markup> {
 }
 
 /// A picture in an `img`, in which no browser runs scripts of an SVG file.
-fn picture(path: &Path) -> Result<Markup> {
+pub(crate) fn picture(path: &Path) -> Result<Markup> {
     use base64::Engine as _;
     let kind = match path.extension().and_then(|e| e.to_str()) {
         Some("png") => "png",

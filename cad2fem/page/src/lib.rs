@@ -18,6 +18,7 @@
 //! - [`pick`]: the page on which faces of a body get names
 //! - [`prose`]: text that is safe to put into a page
 //! - [`facts`]: tables of what reports say
+//! - [`validation`]: simulations beside measurements
 //! - [`contents`]: files that a reader may want
 //! - [`script`]: what runs in the browser, of several modules
 //! - [`document`]: the page from its parts
@@ -35,6 +36,7 @@ pub mod script;
 pub mod solid;
 pub mod store;
 pub mod survey;
+pub mod validation;
 pub mod wall;
 
 use std::path::Path;

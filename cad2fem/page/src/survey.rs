@@ -17,6 +17,8 @@ pub struct Survey {
     pub designs: Vec<PathBuf>,
     /// Folders of molds: `mold.json`.
     pub molds: Vec<PathBuf>,
+    /// Comparisons with measurements: `errors.json`.
+    pub validations: Vec<PathBuf>,
     /// Tetrahedral meshes, some of them tagged.
     pub meshes: Vec<PathBuf>,
     /// What programs report of their work.
@@ -59,11 +61,12 @@ impl Survey {
             let drawn = found.molds.iter().flat_map(drawn);
             found.pictures = drawn.filter(|path| path.exists()).collect();
         }
-        let known = found.runs.len() + found.designs.len() + found.molds.len();
+        let known =
+            found.runs.len() + found.designs.len() + found.molds.len() + found.validations.len();
         ensure!(
             known > 0,
             "{}: nothing to show: neither it nor a folder in it has report.json with a .vtu file \
-             (solver simulate), history.jsonl (solver optimize) or mold.json (fab mold)",
+             (solver simulate), history.jsonl (solver optimize), mold.json (fab mold) or errors.json (solver validate)",
             folder.display()
         );
         Ok(found)
@@ -101,6 +104,8 @@ impl Survey {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
             if extension == "msh" {
                 self.meshes.push(path);
+            } else if name == "errors.json" {
+                self.validations.push(path);
             } else if name.ends_with("report.json") || name == "model.json" || name == "plan.json" {
                 self.reports.push(path);
             } else if name.ends_with(".checks.txt") {
@@ -160,6 +165,7 @@ mod tests {
         write("c/plan.json", molds);
         write("d/mold.json", "{}");
         write("c/lid/mold.json", "{}");
+        write("e/errors.json", "{}");
         write("pictures/p.png", "");
         write("model/patches/p.png", "");
         let found = Survey::of(top.path()).unwrap();
@@ -167,6 +173,7 @@ mod tests {
         assert_eq!(names(&found.runs), ["a"]);
         assert_eq!(names(&found.designs), ["b"]);
         assert_eq!(names(&found.molds), ["lid"]);
+        assert_eq!(names(&found.validations), ["errors.json"]);
         assert_eq!(names(&found.pictures), ["p.png"]);
         assert!(Survey::of(&top.path().join("nowhere")).is_err());
     }

@@ -10,6 +10,7 @@ mod optimization;
 mod simulation;
 mod stability;
 mod step;
+mod validation;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
@@ -29,3 +30,4 @@ pub use stability::{
     DirectIterate, Limit, LimitStatus, PassedPoint, PathState, PointKind, Stability,
 };
 pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};
+pub use validation::{BandEnd, Comparison, MeasuredPoint, Validation};

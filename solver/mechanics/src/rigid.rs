@@ -64,11 +64,25 @@ impl RigidSet {
     /// a master. None where there are no nodes.
     #[must_use]
     pub fn new(nodes: &[usize], positions: &[Vec3], moves: Moves) -> Option<Self> {
+        Self::hinged(nodes, &[], positions, moves)
+    }
+
+    /// The same, of which some nodes, a point or those of a straight line, are held: these lead, so that the others of
+    /// them follow none but them.
+    #[must_use]
+    pub fn hinged(
+        nodes: &[usize],
+        held: &[usize],
+        positions: &[Vec3],
+        moves: Moves,
+    ) -> Option<Self> {
         let &first = nodes.first()?;
         let center = nodes.iter().map(|&n| positions[n]).sum::<Vec3>() / nodes.len() as f64;
         let (axes, extents) = principal_axes(nodes, positions, center, moves);
         let along = |x: Vec3| axes.transpose() * DVector::from_column_slice(x.as_slice());
-        let masters = masters(nodes, positions, center, &along, extents.len());
+        let spread =
+            Spread { positions, along: &along, size: extents.iter().copied().fold(0.0, f64::max) };
+        let masters = spread.masters(nodes, held, center, extents.len());
         let origin = masters.first().map_or(positions[first], |&m| positions[m]);
         let columns: Vec<DVector<f64>> =
             masters[1..].iter().map(|&m| along(positions[m] - origin)).collect();
@@ -93,6 +107,12 @@ impl RigidSet {
     #[must_use]
     pub fn followers(&self) -> &[(usize, Vec<f64>)] {
         &self.followers
+    }
+
+    /// Principal axes in columns, those in which the part has an extent.
+    #[must_use]
+    pub fn axes(&self) -> &DMatrix<f64> {
+        &self.axes
     }
 
     /// Root mean square extents along the principal axes [m].
@@ -182,41 +202,58 @@ fn principal_axes(
     }
 }
 
-/// Nodes that span a simplex of a dimension, far from each other: each is the one farthest from what those
-/// before it span, the first the one farthest from the centre.
-fn masters(
-    nodes: &[usize],
-    positions: &[Vec3],
-    center: Vec3,
-    along: &impl Fn(Vec3) -> DVector<f64>,
-    dimension: usize,
-) -> Vec<usize> {
-    let farthest = |distance: &dyn Fn(usize) -> f64| {
-        let mut best = (nodes[0], f64::NEG_INFINITY);
-        for &node in nodes {
-            // rounding must not decide between nodes that are as far
-            let found = distance(node);
-            if found > best.1 * (1.0 + 1e-9) || best.1 < 0.0 {
-                best = (node, found);
-            }
+/// Nodes in the directions in which a part has an extent.
+struct Spread<'a> {
+    positions: &'a [Vec3],
+    along: &'a dyn Fn(Vec3) -> DVector<f64>,
+    /// The largest extent [m].
+    size: f64,
+}
+
+impl Spread<'_> {
+    /// Nodes that span a simplex of a dimension, far from each other: each is the one farthest from what those
+    /// before it span, the first the one farthest from the centre. Those that are held come first, as many as they span.
+    fn masters(
+        &self,
+        nodes: &[usize],
+        held: &[usize],
+        center: Vec3,
+        dimension: usize,
+    ) -> Vec<usize> {
+        let Self { positions, along, size } = self;
+        let first = if held.is_empty() { nodes } else { held };
+        let (first, _) = farthest(first, |node| along(positions[node] - center).norm());
+        let mut masters = vec![first];
+        let origin = positions[first];
+        let mut spanned: Vec<DVector<f64>> = Vec::new();
+        let rest = |node: usize, spanned: &[DVector<f64>]| {
+            spanned.iter().fold(along(positions[node] - origin), |x, unit| {
+                let part = unit.dot(&x);
+                x - part * unit
+            })
+        };
+        while masters.len() <= dimension {
+            let among = |nodes| farthest(nodes, |node| rest(node, &spanned).norm());
+            let of_held = (!held.is_empty()).then(|| among(held));
+            let beside = of_held.filter(|(_, distance)| *distance > 1e3 * FLAT * size);
+            let (next, _) = beside.unwrap_or_else(|| among(nodes));
+            spanned.push(rest(next, &spanned).normalize());
+            masters.push(next);
         }
-        best.0
-    };
-    let mut masters = vec![farthest(&|node| along(positions[node] - center).norm())];
-    let origin = positions[masters[0]];
-    let mut spanned: Vec<DVector<f64>> = Vec::new();
-    let rest = |node: usize, spanned: &[DVector<f64>]| {
-        spanned.iter().fold(along(positions[node] - origin), |x, unit| {
-            let part = unit.dot(&x);
-            x - part * unit
-        })
-    };
-    while masters.len() <= dimension {
-        let next = farthest(&|node| rest(node, &spanned).norm());
-        spanned.push(rest(next, &spanned).normalize());
-        masters.push(next);
+        masters
     }
-    masters
+}
+
+/// The node with the largest of a distance, and that; rounding must not decide between nodes that are as far.
+fn farthest(nodes: &[usize], distance: impl Fn(usize) -> f64) -> (usize, f64) {
+    let mut best = (nodes[0], f64::NEG_INFINITY);
+    for &node in nodes {
+        let found = distance(node);
+        if found > best.1 * (1.0 + 1e-9) || best.1 < 0.0 {
+            best = (node, found);
+        }
+    }
+    best
 }
 
 #[cfg(test)]
@@ -254,6 +291,26 @@ mod tests {
                 assert!((sum - moved(points[*node])).norm() < 1e-12, "{node}");
                 // far masters: no weight is large
                 assert!(weights.iter().all(|w| w.abs() < 4.0), "{weights:?}");
+            }
+        }
+    }
+
+    /// What is held of a part leads it: a point, or an edge, of which the other nodes follow its ends alone.
+    #[test]
+    fn a_hinge_leads_its_part() {
+        let mut points = cloud([0.01, 0.02, 0.03]);
+        for (i, point) in points.iter_mut().take(5).enumerate() {
+            *point = Vec3::new(0.004, 0.01, 0.002 * (i as f64).powi(2));
+        }
+        let nodes: Vec<usize> = (0..points.len()).collect();
+        for held in [&[3][..], &[0, 1, 2, 3, 4]] {
+            let part = RigidSet::hinged(&nodes, held, &points, Moves::Freely).expect("nodes");
+            let leads = held.len().min(2);
+            assert_eq!(part.masters().len(), 4);
+            assert!(part.masters()[..leads].iter().all(|m| held.contains(m)));
+            for (node, weights) in part.followers().iter().filter(|(n, _)| held.contains(n)) {
+                let others = &weights[leads..];
+                assert!(others.iter().all(|w| w.abs() < 1e-12), "{node}: {weights:?}");
             }
         }
     }

@@ -251,9 +251,7 @@ fn contact(
     if let Some(key) = solver.as_ref().and_then(|s| s.get("barrier_stiffness")) {
         let _ = key.becomes("[contact] stiffness");
     }
-    text.table("[contact]")
-        .name("form", if form == ContactForm::Plain { "plain" } else { "convergent" })
-        .name("pairs", "all");
+    text.table("[contact]").name("form", name_of(form)).name("pairs", "all");
     text.number("activation", activation).number("stiffness", stiffness);
     if let Some(key) = contact.get("friction_coefficient") {
         let friction = key.becomes("[contact] friction").number()?;
@@ -272,6 +270,15 @@ fn contact(
         }
     }
     Ok(())
+}
+
+/// A form as scenes have it.
+fn name_of(form: ContactForm) -> &'static str {
+    match form {
+        ContactForm::Plain => "plain",
+        ContactForm::Even => "even",
+        ContactForm::Convergent => "convergent",
+    }
 }
 
 fn form(

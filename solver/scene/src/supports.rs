@@ -210,6 +210,21 @@ impl Supports {
 
     /// A rigid motion of some nodes that no support of theirs prevents.
     fn rigid_motion(&self, part: &[usize], centre: Vec3) -> Option<&'static str> {
+        self.motions_of(part, centre).first().map(|motion| motion.name)
+    }
+
+    /// The rigid motions of all connected parts that no support prevents.
+    #[must_use]
+    pub fn free_motions(&self, space: &FunctionSpace) -> Vec<RigidMotion> {
+        let of = |part: &Vec<usize>| {
+            let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
+            self.motions_of(part, centre)
+        };
+        parts(space).iter().flat_map(of).collect()
+    }
+
+    /// The rigid motions of some nodes that no support of theirs prevents, the freest first.
+    fn motions_of(&self, part: &[usize], centre: Vec3) -> Vec<RigidMotion> {
         let positions = &self.positions;
         let size = part.iter().map(|&n| (positions[n] - centre).norm()).fold(0.0, f64::max);
         let mut prevented = Matrix6::zeros();
@@ -223,22 +238,49 @@ impl Supports {
             prevented += row * row.transpose();
         }
         let eigen = prevented.symmetric_eigen();
-        let (weakest, value) = eigen.eigenvalues.argmin();
-        if value > FREE * eigen.eigenvalues.max() {
-            return None;
-        }
-        let motion = eigen.eigenvectors.column(weakest);
-        let names = [
-            "shift along x",
-            "shift along y",
-            "shift along z",
-            "turn about x",
-            "turn about y",
-            "turn about z",
-        ];
-        Some(names[motion.iamax()])
+        let largest = eigen.eigenvalues.max();
+        let mut order: Vec<usize> =
+            (0..6).filter(|&k| eigen.eigenvalues[k] <= FREE * largest).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let motion = |k: usize| {
+            let motion = eigen.eigenvectors.column(k).into_owned();
+            let [shift, turn] =
+                [motion.fixed_rows::<3>(0).into_owned(), motion.fixed_rows::<3>(3).into_owned()];
+            let at = |&n: &usize| (n, shift + turn.cross(&((positions[n] - centre) / size)));
+            RigidMotion { name: MOTIONS[motion.iamax()], at: part.iter().map(at).collect() }
+        };
+        order.into_iter().map(motion).collect()
     }
 }
+
+/// A motion of a connected part as a whole.
+#[derive(Clone, Debug)]
+pub struct RigidMotion {
+    /// What it is mostly, in words.
+    pub name: &'static str,
+    /// Nodes with their motions, of the order of 1.
+    at: Vec<(usize, Vec3)>,
+}
+
+impl RigidMotion {
+    /// Σ f · motion of forces on all degrees of freedom [N].
+    #[must_use]
+    pub fn work(&self, forces: &[f64]) -> f64 {
+        let one = |(n, motion): &(usize, Vec3)| {
+            (0..3).map(|k| forces[3 * n + k] * motion[k]).sum::<f64>()
+        };
+        self.at.iter().map(one).sum()
+    }
+}
+
+const MOTIONS: [&str; 6] = [
+    "shift along x",
+    "shift along y",
+    "shift along z",
+    "turn about x",
+    "turn about y",
+    "turn about z",
+];
 
 /// The nodes of each connected part of a body.
 fn parts(space: &FunctionSpace) -> Vec<Vec<usize>> {

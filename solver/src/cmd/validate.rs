@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use program::FolderLock;
-use serde_json::json;
+use reports::{Comparison, Validation};
 
 use crate::plot::{Axes, Series, Style, draw};
-use crate::study::validation::{Comparison, Config, Row};
+use crate::study::validation::{Config, Row};
 
 /// Compare simulations with measured tables
 ///
@@ -34,9 +34,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     writeln!(program::stdout(), "{table}")?;
     let path = arguments.output.join("errors.md");
     mesh::io::write_atomic(&path, |out| out.write_all(table.as_bytes()))?;
-    let report = json!({ "program": concat!("solver ", env!("CARGO_PKG_VERSION")), "rows": found });
-    program::write_json(&arguments.output.join("errors.json"), &report)?;
-    pictures(&config, &found, &arguments.output)
+    pictures(&config, &found, &arguments.output)?;
+    let program = concat!("solver ", env!("CARGO_PKG_VERSION")).to_owned();
+    let report = Validation { program, rows: found };
+    program::write_json(&arguments.output.join("errors.json"), &report)
 }
 
 /// The errors in Markdown.
@@ -48,11 +49,7 @@ fn table(found: &[Comparison]) -> Result<String> {
     for one in found {
         let percent = |value: f64| format!("{:+.1} %", 100.0 * value);
         let reached = one.simulated.iter().flatten().count();
-        let verdict = match (one.fitted, one.within) {
-            (true, _) => "fit, no claim",
-            (false, true) => "holds",
-            (false, false) => "missed",
-        };
+        let verdict = one.verdict();
         writeln!(
             text,
             "| {} | {} | {reached} of {} | {}, {:+.3} {} | {:.1} %, {:.3} {} | {} | {} to {} | {verdict} |",
@@ -80,19 +77,19 @@ fn pictures(config: &Config, found: &[Comparison], folder: &Path) -> Result<()> 
     names.dedup();
     for name in names {
         let rows: Vec<&Row> = config.row.iter().filter(|row| row.plot == *name).collect();
-        let mut runs: Vec<&String> = Vec::new();
+        let mut runs: Vec<&str> = Vec::new();
         let mut series = Vec::new();
         for (i, row) in rows.iter().enumerate() {
             let of_row: Vec<_> = found.iter().filter(|c| c.row == row.name).collect();
             let Some(first) = of_row.first() else { continue };
             series.extend(measured(first, i == 0));
-            for one in of_row {
-                let turn = runs.iter().position(|r| **r == one.run).unwrap_or_else(|| {
-                    runs.push(&one.run);
+            for (run, values) in of_row.iter().flat_map(|one| curves(one)) {
+                let turn = runs.iter().position(|r| *r == run).unwrap_or_else(|| {
+                    runs.push(run);
                     runs.len() - 1
                 });
-                let label = series.iter().all(|s: &Series| s.label.as_ref() != Some(&one.run));
-                series.push(simulated(one, turn, label));
+                let label = series.iter().all(|s: &Series| s.label.as_deref() != Some(run));
+                series.push(simulated(first, run, values, turn, label));
             }
         }
         let axes = Axes { x: rows[0].x.clone(), y: rows[0].y.join(", "), ..Axes::default() };
@@ -114,10 +111,24 @@ fn measured(one: &Comparison, label: bool) -> [Series; 2] {
     ]
 }
 
-fn simulated(one: &Comparison, turn: usize, label: bool) -> Series {
-    let both = one.measured.iter().zip(&one.simulated);
+/// The simulated ordinates of a comparison by the names of runs: of a band those of its ends.
+fn curves(one: &Comparison) -> Vec<(&str, &[Option<f64>])> {
+    match &one.ends[..] {
+        [] => vec![(&one.run, &one.simulated)],
+        ends => ends.iter().map(|end| (&end.run[..], &end.simulated[..])).collect(),
+    }
+}
+
+fn simulated(
+    one: &Comparison,
+    run: &str,
+    values: &[Option<f64>],
+    turn: usize,
+    label: bool,
+) -> Series {
+    let both = one.measured.iter().zip(values);
     Series {
-        label: label.then(|| one.run.clone()),
+        label: label.then(|| run.to_owned()),
         points: both.filter_map(|(p, s)| s.map(|s| (p.x, s))).collect(),
         style: Style::Dotted(2),
         turn,

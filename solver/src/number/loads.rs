@@ -152,6 +152,25 @@ pub(super) const RIGID_FORCE: Kind = Kind {
     }),
 };
 
+pub(super) const RIGID_MOMENT: Kind = Kind {
+    path: "rigid.PART.moment.x, .y or .z",
+    meaning: "what is added to a component of the moment on a rigid part, where it is not 0",
+    list: |scene| {
+        let one = |(i, part): (usize, &RigidConfig)| {
+            let turned = AXES.iter().enumerate().zip(&part.moment.0).filter(|(_, m)| !m.is_zero());
+            let paths =
+                turned.map(|((k, axis), _)| (format!("{}.moment.{axis}", part.on), "N m", [i, k]));
+            paths.collect::<Vec<_>>()
+        };
+        scene.config.rigid.iter().enumerate().flat_map(one).collect()
+    },
+    value: nothing_added,
+    set: Setting::AddedTo(rigid_moment),
+    check: any,
+    derivative: |swept, [part, axis]| total(swept, ParameterId::RigidMoment(part), axis),
+    scale: Some(|scene, [part, axis]| largest(scene, &scene.config.rigid[part].moment.0[axis])),
+};
+
 pub(super) const VELOCITY: Kind = Kind {
     path: "velocity.BODY.x, .y or .z",
     meaning: "a component of the velocity of a body at t = 0, where there is inertia",
@@ -193,6 +212,10 @@ fn traction(scene: &mut Scene, [load, axis]: Place) -> &mut Schedule {
 
 fn rigid_force(scene: &mut Scene, [part, axis]: Place) -> &mut Schedule {
     &mut scene.config.rigid[part].force.0[axis]
+}
+
+fn rigid_moment(scene: &mut Scene, [part, axis]: Place) -> &mut Schedule {
+    &mut scene.config.rigid[part].moment.0[axis]
 }
 
 /// The largest of a number over time, without sign, at the ends of time steps.

@@ -41,6 +41,7 @@ pub const KINDS: &[Kind] = &[
     loads::TRACTION,
     loads::RIGID_MASS,
     loads::RIGID_FORCE,
+    loads::RIGID_MOMENT,
     loads::VELOCITY,
     walls::WALL,
 ];

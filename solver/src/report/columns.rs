@@ -52,7 +52,7 @@ pub fn number(row: &Value, column: &str) -> Result<f64> {
 }
 
 /// The number that the text of a column means: a name, which may have a factor after a star, an expression as scenes
-/// have them; or several of these with " + " between them. `find` gives the number with a name.
+/// have them; or a number; or several of these with " + " between them. `find` gives the number with a name.
 ///
 /// # Errors
 /// When `find` finds no number, or a factor is none.
@@ -73,7 +73,8 @@ fn product(text: &str, find: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
             return Ok(factor * number);
         }
     }
-    find(text.split('*').next().unwrap_or_default())
+    // a number by itself is none of the run
+    constant(text).or_else(|_| find(text.split('*').next().unwrap_or_default()))
 }
 
 /// The value of an expression that depends on nothing.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::{
     BodyForce, Chamber, Contact, Elastic, Energy, Fibres, Friction, GasLaw, Held, Inertia, Iterate,
-    Membrane, Rigid, RigidLoad, RigidMass, Springs, Traction, Viscous, Winding,
+    Membrane, Rigid, RigidLoad, RigidMass, RigidMoment, Springs, Traction, Viscous, Winding,
 };
 use crate::element::FunctionSpace;
 use crate::material::Material;
@@ -67,6 +67,8 @@ pub struct RigidEnergies {
     pub mass: Option<RigidMass>,
     /// Force on it, with its weight.
     pub load: RigidLoad,
+    /// Moment on it, if there is any.
+    pub moment: Option<RigidMoment>,
 }
 
 /// A chamber by its name.
@@ -125,6 +127,8 @@ pub enum Kind {
     RigidMass(usize),
     /// Force on a rigid part, with its weight.
     RigidLoad(usize),
+    /// Moment on a rigid part.
+    RigidMoment(usize),
     /// Springs of released supports.
     Springs,
     /// None of these.
@@ -156,6 +160,8 @@ pub enum ParameterId {
     /// Mass of a rigid part in its weight, then the three components of what is added to the force on it, and to
     /// gravity.
     RigidLoad(usize),
+    /// The three components of what is added to the moment on a rigid part.
+    RigidMoment(usize),
     /// Coefficient of friction.
     Friction,
     /// What a chamber is prescribed by: pressure, fill, change or factor of the volume, injected volume or supply.
@@ -220,6 +226,7 @@ impl Kind {
             Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
             Self::RigidMass(part) => Some(ParameterId::RigidMass(part)),
             Self::RigidLoad(part) => Some(ParameterId::RigidLoad(part)),
+            Self::RigidMoment(part) => Some(ParameterId::RigidMoment(part)),
             Self::Friction => Some(ParameterId::Friction),
             _ => None,
         }
@@ -292,7 +299,9 @@ impl Energies {
         let rigid = self.rigid.iter().enumerate().flat_map(|(i, part)| {
             let stiffness = part.stiffness.as_ref().map(|own| term(Kind::Rigid(i), own));
             let mass = part.mass.as_ref().map(|own| term(Kind::RigidMass(i), own));
-            stiffness.into_iter().chain(mass).chain([term(Kind::RigidLoad(i), &part.load)])
+            let moment = part.moment.as_ref().map(|own| term(Kind::RigidMoment(i), own));
+            let load = term(Kind::RigidLoad(i), &part.load);
+            stiffness.into_iter().chain(mass).chain([load]).chain(moment)
         });
         let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
         let others = self.others.iter().map(|other| term(Kind::Other, &**other));
@@ -343,6 +352,7 @@ impl Energies {
         loads.append(&mut held.others);
         for part in &mut held.rigid {
             part.load = part.load.held(time);
+            part.moment = part.moment.as_ref().map(|moment| moment.held(time));
         }
         held.others =
             loads.into_iter().map(|energy| Arc::new(Held { energy, time }) as _).collect();

@@ -36,7 +36,7 @@ pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolum
 pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
-pub use rigid::{MassPoint, Rigid, RigidLoad, RigidMass};
+pub use rigid::{MassPoint, NoLever, Rigid, RigidLoad, RigidMass, RigidMoment};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};
 pub use traction::Traction;

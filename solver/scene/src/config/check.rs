@@ -98,7 +98,14 @@ impl SimConfig {
     /// Whether bodies need no support.
     #[must_use]
     pub fn may_float(&self) -> bool {
-        self.method().has_inertia() || self.contact().is_some()
+        self.method().has_inertia() || self.contact().is_some() || self.is_afloat()
+    }
+
+    /// Whether nothing holds bodies in a scene without inertia and contact, so that its loads must balance.
+    #[must_use]
+    pub fn is_afloat(&self) -> bool {
+        let held = self.method().has_inertia() || self.contact().is_some();
+        !held && self.fixed.is_empty()
     }
 
     fn check_bodies(&self) -> Result<()> {

@@ -29,6 +29,11 @@ pub struct RigidConfig {
     #[serde(default)]
     #[schemars(with = "FieldSchema")]
     pub force: Field,
+    /// Moments about axes through it that keep the directions of x, y and z [N m]. Each works by the angle by which the
+    /// part has turned about its axis, as seen along that: up to half a turn.
+    #[serde(default)]
+    #[schemars(with = "FieldSchema")]
+    pub moment: Field,
 }
 
 fn all_axes() -> String {
@@ -74,6 +79,15 @@ impl RigidConfig {
             mass.is_finite() && *mass >= 0.0,
             misfit!(self.title().key("mass"), " = {mass} kg: must be 0 or more")
         );
+        for (axis, moment) in ["x", "y", "z"].into_iter().zip(&self.moment.0) {
+            ensure!(
+                *turns || moment.is_zero(),
+                misfit!(
+                    self.title().key("moment"),
+                    ": {moment} about {axis}, beside turns = false: expected 0"
+                )
+            );
+        }
         let axes = ["x", "y", "z"].into_iter().zip(self.axes()).zip(&self.force.0);
         for ((axis, may_move), force) in axes {
             ensure!(

@@ -2,6 +2,7 @@
 //! meshes, energies and objectives.
 
 mod apart;
+mod afloat;
 mod chambers;
 mod contact;
 mod laws;
@@ -153,6 +154,9 @@ impl Scene {
             problem = problem.with_rigid(&rigid);
         }
         problem.tolerates_inversion = self.config.solver.inside_out == InsideOut::Tolerated;
+        if self.config.is_afloat() {
+            self.check_afloat(&problem, &supports, &body.mesh.vertices)?;
+        }
         if supports.move_at_all() {
             problem = problem.with_motion(move |load| supports.displacement(load));
         }

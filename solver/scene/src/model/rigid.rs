@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass};
+use mechanics::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass, RigidMoment};
 use mechanics::rigid::{Moves, RigidSet};
 use mechanics::symmetry::AXES;
 use mesh::Vec3;
@@ -14,6 +14,9 @@ use program::misfit;
 use super::{Scene, nodes_of};
 use crate::config::{Fixed, RigidConfig};
 use crate::supports::Supports;
+
+/// How far points that hinge a part may be off a line, over its length.
+const STRAIGHT: f64 = 1e-6;
 
 impl Scene {
     /// Supports that guide rigid parts: axes along which they do not move, and those across planes of symmetry
@@ -101,6 +104,7 @@ impl Scene {
             own.load.force.clone_from(&part.force);
             own.load.gravity.clone_from(&self.config.gravity);
             own.load.mass = part.mass;
+            own.moment.iter_mut().for_each(|moment| moment.moment.clone_from(&part.moment));
             own.mass.iter_mut().for_each(|mass| mass.mass = part.mass);
         }
     }
@@ -132,6 +136,19 @@ impl Scene {
                 )
                 .into());
             }
+            if let [normal] = cut[..]
+                && let Some(axis) = (0..3).find(|&k| k != normal && !part.moment.0[k].is_zero())
+            {
+                return Err(misfit!(
+                    part.title().key("moment"),
+                    ": {} about {}, along a plane of symmetry that cuts the part; expected 0, as the mirror image of \
+                     the moment turns the other way",
+                    part.moment.0[axis],
+                    AXES[axis]
+                )
+                .into());
+            }
+            let mut hinge = Vec::new();
             for &node in &nodes {
                 let place = positions[node];
                 if let Some(other) = owner[node].replace(&part.on) {
@@ -142,22 +159,53 @@ impl Scene {
                     )
                     .into());
                 }
-                for (axis, name) in AXES.iter().enumerate() {
-                    ensure!(
-                        !supports.holds(node, axis) || held(axis),
-                        misfit!(
+                // along axes that guide it, it is held anyway
+                let holds = |axis: &usize| supports.holds(node, *axis) && !held(*axis);
+                match (0..3).filter(holds).collect::<Vec<_>>()[..] {
+                    [] => {}
+                    [0, 1, 2] if part.turns => hinge.push(node),
+                    [axis, ..] => {
+                        return Err(misfit!(
                             part.title(),
-                            ": a [[fixed]] tag holds its point {} along {name}; a rigid part is held as a whole: by \
-                             along and turns, or as [[fixed]] in place of [[rigid]]",
-                            point(place)
+                            ": a [[fixed]] tag holds its point {} along {}; a rigid part is hinged to points that are \
+                             held along x, y and z, or held as a whole: by along and turns, or as [[fixed]] in place of \
+                             [[rigid]]",
+                            point(place),
+                            AXES[axis]
                         )
-                    );
+                        .into());
+                    }
                 }
             }
-            let set = RigidSet::new(&nodes, &positions, self.moves(part, body));
+            self.check_hinge(part, &hinge, &positions)?;
+            let moves = self.moves(part, body);
+            let set = RigidSet::hinged(&nodes, &hinge, &positions, moves);
             sets.push(set.with_context(|| part.title().told("has no facets".to_owned()))?);
         }
         Ok(sets)
+    }
+
+    /// Refuses a part that cannot turn, as what holds it are points of no line.
+    fn check_hinge(&self, part: &RigidConfig, hinge: &[usize], positions: &[Vec3]) -> Result<()> {
+        let [first, ..] = hinge else { return Ok(()) };
+        let offset = |node: &usize| positions[*node] - positions[*first];
+        let longest = hinge.iter().map(offset).max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let along = longest.unwrap_or_default();
+        let axis = along.try_normalize(0.0).unwrap_or_default();
+        let across = |node: &usize| (offset(node) - axis.dot(&offset(node)) * axis).norm();
+        let farthest = hinge.iter().max_by(|a, b| across(a).total_cmp(&across(b)));
+        if let Some(node) = farthest.filter(|node| across(node) > STRAIGHT * along.norm()) {
+            return Err(misfit!(
+                part.title(),
+                ": [[fixed]] tags hold {} of its points, and these are on no line: {} is {:.3e} m off it, so that it cannot \
+                 move; hold one point or an edge of it as a hinge, or write [[fixed]] in place of [[rigid]]",
+                hinge.len(),
+                point(positions[*node]),
+                across(node)
+            )
+            .into());
+        }
+        Ok(())
     }
 
     /// The terms of the rigid parts.
@@ -178,7 +226,19 @@ impl Scene {
             let middle = middle(set, &points);
             let gravity = self.config.gravity.clone();
             let has_mass = part.mass > 0.0 && self.config.method().has_inertia();
+            let is_turned = part.moment.0.iter().any(|moment| !moment.is_zero());
+            let moment = is_turned
+                .then(|| RigidMoment::new(set, &positions, part.moment.clone()))
+                .transpose()
+                .map_err(|lever| {
+                    misfit!(
+                        part.title().key("moment"),
+                        ": the part has no extent across {}, so that no moment turns it about that; expected 0",
+                        AXES[lever.axis]
+                    )
+                })?;
             Ok(RigidEnergies {
+                moment,
                 name: part.on.clone(),
                 stiffness: (set.masters().len() > 1).then(|| Rigid::new(set, &positions, shear)),
                 mass: has_mass.then(|| RigidMass::new(set, part.mass, &points)),

@@ -55,6 +55,10 @@ impl Table {
         if let Some(column) = self.titles.iter().position(|t| t == title) {
             return Ok(column);
         }
+        // a title that has no unit is given one where it is used
+        if let Some(column) = self.titles.iter().position(|t| t == quantity(title)) {
+            return Ok(column);
+        }
         match self.titles.iter().find(|t| quantity(t) == quantity(title)) {
             Some(other) => {
                 bail!("no column \"{title}\", but \"{other}\": mind the unit; {}", all())
@@ -63,15 +67,15 @@ impl Table {
         }
     }
 
-    /// The numbers of a column, which has its unit in its title.
+    /// The numbers of a column, by its title with a unit, which is added to one that has none.
     ///
     /// # Errors
-    /// When there is no such column, its title has no unit, or an entry is no finite number.
+    /// When there is no such column, no unit is given, or an entry is no finite number.
     pub fn numbers(&self, title: &str) -> Result<Vec<f64>> {
         let column = self.column(title)?;
         ensure!(
             quantity(title) != title,
-            "the column \"{title}\" has no unit; expected a title such as \"{title} [mm]\""
+            "the column \"{title}\" has no unit; expected \"{title} [mm]\", or another one"
         );
         let number = |line: &Line| {
             let text = &line.entries[column];

@@ -60,6 +60,7 @@ impl Topped {
             stiffness: (part.masters().len() > 1).then(|| Rigid::new(&part, &nodes, SHEAR)),
             mass: inertia.then(|| RigidMass::new(&part, mass, &points)),
             load: RigidLoad::new(&part, weights, force, gravity, mass),
+            moment: None,
         });
         let problem = Problem::new(space, energies, &fixed).with_rigid(&[part]);
         let workspace = Workspace::new(&problem);
@@ -249,6 +250,7 @@ fn a_spinning_rigid_block_keeps_its_momentum_and_energy() {
     energies.bodies[0].inertia = Some(inertia.clone());
     let none = Field([0.0, 0.0, 0.0].map(Schedule::from));
     energies.rigid.push(RigidEnergies {
+        moment: None,
         name: "block".to_owned(),
         stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
         mass: None,
@@ -280,4 +282,59 @@ fn a_spinning_rigid_block_keeps_its_momentum_and_energy() {
         let found = x + crate::element::at(&state.u, n);
         assert!((found - expected).norm() < 0.02 * EDGE, "{found} {expected}");
     }
+}
+
+/// A block that hangs on one of its edges and swings from 45°: θ'' = −(m g d / I) sin θ with d = a/√2, I = ⅔ m a².
+#[test]
+fn a_rigid_block_swings_as_a_pendulum() {
+    let (gravity, dt, steps) = (9.81, 5e-4, 800);
+    let TetMesh { vertices, tets } = cube(2, 0.0);
+    let rest: Vec<Vec3> = vertices.iter().map(|v| EDGE * (v - Vec3::repeat(0.5))).collect();
+    let space = FunctionSpace::new(1, rest.len(), tets);
+    let all: Vec<usize> = (0..rest.len()).collect();
+    let is_held = |&n: &usize| rest[n].x < -0.499 * EDGE && rest[n].z > 0.499 * EDGE;
+    let edge: Vec<usize> = all.iter().copied().filter(is_held).collect();
+    let fixed: Vec<bool> = all.iter().flat_map(|n| [edge.contains(n); 3]).collect();
+    let part = RigidSet::hinged(&all, &edge, &rest, Moves::Freely).expect("nodes");
+    let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(YOUNG, 0.4))));
+    energies.bodies[0].inertia = Some(Inertia::new(&space, 1000.0, 0..space.tets().len()));
+    let none = Field([0.0, 0.0, 0.0].map(Schedule::from));
+    let down = Field([0.0, 0.0, -gravity].map(Schedule::held));
+    let middle = part.weights_at(Vec3::zeros()).expect("inside");
+    energies.rigid.push(RigidEnergies {
+        moment: None,
+        name: "block".to_owned(),
+        stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
+        mass: None,
+        load: RigidLoad::new(&part, middle, none, down, 1000.0 * EDGE.powi(3)),
+    });
+    let problem = Problem::new(space, energies, &fixed).with_rigid(&[part]);
+    let mut workspace = Workspace::new(&problem);
+    let start = State::new(vec![0.0; problem.dofs()], vec![0.0; problem.dofs()]);
+    let mut stepper = TimeStepper::new(TIGHT, Integrator::new(Method::GeneralizedAlpha, start));
+    // the same by the classical method of Runge and Kutta
+    let rate = 0.75 * 2.0_f64.sqrt() * gravity / EDGE;
+    let slope = |[angle, speed]: [f64; 2]| [speed, -rate * angle.sin()];
+    let add = |a: [f64; 2], h: f64, b: [f64; 2]| [a[0] + h * b[0], a[1] + h * b[1]];
+    let mut expected = [0.25 * std::f64::consts::PI, 0.0];
+    let mut farthest = 0.0_f64;
+    for n in 1..=steps {
+        let end = dt * f64::from(n);
+        stepper.advance(&problem, &mut workspace, &rest, end, |_| ()).expect("a step");
+        let k1 = slope(expected);
+        let k2 = slope(add(expected, 0.5 * dt, k1));
+        let k3 = slope(add(expected, 0.5 * dt, k2));
+        let k4 = slope(add(expected, dt, k3));
+        expected = add(add(expected, dt / 6.0, k1), dt / 3.0, k2);
+        expected = add(add(expected, dt / 3.0, k3), dt / 6.0, k4);
+        let u = &stepper.progress.integrator.last().u;
+        let corner = |n: usize| rest[n] + crate::element::at(u, n);
+        let hangs = corner(all.iter().copied().find(|&n| rest[n].norm() < 1e-9).expect("a middle"))
+            - corner(edge[0]);
+        let angle = hangs.x.atan2(-hangs.z);
+        farthest = farthest.max((angle - expected[0]).abs());
+        assert!(edge.iter().all(|&n| crate::element::at(u, n).norm() < 1e-12), "the hinge stays");
+    }
+    // more than two periods
+    assert!(farthest < 0.02, "{farthest} rad");
 }

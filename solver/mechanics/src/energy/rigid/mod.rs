@@ -16,6 +16,10 @@
 //! has the part of W that is positive. Of the numbers there are derivatives by mass and force; m_jk and m_j are
 //! those of the rest shape, which must not move.
 
+mod moment;
+
+pub use moment::{NoLever, RigidMoment};
+
 use mesh::Vec3;
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 

@@ -129,3 +129,36 @@ fn only_strains_cost_energy() {
         assert!((0.5..2.5).contains(&ratio), "{ratio}");
     }
 }
+
+/// A moment has its derivatives, and works by the angle where the part turns about its axis.
+#[test]
+fn a_moment_works_by_the_angle() {
+    for whole in [true, false] {
+        let case = Case::new(whole);
+        let moment = Field([0.3, -0.2, 0.5].map(Schedule::held));
+        let term = RigidMoment::new(&case.part, &case.positions(), moment).expect("levers");
+        case.check(&term, &case.moved(0.05), None);
+        for (axis, share) in [0.3, -0.2, 0.5].into_iter().enumerate() {
+            let unit = nalgebra::Unit::new_unchecked(Vec3::ith(axis, 1.0));
+            let turn = Rotation3::from_axis_angle(&unit, 1.3);
+            let u: Vec<f64> =
+                case.positions().iter().flat_map(|x| <[f64; 3]>::from(turn * x - x)).collect();
+            let work = -term.value(&case.at(&u, None));
+            assert!((work - share * 1.3).abs() < 1e-12, "{axis}: {work}");
+        }
+    }
+}
+
+/// A straight part has no extent across its own axis.
+#[test]
+fn a_line_cannot_be_turned_about_itself() {
+    let points: Vec<Vec3> = (0..5).map(|i| Vec3::new(0.0, 0.0, f64::from(i))).collect();
+    let part = RigidSet::new(&[0, 1, 2, 3, 4], &points, Moves::Freely).expect("nodes");
+    let about = |axis: usize| {
+        let mut moment = Field([0.0; 3].map(Schedule::from));
+        moment.0[axis] = Schedule::from(1.0);
+        RigidMoment::new(&part, &points, moment)
+    };
+    assert!(about(0).is_ok());
+    assert_eq!(about(2).err(), Some(NoLever { axis: 2 }));
+}

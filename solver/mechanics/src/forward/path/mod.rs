@@ -7,10 +7,9 @@
 //! R(u, P̂, t) = 0,   V(u) = V*(t),   |Δu|²/ℓ² + Δt² = Δs²
 //!
 //! found by Newton's method with the exact tangent of all of it, from a predictor along the tangent of the path and its
-//! change since the state before. ℓ is
-//! |du/dt| at rest, so that both parts count alike there. Δs follows the number of iterations, and is halved where the
-//! direction of the path would turn by much: another branch may be near. Surfaces stay apart as in every load step,
-//! and every state is certified.
+//! change since the state before. ℓ is |du/dt| at rest, so that both parts count alike there. Δs follows the number of
+//! iterations. It is halved where the direction of the path would turn by much, and where a stable path would pass a
+//! bifurcation: another branch may be near. Surfaces stay apart as in every load step, and every state is certified.
 //!
 //! Between two states the number of negative eigenvalues changes by one where the load turns (a limit point); by
 //! anything else other branches leave (a bifurcation).
@@ -52,6 +51,10 @@ const STRAIGHT: f64 = 0.5;
 const NEARLY_STRAIGHT: f64 = 0.95;
 /// How far from the last state the next may be, in arc lengths.
 const REACH: f64 = 2.0;
+/// Arc length, in first ones, above which a path that is stable passes no bifurcation: next to one the path of a body
+/// that is not quite symmetrical turns by much, and a long arc would lead to a branch that does not hang together with
+/// it.
+const ACROSS: f64 = 1.0 / 16.0;
 /// Loads between 0 and 1 at which it is asked whether anything depends on the load.
 const LOADS: usize = 8;
 
@@ -194,12 +197,24 @@ impl ArcFollower {
             Ok(balanced) => balanced,
             Err(missed) => return Err(failed(missed.failure(), state.u, residuals)),
         };
-        let longest = self.path.largest / self.path.first * from.progress.first;
-        match from.finish(workspace, state, balanced, length, longest) {
+        let first = from.progress.first;
+        let limits = Lengths {
+            longest: self.path.largest / self.path.first * first,
+            across: ACROSS.max(2.0 * self.path.smallest) * first,
+        };
+        match from.finish(workspace, state, balanced, length, &limits) {
             Ok(found) => Ok(found),
             Err((failure, u)) => Err(failed(failure, u, residuals)),
         }
     }
+}
+
+/// Arc lengths that are not exceeded.
+struct Lengths {
+    /// Anywhere.
+    longest: f64,
+    /// Across a bifurcation.
+    across: f64,
 }
 
 /// The last state, from which the next is sought.
@@ -287,7 +302,7 @@ impl<'a> From<'a> {
         state: Configuration,
         balanced: Balanced,
         length: f64,
-        longest: f64,
+        limits: &Lengths,
     ) -> Result<Found, (Failure, Vec<f64>)> {
         let problem = self.problem;
         let at = state.iterate(problem);
@@ -307,6 +322,11 @@ impl<'a> From<'a> {
         }
         let negative = stability.negative;
         let point = self.point(stability, &direction, moved, state.time);
+        let bifurcates = point.passed.iter().any(|p| matches!(p, Passed::Bifurcation(_)));
+        if bifurcates && self.progress.negative == 0 && length > limits.across {
+            let degrees = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            return Err((Failure::Strayed { degrees }, state.u));
+        }
         let eased = (AIM / balanced.iterations.max(1) as f64).sqrt().clamp(0.5, GROWTH);
         let grown = if cosine < NEARLY_STRAIGHT { eased.min(1.0) } else { eased };
         let turning = direction.plus(&self.progress.direction.scaled(-1.0)).scaled(1.0 / moved);
@@ -314,7 +334,7 @@ impl<'a> From<'a> {
             turning: Some(turning),
             negative,
             arc: point.arc,
-            length: (grown * length.max(self.shortest(moved))).min(longest),
+            length: (grown * length.max(self.shortest(moved))).min(limits.longest),
             direction,
             ..self.progress.clone()
         };

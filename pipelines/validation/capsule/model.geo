@@ -1,0 +1,23 @@
+// A quarter of a spherical capsule, the cavity shifted along z by 2 % of the wall. Lengths in millimetres.
+SetFactory("OpenCASCADE");
+DefineConstant[ wall = {2.3, Name "Wall"}, h = {1.1, Name "Longest edge"} ];
+R = 10;
+Sphere(1) = {0, 0, 0, R};
+Sphere(2) = {0, 0, 0.02 * wall, R - wall};
+BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+Box(4) = {0, 0, -2 * R, 2 * R, 2 * R, 4 * R};
+BooleanIntersection(5) = { Volume{3}; Delete; }{ Volume{4}; Delete; };
+t = 1e-3;
+x() = Surface In BoundingBox{-t, -100, -100, t, 100, 100};
+y() = Surface In BoundingBox{-100, -t, -100, 100, t, 100};
+all() = Boundary{ Volume{5}; };
+r = R - wall;
+inner() = Surface In BoundingBox{-t, -t, -r - 0.2, r + 0.2, r + 0.2, r + 0.2};
+inner() -= {x(), y()};
+outer() = all();
+outer() -= {x(), y(), inner()};
+Physical Surface("cut-x") = {x()};
+Physical Surface("cut-y") = {y()};
+Physical Surface("inner") = {inner()};
+Physical Surface("outer") = {outer()};
+Mesh.MeshSizeMax = h;
