@@ -11,6 +11,11 @@ endef
 $(foreach b,membrane rings beam arm,$(eval $(call validate,$(b),after)))
 $(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
 $(eval $(call validate,beam,datasheet))
+$(eval $(call validate,rings,heavy))
+
+$(VALIDATION)/rings/heavy/report.json: $(VALIDATION)/rings/clamp/model.json
+$(VALIDATION)/rings/clamp/model.json: $(call source,pipelines/validation/rings/clamp.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm -o $(@D)
 
 comma := ,
 
@@ -51,7 +56,7 @@ CAPSULES := 1=0.9e-7 2.3=1.6e-7 2.5=1.7e-7 4=1.5e-7 5=1.05e-7
 THICK := 4 5
 capsule.wall = $(firstword $(subst =, ,$(1)))
 capsule.pumped = $(lastword $(subst =, ,$(1)))
-capsule.other = $(if $(filter $(THICK),$(1)),--set solver.dilatation=standard)
+capsule.other = $(if $(filter $(THICK),$(1)),--set solver.dilatation=pointwise)
 $(foreach w,$(CAPSULES),$(eval from.capsule-$(call capsule.wall,$(w)) := pipelines/validation/capsule))
 $(foreach w,$(CAPSULES),$(eval to.capsule-$(call capsule.wall,$(w)) := $(VALIDATION)/capsule/$(call capsule.wall,$(w))))
 $(foreach w,$(CAPSULES),$(eval $(call capsule,$(call capsule.wall,$(w)),$(call capsule.pumped,$(w)),$(call capsule.other,$(call capsule.wall,$(w))))))

@@ -9,26 +9,64 @@ use tests::workdir::repository;
 
 use crate::make;
 
-/// Simulations "after" of the rows whose names begin with `body`, beside what was measured.
-fn after(body: &str) -> Vec<Comparison> {
-    make(&format!("build/validation/{body}/after/report.json"));
+/// Rows whose names begin with `row`, of their runs called "after" or in a band, once these reports are made.
+fn rows(reports: &[&str], row: &str) -> Vec<Comparison> {
+    for report in reports {
+        make(&format!("build/validation/{report}/report.json"));
+    }
     let folder = repository().join("pipelines/validation");
     let mut config: Config = program::read_toml(&folder.join("validation.toml")).unwrap();
-    config.row.retain(|row| row.name.starts_with(body));
-    config.row.iter_mut().for_each(|row| row.run.retain(|run| run.name == "after"));
+    config.row.retain(|own| own.name.starts_with(row));
+    for own in &mut config.row {
+        let band: Vec<String> = own.band.iter().flatten().cloned().collect();
+        own.run.retain(|run| run.name == "after" || band.contains(&run.name));
+    }
     config.compare(&folder).unwrap()
 }
 
 #[test]
 #[ignore = "simulates a cantilever: runs in make test-all"]
 fn the_beam_droops_as_measured() {
-    let rows = after("beam");
+    let rows = rows(&["beam/after"], "beam");
     assert_eq!(rows.len(), 3);
     for row in rows {
         assert!(row.simulated.len() == 2 && !row.fitted);
         assert_eq!(row.tolerance, [-0.15, 0.15]);
         assert!(row.within, "{}: {:.3} at most", row.row, row.largest);
     }
+}
+
+#[test]
+#[ignore = "presses a cylinder twice, half a minute each: runs in make test-all"]
+fn a_pressed_cylinder_is_in_its_band() {
+    let rows = rows(&["compression/slippery", "compression/sticking"], "cylinder");
+    let [row] = &rows[..] else { panic!("{rows:?}") };
+    let [free, bonded] = &row.ends[..] else { panic!("two ends") };
+    for (free, bonded) in free.simulated.iter().zip(&bonded.simulated) {
+        assert!(free.unwrap() < bonded.unwrap(), "friction stiffens it");
+    }
+    // below 5 % of compression the plates do not touch all of it yet
+    let settled = row.measured.iter().zip(&row.simulated).filter(|(point, _)| point.x > 0.05);
+    for (point, simulated) in settled {
+        let error = simulated.unwrap() / point.y - 1.0;
+        assert!((row.tolerance[0]..=row.tolerance[1]).contains(&error), "{}: {error}", point.x);
+    }
+}
+
+#[test]
+#[ignore = "follows the path of a capsule that buckles: runs in make test-all"]
+fn a_capsule_buckles_and_comes_back_as_measured() {
+    make("build/validation/capsule/2.3/after/report.json");
+    let folder = repository().join("pipelines/validation");
+    let mut config: Config = program::read_toml(&folder.join("validation.toml")).unwrap();
+    config.row.retain(|row| row.name.starts_with("capsule"));
+    config
+        .row
+        .iter_mut()
+        .for_each(|row| row.run.retain(|run| run.steps.to_string_lossy().contains("/2.3/")));
+    let found = config.compare(&folder).unwrap();
+    assert_eq!(found.len(), 2);
+    found.iter().for_each(|row| assert!(row.within, "{}: {:.3}", row.row, row.largest));
 }
 
 /// Height up to which the membrane is simulated [mm]: beyond it folds at the clamp.
@@ -39,7 +77,7 @@ const THEORY: f64 = 0.03;
 #[test]
 #[ignore = "simulates a membrane for minutes: runs in make test-all"]
 fn the_membrane_follows_membrane_theory() {
-    let rows = after("membrane");
+    let rows = rows(&["membrane/after"], "membrane, 14.7 N");
     assert_eq!(rows.len(), 1);
     for row in rows {
         let (force, mut found) = (14.715, (row.simulated[0].unwrap(), 1.5));
