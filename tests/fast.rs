@@ -1,6 +1,8 @@
 //! Tests that run in seconds.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+#[path = "fast/afloat.rs"]
+mod afloat;
 #[path = "fast/as_cast.rs"]
 mod as_cast;
 #[path = "fast/bad_design.rs"]

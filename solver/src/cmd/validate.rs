@@ -83,13 +83,14 @@ fn pictures(config: &Config, found: &[Comparison], folder: &Path) -> Result<()> 
             let of_row: Vec<_> = found.iter().filter(|c| c.row == row.name).collect();
             let Some(first) = of_row.first() else { continue };
             series.extend(measured(first, i == 0));
-            for (run, values) in of_row.iter().flat_map(|one| curves(one)) {
+            let all = of_row.iter().flat_map(|one| curves(one).into_iter().map(move |c| (one, c)));
+            for (one, (run, values)) in all {
                 let turn = runs.iter().position(|r| *r == run).unwrap_or_else(|| {
                     runs.push(run);
                     runs.len() - 1
                 });
                 let label = series.iter().all(|s: &Series| s.label.as_deref() != Some(run));
-                series.push(simulated(first, run, values, turn, label));
+                series.push(simulated(one, run, values, turn, label));
             }
         }
         let axes = Axes { x: rows[0].x.clone(), y: rows[0].y.join(", "), ..Axes::default() };

@@ -37,10 +37,6 @@ impl SimConfig {
             (5..=12).contains(&self.quadrature),
             misfit!(KeyPath::of("quadrature"), " = {}: must be from 5 to 12", self.quadrature)
         );
-        ensure!(
-            !self.fixed.is_empty() || !self.symmetry.is_empty() || self.may_float(),
-            "no [[fixed]] tag: the body would float away; fix one, or give it inertia by [time]"
-        );
         self.check_bodies()?;
         self.solver.check()?;
         self.check_path()?;

@@ -11,7 +11,8 @@ use crate::supports::Supports;
 const UNBALANCED: f64 = 1e-6;
 
 impl Scene {
-    /// Refuses loads at rest that would carry a body away that nothing holds, and says which motions are taken out.
+    /// Refuses loads at rest that would carry a body away that nothing holds, and says which motions are taken out; none
+    /// where planes of symmetry or guides hold it.
     ///
     /// # Errors
     /// With the resultant along that motion.
@@ -22,6 +23,9 @@ impl Scene {
         rest: &[Vec3],
     ) -> Result<()> {
         let free = supports.free_motions(&problem.space);
+        if free.is_empty() {
+            return Ok(());
+        }
         let zero = vec![0.0; problem.dofs()];
         let at = problem.iterate(rest, &zero, self.end());
         let mut forces = vec![0.0; problem.dofs()];

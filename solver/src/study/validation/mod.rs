@@ -67,7 +67,7 @@ pub struct Row {
     pub held_back: Option<String>,
     /// Name of the picture that it is drawn in.
     pub plot: String,
-    /// Simulations; those of one name are one, each for other lines of the table.
+    /// Simulations. Runs of one name are one, each for other lines of the table.
     pub run: Vec<Run>,
     /// Names of two simulations between which the measured ordinates are expected. They are compared as one: what of
     /// the band is nearest to the measured ordinate counts as simulated.

@@ -9,11 +9,12 @@ impl Row {
     pub(super) fn compared(&self, folder: &Path) -> Result<Vec<Comparison>> {
         self.check()?;
         let mut found: Vec<Comparison> = Vec::new();
-        let mut names: Vec<&str> = self.run.iter().map(|run| &run.name[..]).collect();
-        names.dedup();
-        for name in names {
+        for (i, Run { name, .. }) in self.run.iter().enumerate() {
+            if self.run[..i].iter().any(|run| run.name == *name) {
+                continue;
+            }
             let (mut points, mut values) = (Vec::new(), Vec::new());
-            for run in self.run.iter().filter(|run| run.name == name) {
+            for run in self.run.iter().filter(|run| run.name == *name) {
                 let measured = self.measured(folder, run)?;
                 values.extend(self.simulated(run, &measured, folder)?);
                 points.extend(measured.into_iter().map(|point| point.measured));
@@ -23,8 +24,8 @@ impl Row {
                 "run \"{name}\": no measured point lies between its states; conditions: {}",
                 self.condition.iter().map(|c| c.simulated.as_str()).collect::<Vec<_>>().join(", ")
             );
-            let fitted = self.run.iter().any(|run| run.name == name && run.fitted);
-            found.push(self.comparison(name.to_owned(), fitted, points, values));
+            let fitted = self.run.iter().any(|run| run.name == *name && run.fitted);
+            found.push(self.comparison(name.clone(), fitted, points, values));
         }
         if let Some(ends) = &self.band {
             let band = self.between(ends, &found)?;
