@@ -89,17 +89,16 @@ fn arch_of(cells: usize, modulus: f64, rise: f64, load: f64) -> (Problem, Vec<Ve
 fn symmetrical(cells: usize) -> mesh::TetMesh {
     let mut mesh = testing::block([cells / 2, 1, 2]);
     mesh.vertices.iter_mut().for_each(|x| x.x *= 0.5);
-    let count = mesh.vertices.len();
-    let mut image: Vec<usize> = (0..count).collect();
-    for v in 0..count {
-        let x = mesh.vertices[v];
+    let half = mesh.vertices.clone();
+    let mut image = Vec::new();
+    for (v, x) in half.iter().enumerate() {
+        image.push(if x.x < 0.5 { mesh.vertices.len() } else { v });
         if x.x < 0.5 {
-            image[v] = mesh.vertices.len();
             mesh.vertices.push(Vec3::new(1.0 - x.x, x.y, x.z));
         }
     }
-    let half = mesh.tets.clone();
-    mesh.tets.extend(half.iter().map(|&[a, b, c, d]| [b, a, c, d].map(|v| image[v])));
+    let tets = mesh.tets.clone();
+    mesh.tets.extend(tets.iter().map(|&[a, b, c, d]| [b, a, c, d].map(|v| image[v])));
     mesh
 }
 
