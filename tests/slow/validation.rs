@@ -9,8 +9,8 @@ use tests::workdir::repository;
 
 use crate::make;
 
-/// Rows whose names begin with `row`, of their runs called "after" or in a band, once these reports are made.
-fn rows(reports: &[&str], row: &str) -> Vec<Comparison> {
+/// Rows whose names begin with `row`, of their runs called `run` or in a band, once these reports are made.
+fn rows(reports: &[&str], row: &str, run: &str) -> Vec<Comparison> {
     for report in reports {
         make(&format!("build/validation/{report}/report.json"));
     }
@@ -19,7 +19,7 @@ fn rows(reports: &[&str], row: &str) -> Vec<Comparison> {
     config.row.retain(|own| own.name.starts_with(row));
     for own in &mut config.row {
         let band: Vec<String> = own.band.iter().flatten().cloned().collect();
-        own.run.retain(|run| run.name == "after" || band.contains(&run.name));
+        own.run.retain(|own| own.name == run || band.contains(&own.name));
     }
     config.compare(&folder).unwrap()
 }
@@ -27,7 +27,7 @@ fn rows(reports: &[&str], row: &str) -> Vec<Comparison> {
 #[test]
 #[ignore = "simulates a cantilever: runs in make test-all"]
 fn the_beam_droops_as_measured() {
-    let rows = rows(&["beam/after"], "beam");
+    let rows = rows(&["beam/datasheet"], "beam", "datasheet");
     assert_eq!(rows.len(), 3);
     for row in rows {
         assert!(row.simulated.len() == 2 && !row.fitted);
@@ -39,7 +39,7 @@ fn the_beam_droops_as_measured() {
 #[test]
 #[ignore = "presses a cylinder twice, half a minute each: runs in make test-all"]
 fn a_pressed_cylinder_is_in_its_band() {
-    let rows = rows(&["compression/slippery", "compression/sticking"], "cylinder");
+    let rows = rows(&["compression/slippery", "compression/sticking"], "cylinder", "after");
     let [row] = &rows[..] else { panic!("{rows:?}") };
     let [free, bonded] = &row.ends[..] else { panic!("two ends") };
     for (free, bonded) in free.simulated.iter().zip(&bonded.simulated) {
@@ -77,7 +77,7 @@ const THEORY: f64 = 0.03;
 #[test]
 #[ignore = "simulates a membrane for minutes: runs in make test-all"]
 fn the_membrane_follows_membrane_theory() {
-    let rows = rows(&["membrane/after"], "membrane, 14.7 N");
+    let rows = rows(&["membrane/after"], "membrane, 14.7 N", "after");
     assert_eq!(rows.len(), 1);
     for row in rows {
         let (force, mut found) = (14.715, (row.simulated[0].unwrap(), 1.5));
