@@ -1,35 +1,27 @@
 # Simulations beside measurements on real silicone.
 VALIDATION := build/validation
 
-# Body $(1), suffix of its scene $(2).
+comma := ,
+
+# Body $(1), results $(2), its scene $(3) with other values $(4).
 define validate
-$(VALIDATION)/$(1)/$(2)/report.json: $(call source,pipelines/validation/$(1)/sim.$(2).toml) $(VALIDATION)/$(1)/tagged.msh | setup
-	$(BIN)/solver simulate $$< -o $$(@D)
+$(VALIDATION)/$(1)/$(2)/report.json: $(call source,pipelines/validation/$(1)/$(3)) $(VALIDATION)/$(1)/tagged.msh | setup
+	$(BIN)/solver simulate $$< $(4) -o $$(@D)
 
 $(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
 endef
-$(foreach b,membrane rings beam arm,$(eval $(call validate,$(b),after)))
-$(foreach b,membrane beam,$(eval $(call validate,$(b),before)))
-$(eval $(call validate,beam,datasheet))
-$(eval $(call validate,rings,heavy))
+$(foreach b,membrane rings beam arm,$(eval $(call validate,$(b),after,sim.after.toml,)))
+$(foreach b,membrane beam,$(eval $(call validate,$(b),before,sim.before.toml,)))
+$(eval $(call validate,beam,datasheet,sim.datasheet.toml,))
+$(eval $(call validate,rings,heavy,sim.heavy.toml,))
+$(eval $(call validate,compression,slippery,sim.toml,))
+$(eval $(call validate,compression,sticking,sim.toml,--set contact.friction=2))
+$(eval $(call validate,rtv,compression,sim.toml,))
+$(eval $(call validate,rtv,tension,sim.toml,--set 'fixed.pulled.displacement=[0$(comma)0$(comma)"11.8e-3*t"]'))
 
 $(VALIDATION)/rings/heavy/report.json: $(VALIDATION)/rings/clamp/model.json
 $(VALIDATION)/rings/clamp/model.json: $(call source,pipelines/validation/rings/clamp.geo) | setup
 	$(BIN)/cad2fem model $< --unit mm -o $(@D)
-
-comma := ,
-
-# Body $(1), results $(2), other values $(3) in its scene sim.toml.
-define validate-set
-$(VALIDATION)/$(1)/$(2)/report.json: $(call source,pipelines/validation/$(1)/sim.toml) $(VALIDATION)/$(1)/tagged.msh | setup
-	$(BIN)/solver simulate $$< $(3) -o $$(@D)
-
-$(VALIDATION)/errors.json: $(VALIDATION)/$(1)/$(2)/report.json
-endef
-$(eval $(call validate-set,compression,slippery,))
-$(eval $(call validate-set,compression,sticking,--set contact.friction=2))
-$(eval $(call validate-set,rtv,compression,))
-$(eval $(call validate-set,rtv,tension,--set 'fixed.pulled.displacement=[0$(comma)0$(comma)"11.8e-3*t"]'))
 
 $(VALIDATION)/compression/slippery/report.json $(VALIDATION)/compression/sticking/report.json: \
 		$(VALIDATION)/compression/plate/model.json

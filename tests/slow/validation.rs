@@ -45,7 +45,7 @@ fn a_pressed_cylinder_is_in_its_band() {
     for (free, bonded) in free.simulated.iter().zip(&bonded.simulated) {
         assert!(free.unwrap() < bonded.unwrap(), "friction stiffens it");
     }
-    // below 5 % of compression the plates do not touch all of it yet
+    // below 5 % of compression the measured curve has a toe
     let settled = row.measured.iter().zip(&row.simulated).filter(|(point, _)| point.x > 0.05);
     for (point, simulated) in settled {
         let error = simulated.unwrap() / point.y - 1.0;

@@ -67,8 +67,8 @@ impl RigidSet {
         Self::hinged(nodes, &[], positions, moves)
     }
 
-    /// The same, of which some nodes, a point or those of a straight line, are held: these lead, so that the others of
-    /// them follow none but them.
+    /// As [`Self::new`], for a part that is hinged: the nodes in `held` are a point, or lie on a straight line. They are the
+    /// first masters, so that the others of them follow no other node.
     #[must_use]
     pub fn hinged(
         nodes: &[usize],

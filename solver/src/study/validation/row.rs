@@ -5,7 +5,7 @@ use reports::BandEnd;
 use super::*;
 
 impl Row {
-    /// Its simulations beside the measured points, and its band.
+    /// Compares each of its simulations with the measured points. The two that are the ends of a band are one.
     pub(super) fn compared(&self, folder: &Path) -> Result<Vec<Comparison>> {
         self.check()?;
         let mut found: Vec<Comparison> = Vec::new();
