@@ -75,7 +75,7 @@ fn part_len(blocks: usize) -> usize {
 
 /// Number of local pairs (a, b ≤ a) of an element.
 #[must_use]
-pub fn pair_count(nodes: usize) -> usize {
+pub const fn pair_count(nodes: usize) -> usize {
     nodes * (nodes + 1) / 2
 }
 

@@ -7,9 +7,10 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::Elastic;
-use super::mean::{Mean, add_mean_force, add_rank_one};
+use super::mean::{Mean, add_dyad};
+use super::moments::Moments;
 use crate::element::FunctionSpace;
-use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
+use crate::energy::elements::{Batch, Blocks, ElementEnergy, Forces, Nodal, QUADRATIC, points};
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Points};
 use crate::math::lanes::projection::{self, Tangents, smallest_pivots};
@@ -105,10 +106,24 @@ fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, gra
     }
 }
 
+/// What is used again from batch to batch.
+pub(in crate::energy) struct Memory<S: Simd> {
+    /// Blocks of elements that are not of degree 2.
+    local: Vec<[Lanes<S>; 9]>,
+    /// Of elements of degree 2.
+    moments: Moments<S>,
+}
+
+impl<S: Simd> Default for Memory<S> {
+    fn default() -> Self {
+        Self { local: Vec::new(), moments: Moments::default() }
+    }
+}
+
 impl ElementEnergy for Elastic {
     const NAME: &'static str = "elastic";
 
-    type Memory<S: Simd, const N: usize> = Vec<[Lanes<S>; 9]>;
+    type Memory<S: Simd, const N: usize> = Memory<S>;
 
     fn range(&self, space: &FunctionSpace) -> Range<usize> {
         self.elements(space)
@@ -120,7 +135,7 @@ impl ElementEnergy for Elastic {
         let volume = batch.volume.to_array();
         let mut values = [0.0; MOST];
         for (q, weight) in points::<N>(batch.iterate) {
-            let grad_u = batch.grad_u(&batch.gradients(q));
+            let grad_u = batch.grad_u(q, &batch.gradients(q));
             let densities = energy_densities(batch.simd, law, &grad_u);
             for l in 0..Lanes::<S>::COUNT {
                 values[l] += weight * volume[l] * densities[l];
@@ -139,23 +154,17 @@ impl ElementEnergy for Elastic {
     fn forces<S: Simd, const N: usize>(&self, batch: &Batch<S, N>) -> Nodal<S, N> {
         let (law, split) = self.parts(batch.iterate.space);
         let mean = split.map(|split| Mean::new(batch, split));
-        let mut forces = [[batch.splat(0.0); 3]; N];
+        let mut forces = Forces::none(batch);
         for (q, weight) in points::<N>(batch.iterate) {
             let g = batch.gradients(q);
-            let grad_u = batch.grad_u(&g);
+            let grad_u = batch.grad_u(q, &g);
             let mut stress = first_piola(batch.simd, law, &grad_u);
             if let Some(mean) = &mean {
                 mean.add_stress(&grad_u, &mut stress);
             }
-            let stress = scaled(&stress, batch.volume * weight);
-            for (force, g) in forces.iter_mut().zip(&g) {
-                for i in 0..3 {
-                    let along = stress[i][1].mul_add(g[1], stress[i][2].mul_add(g[2], force[i]));
-                    force[i] = stress[i][0].mul_add(g[0], along);
-                }
-            }
+            forces.add(batch, q, &g, &scaled(&stress, batch.volume * weight));
         }
-        forces
+        forces.of_nodes(batch)
     }
 
     #[inline(always)]
@@ -163,33 +172,51 @@ impl ElementEnergy for Elastic {
         &self,
         batch: &Batch<S, N>,
         kind: Hessian,
-        local: &mut Vec<[Lanes<S>; 9]>,
+        memory: &mut Memory<S>,
         out: &mut Blocks,
     ) {
         let (simd, zero) = (batch.simd, batch.splat(0.0));
         let (law, split) = self.parts(batch.iterate.space);
-        local.resize(pair_count(N), [zero; 9]);
-        local.fill([zero; 9]);
+        let Memory { local, moments } = memory;
+        if N == QUADRATIC {
+            moments.reserve(batch.iterate.space.volume_table(), zero);
+        } else {
+            local.resize(pair_count(N), [zero; 9]);
+            local.fill([zero; 9]);
+        }
         let mean = split.map(|split| Mean::new(batch, split));
-        let mut by_volume = [[zero; 3]; N];
+        let mut by_volume = Forces::none(batch);
         for (q, weight) in points::<N>(batch.iterate) {
             let g = batch.gradients(q);
-            let grad_u = batch.grad_u(&g);
+            let grad_u = batch.grad_u(q, &g);
             let mut tangents = tangents(simd, law, &grad_u);
             if let Some(mean) = &mean {
                 mean.add_tangent(&grad_u, &mut tangents);
-                add_mean_force(&grad_u, &g, weight, &mut by_volume);
+                by_volume.add(batch, q, &g, &mean.volume_change(&grad_u, weight));
             }
             if kind == Hessian::Projected {
                 project(simd, law, &mut tangents, &grad_u);
             }
-            add_point::<S, N>(&tangents, &g, batch.volume * weight, local);
+            if N == QUADRATIC {
+                moments.set(q, &tangents, &batch.to_rest);
+            } else {
+                add_point::<S, N>(&tangents, &g, batch.volume * weight, local);
+            }
         }
-        if let Some(mean) = &mean {
-            add_rank_one(&by_volume, mean.stiffness(kind) * batch.volume, local);
+        if N == QUADRATIC {
+            moments.integrate(batch);
         }
-        for (pair, block) in local.iter().enumerate() {
-            out.write(pair, block);
+        let stiffness = mean.map(|mean| mean.stiffness(kind) * batch.volume);
+        let by_volume = by_volume.of_nodes(batch);
+        for a in 0..N {
+            for b in 0..=a {
+                let pair = pair_index(a, b);
+                let mut block = if N == QUADRATIC { moments.block(a, b) } else { local[pair] };
+                if let Some(stiffness) = stiffness {
+                    add_dyad(&by_volume[a], &by_volume[b], stiffness, &mut block);
+                }
+                out.write(pair, &block);
+            }
         }
     }
 
@@ -254,6 +281,7 @@ mod tests {
     use crate::energy::Energy;
     use crate::energy::elements::tests::check_lanes;
     use crate::material::{MooneyRivlin, Ogden};
+    use crate::math::lanes::Scalar;
     use crate::math::random::Random;
 
     /// Elements that share no vertex, so strained that some tangents are indefinite, and that the
@@ -284,6 +312,41 @@ mod tests {
             assert!(elastic.value(&iterate) > 0.0 && elastic.value(&iterate).is_finite());
             let [exact, projected] = check_lanes(&elastic, &iterate);
             assert!(projected != exact, "no tangent is indefinite");
+        }
+    }
+
+    #[test]
+    fn moments_give_the_sum_over_points_and_pairs() {
+        let (space, rest, u) = bodies(3);
+        let iterate = Iterate::new(&space, &rest, &u, 1.0);
+        let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
+        let of_moments = check_lanes(&Elastic::whole(Box::new(law.clone())), &iterate);
+        for (e, blocks) in of_moments[0].chunks_exact(pair_count(10)).enumerate() {
+            let batch = Batch::<Scalar, 10>::new(Scalar, &iterate, e..e + 1);
+            let mut sum = vec![[batch.splat(0.0); 9]; pair_count(10)];
+            for (q, weight) in points::<10>(&iterate) {
+                let g = batch.gradients(q);
+                let tangents = tangents(Scalar, &law, &batch.grad_u(q, &g));
+                add_point::<Scalar, 10>(&tangents, &g, batch.volume * weight, &mut sum);
+            }
+            let largest = blocks.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            for (own, sum) in blocks.as_flattened().iter().zip(sum.as_flattened()) {
+                assert!((own - sum.to_array()[0]).abs() < 1e-13 * largest);
+            }
+        }
+    }
+
+    #[test]
+    fn strain_from_the_corners_is_that_of_the_nodes() {
+        let (space, rest, u) = bodies(3);
+        let iterate = Iterate::new(&space, &rest, &u, 1.0);
+        for e in 0..3 {
+            let batch = Batch::<Scalar, 10>::new(Scalar, &iterate, e..e + 1);
+            let of_nodes = space.displacement_gradients(&rest, &u, e);
+            for (q, of_nodes) in of_nodes.into_iter().enumerate() {
+                let of_corners = lane(&batch.grad_u(q, &batch.gradients(q)), 0);
+                assert!((of_corners - of_nodes).norm() < 1e-14 * (1.0 + of_nodes.norm()));
+            }
         }
     }
 }

@@ -29,13 +29,12 @@
 
 use pulp::Simd;
 
-use crate::energy::elements::{Batch, Nodal, points};
+use crate::energy::elements::{Batch, points};
 use crate::energy::{Hessian, Iterate};
 use crate::material::{Kinematics, Material, Split, add_j_hessian, j_minus_1};
 use crate::math::lanes::projection::Tangents;
-use crate::math::lanes::tensor::{Tensor, cofactor, plus_identity};
+use crate::math::lanes::tensor::{Tensor, cofactor, plus_identity, scaled};
 use crate::math::lanes::{Lanes, MOST};
-use crate::math::sparse::pair_index;
 use crate::math::tensor::Mat3;
 
 /// U and its derivatives at the mean dilatations of elements side by side.
@@ -55,7 +54,7 @@ impl<S: Simd> Mean<S> {
         let simd = batch.simd;
         let mut mean = Lanes::splat(simd, 0.0);
         for (q, weight) in points::<N>(batch.iterate) {
-            mean += j_minus_1(&batch.grad_u(&batch.gradients(q))) * weight;
+            mean += j_minus_1(&batch.grad_u(q, &batch.gradients(q))) * weight;
         }
         let each = mean.to_array();
         let mut by = [[0.0; MOST]; 3];
@@ -88,6 +87,12 @@ impl<S: Simd> Mean<S> {
         add_j_hessian(&f, self.pressure, tangents);
     }
 
+    /// w cof F, of which s_a is the sum Σ_q w cof F ∇φ_a.
+    #[inline(always)]
+    pub(super) fn volume_change(&self, grad_u: &Tensor<S>, weight: f64) -> Tensor<S> {
+        scaled(&cofactor_of(self.pressure, grad_u), self.pressure.zero() + weight)
+    }
+
     /// U'', in a projected Hessian not below zero.
     #[inline(always)]
     pub(super) fn stiffness(&self, kind: Hessian) -> Lanes<S> {
@@ -102,39 +107,18 @@ fn cofactor_of<S: Simd>(like: Lanes<S>, grad_u: &Tensor<S>) -> Tensor<S> {
     cofactor(&plus_identity(grad_u, like.zero() + 1.0))
 }
 
-/// Adds what a point adds to s_a.
+/// Adds c s_a s_bᵀ to a block; entry (i, j) at 3 i + j.
 #[inline(always)]
-pub(super) fn add_mean_force<S: Simd, const N: usize>(
-    grad_u: &Tensor<S>,
-    gradients: &Nodal<S, N>,
-    weight: f64,
-    sum: &mut Nodal<S, N>,
-) {
-    let by_j = cofactor_of(grad_u[0][0], grad_u);
-    for (sum, g) in sum.iter_mut().zip(gradients) {
-        for i in 0..3 {
-            let along = by_j[i][0] * g[0] + by_j[i][1] * g[1] + by_j[i][2] * g[2];
-            sum[i] += along * weight;
-        }
-    }
-}
-
-/// Adds c s_a s_bᵀ for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.
-#[inline(always)]
-pub(super) fn add_rank_one<S: Simd, const N: usize>(
-    s: &Nodal<S, N>,
+pub(super) fn add_dyad<S: Simd>(
+    s_a: &[Lanes<S>; 3],
+    s_b: &[Lanes<S>; 3],
     scale: Lanes<S>,
-    local: &mut [[Lanes<S>; 9]],
+    block: &mut [Lanes<S>; 9],
 ) {
-    for a in 0..N {
-        for i in 0..3 {
-            let by = scale * s[a][i];
-            for b in 0..=a {
-                let local = &mut local[pair_index(a, b)];
-                for j in 0..3 {
-                    local[3 * i + j] = by.mul_add(s[b][j], local[3 * i + j]);
-                }
-            }
+    for i in 0..3 {
+        let by = scale * s_a[i];
+        for j in 0..3 {
+            block[3 * i + j] = by.mul_add(s_b[j], block[3 * i + j]);
         }
     }
 }

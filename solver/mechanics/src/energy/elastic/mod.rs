@@ -14,6 +14,7 @@
 
 mod batch;
 mod mean;
+mod moments;
 
 use std::ops::Range;
 use std::sync::Arc;

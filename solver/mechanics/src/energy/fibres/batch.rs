@@ -128,7 +128,7 @@ impl Fibres {
         let g = batch.gradients(q);
         let lambda = &batch.iterate.space.volume_table().points[q];
         let points =
-            Points::new(self, &batch.grad_u(&g), directions(batch, &self.direction, lambda));
+            Points::new(self, &batch.grad_u(q, &g), directions(batch, &self.direction, lambda));
         let responses = points.responses(batch.simd, self);
         (points, g, responses)
     }
