@@ -68,7 +68,9 @@ pub fn direction(
     let mut force = problem.restrict(point.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
     let at = &point.at;
-    let found = if from <= Modification::Exact {
+    let found = if from == Modification::Near && !has_factor(workspace) {
+        first(problem, workspace, at, &force, forcing)
+    } else if from <= Modification::Exact {
         exact(problem, workspace, at, &force, from, forcing)
     } else {
         None
@@ -78,6 +80,33 @@ pub fn direction(
         None => projected(problem, workspace, at, force, from, forcing)?,
     };
     Some((modification, problem.prolong(&free)))
+}
+
+/// Whether there is a factor for conjugate gradients.
+fn has_factor(workspace: &Workspace) -> bool {
+    workspace.linear().last().is_some_and(Factorization::is_positive)
+}
+
+/// The first direction of all. Whether the exact Hessian is positive definite is not known, so that the projected one
+/// is factored: conjugate gradients with that factor decide, and none is in vain.
+fn first(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    force: &[f64],
+    forcing: f64,
+) -> Option<(Modification, Vec<f64>)> {
+    let matrix = workspace.hessian(problem, at, Hessian::Projected);
+    if !factor(workspace, matrix) {
+        return None;
+    }
+    let hessian = workspace.hessian(problem, at, Hessian::Exact);
+    let exact = near(workspace, &hessian, force, forcing).solved();
+    workspace.recycle(hessian);
+    if let Some(direction) = exact {
+        return Some((Modification::Near, direction));
+    }
+    Some((Modification::Projected, solve(workspace, force.to_vec(), forcing)?))
 }
 
 fn projected(
