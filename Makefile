@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-lift finger-wound fibre-angles gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-lift finger-wound fibre-angles gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -133,6 +133,9 @@ bench:  ## time steps and whole solves of the solver, in minutes (ONLY="factor g
 
 bench-compare:  ## the same, and fail where a row is more than 10 % slower than when this machine was last measured
 	cargo bench --locked -p tests --bench speed -- --compare $(ONLY)
+
+bench-peers: setup build/beam/tagged.msh build/frog/tagged.msh  ## what a Newton iteration takes here, in FEniCSx and in CalculiX, where these are installed
+	.venv/bin/python tests/peers/run.py $(BIN)/solver build/bench/peers.txt pipelines/beam/sim.toml pipelines/frog/sim.toml
 
 lint: .cargo-tools/prose/installed  ## what CI asks of the sources: format, clippy, documentation, prose
 	cargo fmt --check

@@ -38,6 +38,14 @@ pub fn products() -> Vec<Row> {
     threads().map(one).into_iter().collect()
 }
 
+/// The rate of a product on all threads [operations/s].
+pub fn fastest_product(rows: &[Row]) -> Option<f64> {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let row = rows.iter().find(|row| row.what == name("dgemm", all))?;
+    let Work::Flops(flops) = row.work else { return None };
+    Some(flops / row.seconds.median)
+}
+
 /// A = L Lᵀ of the order that takes as many operations as a sparse factorisation.
 pub fn factorisations(body: &str, flops: f64) -> Vec<Row> {
     let n = (3.0 * flops).cbrt().round() as usize;

@@ -69,7 +69,11 @@ fn run(words: &[String], compare: bool) -> Result<()> {
         now.machine
     );
 
-    if wanted("dgemm") {
+    let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
+    let solved: Vec<&str> = bars.iter().map(String::as_str).chain(PUBLISHED).collect();
+    let solved: Vec<&str> =
+        solved.into_iter().filter(|name| wanted(&format!("static solve/{name}"))).collect();
+    if wanted("dgemm") || !solved.is_empty() {
         now.rows.extend(dense::products());
     }
     let mut kernels = kernels::Kernels::new(folder.join("criterion"), &wanted);
@@ -90,11 +94,8 @@ fn run(words: &[String], compare: bool) -> Result<()> {
     let moving = motion::rows(&wanted)?;
     now.rows.extend(moving.iter().map(|(row, _)| row.clone()));
 
-    let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
-    for name in bars.iter().map(String::as_str).chain(PUBLISHED) {
-        if wanted(&format!("static solve/{name}"))
-            && let Some((row, solve)) = solves::repeat(name)?
-        {
+    for name in solved {
+        if let Some((row, solve)) = solves::repeat(name)? {
             now.rows.push(row);
             now.solves.push(solve);
         }
@@ -103,8 +104,9 @@ fn run(words: &[String], compare: bool) -> Result<()> {
     solves::compare(&mut now.rows, &now.solves);
 
     let mut text = table::render(&now, before);
+    let dgemm = dense::fastest_product(&now.rows);
     if !now.solves.is_empty() {
-        text += &format!("\n{}", solves::parts(&now.solves));
+        text += &format!("\n{}", solves::parts(&now.solves, dgemm));
     }
     let timings = now.solves.iter().map(|s| (s.body.clone(), &s.timings));
     let steps = moving.iter().map(|(row, timings)| (format!("{} {}", row.what, row.body), timings));
@@ -126,7 +128,7 @@ fn run(words: &[String], compare: bool) -> Result<()> {
     for fit in fits.into_iter().flatten() {
         text += &format!("\n{fit}");
     }
-    let targets = solves::targets(&now.rows, &now.solves);
+    let targets = solves::targets(&now.rows, &now.solves, dgemm);
     if !targets.is_empty() {
         text += &format!("\n{}\n", targets.join("\n"));
     }

@@ -56,6 +56,17 @@ impl Solve {
         self.setup_s + self.solve_s
     }
 
+    /// Time of a Newton iteration, with its share of the set-up [s].
+    fn iteration_s(&self) -> f64 {
+        self.total_s() / self.newton_iterations as f64
+    }
+
+    /// That in units of the time in which a dense product of this run makes the operations of one factorisation: a
+    /// number that does not depend on how fast the machine is.
+    fn units(&self, dgemm: f64) -> f64 {
+        self.iteration_s() * dgemm / self.factor_flops
+    }
+
     /// The solve without its named parts [s].
     fn rest_s(&self) -> f64 {
         let t = &self.timings;
@@ -145,10 +156,10 @@ fn once(name: &str, threads: Option<usize>) -> Result<Option<Solve>> {
     Ok(Some(serde_json::from_slice(&output.stdout)?))
 }
 
-/// The parts of the solves as a table.
-pub fn parts(solves: &[Solve]) -> String {
+/// The parts of the solves as a table, with the rate of a dense product in double precision [operations/s].
+pub fn parts(solves: &[Solve], dgemm: Option<f64>) -> String {
     let mut text = format!(
-        "{:<12}{:>8}{:>7}{:>8}{:>10}{:>8}{:>8}{:>7}{:>7}{:>8}{:>10}{:>8}{:>8}\n",
+        "{:<12}{:>8}{:>7}{:>8}{:>10}{:>8}{:>8}{:>7}{:>7}{:>8}{:>10}{:>8}{:>8}{:>8}{:>8}\n",
         "static solve",
         "dofs",
         "Newton",
@@ -161,12 +172,14 @@ pub fn parts(solves: &[Solve]) -> String {
         "peak MB",
         "entries M",
         "GFlop",
-        "chain %"
+        "chain %",
+        "Mdof/s",
+        "units"
     );
     for s in solves {
         let t = &s.timings;
         text += &format!(
-            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}{:>8}\n",
+            "{:<12}{:>8}{:>7}{:>8.2}{:>10.2}{:>8.2}{:>8.2}{:>7.2}{:>7.2}{:>8.0}{:>10.1}{:>8.1}{:>8}{:>8.2}{:>8}\n",
             s.body,
             s.dofs,
             s.newton_iterations,
@@ -181,8 +194,12 @@ pub fn parts(solves: &[Solve]) -> String {
             1e-9 * s.factor_flops,
             s.chain_flops
                 .map_or_else(|| "-".to_owned(), |c| format!("{:.0}", 100.0 * c / s.factor_flops)),
+            1e-6 * s.dofs as f64 / s.iteration_s(),
+            dgemm.map_or_else(|| "-".to_owned(), |rate| format!("{:.2}", s.units(rate))),
         );
     }
+    text += "Mdof/s: degrees of freedom per time of a Newton iteration; units: that time in those in which dgemm of this \
+             run makes the operations of one factorisation\n";
     text
 }
 
@@ -239,7 +256,7 @@ pub fn compare(rows: &mut [Row], solves: &[Solve]) {
 }
 
 /// Targets for the times of the gripper, and whether they are met.
-pub fn targets(rows: &[Row], solves: &[Solve]) -> Vec<String> {
+pub fn targets(rows: &[Row], solves: &[Solve], dgemm: Option<f64>) -> Vec<String> {
     let body = "gripper-p2";
     let seconds = |what: &str| find(rows, what, body).map(|r| r.seconds.median);
     let mut lines = Vec::new();
@@ -267,6 +284,9 @@ pub fn targets(rows: &[Row], solves: &[Solve]) -> Vec<String> {
     }
     if let Some(s) = solves.iter().find(|s| s.body == body) {
         let gb = s.peak_mb * 1.048_576e-3;
+        if let Some(units) = dgemm.map(|rate| s.units(rate)) {
+            judge(format!("a Newton iteration takes {units:.2} units, wanted 0.50"), units <= 0.5);
+        }
         judge(format!("peak memory {gb:.2} GB, wanted 2.5"), gb < 2.5);
         let times = POLYFEM[1].1 / s.total_s();
         judge(format!("static solve {times:.1} × as fast as PolyFEM, wanted 8"), times >= 8.0);
