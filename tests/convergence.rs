@@ -2,8 +2,14 @@
 //! `cargo test --release -p tests --test convergence -- --nocapture`.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+#[path = "convergence/arch.rs"]
+mod arch;
+#[path = "convergence/balloon.rs"]
+mod balloon;
 #[path = "convergence/cantilever.rs"]
 mod cantilever;
+#[path = "convergence/column.rs"]
+mod column;
 #[path = "convergence/contact.rs"]
 mod contact;
 #[path = "convergence/dynamics.rs"]

@@ -32,6 +32,8 @@ pub mod motion;
 pub mod polyfem;
 #[path = "support/published.rs"]
 pub mod published;
+#[path = "support/radial.rs"]
+pub mod radial;
 #[path = "support/reported.rs"]
 pub mod reported;
 #[path = "support/skip.rs"]

@@ -3,10 +3,14 @@
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Energies;
 use mechanics::forward::{
-    Configuration, Converged, Failure, Newton, Problem, Workspace, certificate,
+    ArcFollower, ArcLength, Configuration, Converged, Failure, First, Integrator, LimitSearch,
+    LoadStep, Method, Newton, Problem, State, Stepping, TimeStepper, Workspace, certificate,
 };
 use mechanics::material::MooneyRivlin;
 use mesh::{TetMesh, Vec3};
+use solver::plot::{Axes, Series, Style, draw};
+
+use crate::workdir::repository;
 
 /// The silicone of the frog, finger and gripper of Gjoka et al. 2024.
 pub const SILICONE: MooneyRivlin = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
@@ -91,6 +95,36 @@ impl Equilibrium {
         result
     }
 
+    /// The first limit on the path from rest to the full load, whose states are shown to `observe`.
+    pub fn first_limit(&mut self, observe: impl FnMut(&LoadStep)) -> First {
+        let zero = vec![0.0; self.problem.dofs()];
+        let start = self.problem.iterate(&self.rest, &zero, 0.0);
+        let (stepping, integrator) = at_rest(&self.problem);
+        let search = LimitSearch { stepping, most: 1.0 };
+        search.from(&self.problem, &mut self.workspace, (&start, integrator), observe)
+    }
+
+    /// The path from rest as long as states are wanted, through limits, to the full load at most.
+    ///
+    /// # Panics
+    /// When there is no next state.
+    pub fn follow(&mut self, largest: f64, wanted: impl Fn(&LoadStep) -> bool) -> Vec<LoadStep> {
+        let (stepping, integrator) = at_rest(&self.problem);
+        let mut stepper = TimeStepper::new(stepping, integrator);
+        let path = ArcLength { first: 0.1, largest, smallest: 1e-3, end: 1.0 };
+        let mut follower = ArcFollower::new(path);
+        let mut steps = Vec::new();
+        loop {
+            let step = follower.next(&mut stepper, &self.problem, &mut self.workspace, &self.rest);
+            let step = step.unwrap_or_else(|unreached| panic!("{unreached}"));
+            let ends = step.ends_time_step || !wanted(&step);
+            steps.push(step);
+            if ends {
+                return steps;
+            }
+        }
+    }
+
     /// Rest and deformed positions of all nodes [m].
     #[must_use]
     pub fn nodes(&self) -> Vec<(Vec3, Vec3)> {
@@ -105,6 +139,14 @@ impl Equilibrium {
         nodes.truncate(self.rest.len());
         nodes
     }
+}
+
+/// How a path is followed, from rest.
+fn at_rest(problem: &Problem) -> (Stepping, Integrator) {
+    let newton = Newton { iterations: 30, relative: 1e-9, absolute: 0.0, negligible: 0.0 };
+    let zero = vec![0.0; problem.dofs()];
+    let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
+    (stepping, Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero)))
 }
 
 /// Boundary facets, oriented out of the solid, whose vertices all satisfy a
@@ -125,4 +167,25 @@ pub fn mean(values: &[f64]) -> f64 {
 #[must_use]
 pub fn scientific(values: &[f64]) -> String {
     values.iter().map(|v| format!("{v:.3e}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Draws a path and its closed form in `build`, with the names of the axes.
+///
+/// # Panics
+/// When the file cannot be written.
+pub fn draw_path(name: &str, [x, y]: [&str; 2], states: &[[f64; 2]], closed: &[[f64; 2]]) {
+    let series = |label: &str, points: &[[f64; 2]], style: Style, turn: usize| Series {
+        label: Some(label.to_owned()),
+        points: points.iter().map(|&[x, y]| (x, y)).collect(),
+        style,
+        turn,
+    };
+    let curves = [
+        series("closed form", closed, Style::Dotted(2), 0),
+        series("solver", states, Style::Circles(5), 1),
+    ];
+    let axes = Axes { x: x.to_owned(), y: y.to_owned(), ..Axes::default() };
+    let folder = repository().join("build");
+    std::fs::create_dir_all(&folder).expect("a folder for results");
+    draw(&folder.join(name), &axes, &curves).expect("a picture");
 }
