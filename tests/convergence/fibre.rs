@@ -141,7 +141,13 @@ fn pulled(model: &Model, angle: f64, stress: f64) -> [f64; 4] {
     };
     let mut body = Equilibrium::new(mesh, 2, energies, held);
     (1..=4).for_each(|i| {
-        let newton = Newton { iterations: 60, relative: 1e-11, absolute: 0.0, negligible: 0.0 };
+        let newton = Newton {
+            iterations: 60,
+            relative: 1e-11,
+            absolute: 0.0,
+            negligible: 0.0,
+            ballooned: None,
+        };
         body.balance(&newton, f64::from(i) / 4.0).expect("an equilibrium");
     });
     let vertices = body.vertices();
@@ -197,7 +203,8 @@ fn tube(
     let motion: Vec<f64> = places.iter().flat_map(|p| [0.0, 0.0, (stretch - 1.0) * p.z]).collect();
     let problem = Problem::new(space, energies, &fixed)
         .with_motion(move |load| motion.iter().map(|m| load * m).collect());
-    let newton = Newton { iterations: 60, relative: 1e-9, absolute: 0.0, negligible: 0.0 };
+    let newton =
+        Newton { iterations: 60, relative: 1e-9, absolute: 0.0, negligible: 0.0, ballooned: None };
     let stepping = Stepping { first: 0.1, largest: 0.25, smallest: 1e-4, newton };
     let mut workspace = Workspace::new(&problem);
     let found = solve_in_time(&problem, &mut workspace, &mesh.vertices, &stepping, &[1.0], |_| ());

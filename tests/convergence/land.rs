@@ -116,7 +116,8 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
         multiplier: None,
         memory: None,
     };
-    let newton = Newton { iterations: 60, relative: 1e-8, absolute: 0.0, negligible: 0.0 };
+    let newton =
+        Newton { iterations: 60, relative: 1e-8, absolute: 0.0, negligible: 0.0, ballooned: None };
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
     let node = body.nodes().iter().position(tip).expect("an even number of halves");
     let mut last = 0.0;

@@ -129,7 +129,8 @@ fn errors(degree: usize, exact: usize, n: usize) -> [f64; 2] {
     let forcing = Forcing::new(&space, &rest);
     let energies = Energies::elastic(Box::new(LAW)).with(forcing);
     let problem = Problem::new(space, energies, &fixed);
-    let newton = Newton { iterations: 20, relative: 1e-11, absolute: 0.0, negligible: 0.0 };
+    let newton =
+        Newton { iterations: 20, relative: 1e-11, absolute: 0.0, negligible: 0.0, ballooned: None };
     let mut state = Configuration::new(&problem, &rest, u, 1.0);
     newton.solve(&problem, &mut Workspace::new(&problem), &mut state).unwrap();
     let u = state.u;

@@ -158,7 +158,8 @@ fn squeezed(skin: Option<Box<dyn Sheet>>, by: [f64; 2]) -> [f64; 2] {
     let fixed: Vec<bool> = fixed.collect();
     let motion: Vec<f64> = places.iter().flat_map(|p| [by[0] * p.x, by[1] * p.y, 0.0]).collect();
     let problem = Problem::new(space, energies, &fixed).with_displacement(&motion);
-    let newton = Newton { iterations: 40, relative: 1e-11, absolute: 0.0, negligible: 0.0 };
+    let newton =
+        Newton { iterations: 40, relative: 1e-11, absolute: 0.0, negligible: 0.0, ballooned: None };
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
     let mut workspace = Workspace::new(&problem);
     let found = solve_in_time(&problem, &mut workspace, &rest, &stepping, &[1.0], |_| ());

@@ -30,7 +30,13 @@ fn constant_strain_is_exact_for_every_degree() {
         let energies = Energies::elastic(Box::new(SILICONE));
         let problem = Problem::new(space, energies, &fixed).with_displacement(&exact);
         let mut workspace = Workspace::new(&problem);
-        let newton = Newton { iterations: 30, relative: 1e-15, absolute: 1e-12, negligible: 0.0 };
+        let newton = Newton {
+            iterations: 30,
+            relative: 1e-15,
+            absolute: 1e-12,
+            negligible: 0.0,
+            ballooned: None,
+        };
         let stepping = Stepping { first: 0.5, largest: 1.0, smallest: 1e-3, newton };
         let rest = &mesh.vertices;
         let solution = solve(&problem, &mut workspace, rest, &stepping, |_| ()).unwrap();

@@ -216,7 +216,8 @@ fn a_prescribed_volume_passes_the_limit_point() {
     let start = Multiplier { pressure: 0.0, penalty: 10.0 * mu / octant };
     let problem = body.problem.with_multipliers(vec![start]);
     let mut workspace = Workspace::new(&problem);
-    let newton = Newton { iterations: 30, relative: 1e-9, absolute: 0.0, negligible: 0.0 };
+    let newton =
+        Newton { iterations: 30, relative: 1e-9, absolute: 0.0, negligible: 0.0, ballooned: None };
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-2, newton };
     let times: Vec<f64> = (1..=5).map(|n| 0.2 * f64::from(n)).collect();
     let solution =

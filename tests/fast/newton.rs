@@ -54,7 +54,7 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>)
 }
 
 const UNREACHABLE: Newton =
-    Newton { iterations: 60, relative: 1e-20, absolute: 0.0, negligible: 0.0 };
+    Newton { iterations: 60, relative: 1e-20, absolute: 0.0, negligible: 0.0, ballooned: None };
 
 /// The residual that Newton's method ends at, for any tolerance, is within a factor of
 /// the estimate: for stiff and slender bodies, small and large strain.
@@ -78,7 +78,8 @@ fn the_rounding_floor_is_where_residuals_end() {
 #[test]
 fn forces_that_are_not_accurate_stagnate_above_the_floor() {
     let mut bar = bar([3, 2, 2], 1e-2, 1e4, || Box::new(Blurred(SILICONE)));
-    let newton = Newton { iterations: 40, relative: 1e-12, absolute: 0.0, negligible: 0.0 };
+    let newton =
+        Newton { iterations: 40, relative: 1e-12, absolute: 0.0, negligible: 0.0, ballooned: None };
     let failure = bar.balance(&newton, 1.0).unwrap_err();
     let Failure::Stagnated { iterations, residual, wanted, floor, scale } = failure else {
         panic!("{failure}")

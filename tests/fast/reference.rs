@@ -25,7 +25,13 @@ fn compare(degree: usize, reference: &str) {
     let energies = Energies::elastic(Box::new(law)).with_chamber("cavity", chamber);
     let problem = Problem::new(space, energies, &fixed);
     let mut workspace = Workspace::new(&problem);
-    let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10, negligible: 0.0 };
+    let newton = Newton {
+        iterations: 30,
+        relative: 1e-10,
+        absolute: 1e-10,
+        negligible: 0.0,
+        ballooned: None,
+    };
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
     let rest = body.mesh.vertices.clone();
     let clock = std::time::Instant::now();

@@ -11,6 +11,7 @@
 //! - [`solve_multipliers`]: pressures, the Lagrange multipliers of prescribed volumes.
 
 mod augmented;
+mod ballooning;
 mod bordered;
 mod certificate;
 mod cost;

@@ -17,6 +17,7 @@
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", chapters 3 and 6.
 
+use super::ballooning::{Ballooning, End};
 use super::hessian_modification::{Modification, Point, direction};
 use super::line_search::{Accepted, line_search};
 use super::watch::Event;
@@ -50,6 +51,10 @@ pub struct Newton {
     pub absolute: f64,
     /// Residual that suffices where forces of `PREVAILING_FORCES` times as much were to balance [N].
     pub negligible: f64,
+    /// How many times its volume at the start a chamber that balloons has when that ends the search
+    /// ([`Failure::Balloons`]); never where there is no number. A state to which such a chamber would snap is then not
+    /// found.
+    pub ballooned: Option<f64>,
 }
 
 /// An equilibrium.
@@ -85,6 +90,19 @@ pub enum Failure {
         residual: f64,
         /// Residual wanted [N].
         wanted: f64,
+    },
+    /// A chamber balloons, and its walls bear less the more it grows.
+    #[error(
+        "a chamber balloons: its walls bear less the more it grows, from {start:.3e} to {volume:.3e} m³ in \
+         {iterations} Newton iterations"
+    )]
+    Balloons {
+        /// Iterations made.
+        iterations: usize,
+        /// Volume at the start [m³].
+        start: f64,
+        /// Volume after them [m³].
+        volume: f64,
     },
     /// No step decreases the energy.
     #[error(
@@ -218,6 +236,9 @@ impl Newton {
     ) -> Result<Converged, Failure> {
         let (mut before, mut within_rounding) = (f64::INFINITY, false);
         let mut peak = 0.0_f64;
+        let start = Iterate { u: &now.u, ..*at };
+        let ballooning = self.ballooned.map(|times| Ballooning::from(problem, &start, times));
+        let mut ballooning = ballooning;
         let mut indefinite = Indefinite::expected(workspace.indefinite_starts > 0);
         let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
         for iterations in 0.. {
@@ -275,7 +296,14 @@ impl Newton {
                     Err(_) => Err(Failure::Stalled { iterations, residual, wanted }),
                 };
             };
-            *now = reached(problem, workspace, at, accepted);
+            let next = reached(problem, workspace, at, accepted);
+            let before = std::mem::replace(now, next);
+            if let Some(ballooning) = &mut ballooning {
+                let ends = [&before, &*now].map(|end| End { u: &end.u, gradient: &end.gradient });
+                if let Some(failure) = ballooning.watch(problem, at, ends, iterations + 1) {
+                    return Err(failure);
+                }
+            }
         }
         unreachable!("the loop ends by returning")
     }

@@ -330,7 +330,13 @@ mod tests {
 
     #[test]
     fn an_element_inside_out_is_refused_or_tolerated() {
-        let newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-10, negligible: 0.0 };
+        let newton = Newton {
+            iterations: 30,
+            relative: 1e-10,
+            absolute: 1e-10,
+            negligible: 0.0,
+            ballooned: None,
+        };
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 0.5, newton };
         let (mut problem, rest) = pinched();
         let go = |problem: &Problem| {

@@ -406,6 +406,7 @@ impl Scene {
                 relative: relative_tolerance,
                 absolute: absolute_tolerance.unwrap_or(0.0),
                 negligible: absolute_tolerance.map_or_else(|| self.negligible_force(), |_| 0.0),
+                ballooned: None,
             },
         }
     }

@@ -47,6 +47,11 @@ const NEARBY_IN_TIME: usize = 30;
 /// Smallest load step of such a run, as a fraction of a time step.
 const NEARBY_INCREMENT: f64 = 0.25;
 
+/// How many times its volume at the start a chamber has that is taken to balloon, next to another run ...
+const BALLOONED_NEARBY: f64 = 1.0;
+/// ... and from rest, where a chamber may grow a lot.
+const BALLOONED: f64 = 4.0;
+
 /// A shape that was not accepted, and why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
@@ -232,8 +237,8 @@ impl Scenario {
                 self.solve_next_to(&problem, &rest, &guide.last())?
             }
             Near::Run(guide) => self.solve(&problem, &rest, guided(guide), self.nearby())?,
-            Near::Carried(guide) => self.solve(&problem, &rest, guided(guide), self.stepping)?,
-            Near::Rest => self.solve(&problem, &rest, None, self.stepping)?,
+            Near::Carried(guide) => self.solve(&problem, &rest, guided(guide), self.patient())?,
+            Near::Rest => self.solve(&problem, &rest, None, self.patient())?,
         };
         let margin = self.margin(&problem, &rest, &states)?;
         Ok(self.evaluated(problem, rest, (states, margin), newton_iterations))
@@ -273,10 +278,17 @@ impl Scenario {
         Ok(states)
     }
 
+    /// How a run from rest steps, or one next to a run on another mesh.
+    fn patient(&self) -> Stepping {
+        let newton = Newton { ballooned: Some(BALLOONED), ..self.stepping.newton };
+        Stepping { newton, ..self.stepping }
+    }
+
     /// How a run next to another one steps: what needs more is not near.
     fn nearby(&self) -> Stepping {
         let mut stepping = self.stepping;
         stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
+        stepping.newton.ballooned = Some(BALLOONED_NEARBY);
         stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
         stepping
     }
@@ -336,7 +348,11 @@ impl Scenario {
         let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
         let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
         let start = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
-        let newton = Newton { iterations: NEARBY, ..self.stepping.newton };
+        let newton = Newton {
+            iterations: NEARBY,
+            ballooned: Some(BALLOONED_NEARBY),
+            ..self.stepping.newton
+        };
         let solution = solve_from(problem, &mut self.workspace, &start, &newton)
             .map_err(|e| self.reject(e))?;
         Ok((self.one_step(problem, rest, &solution.u), solution.newton_iterations))

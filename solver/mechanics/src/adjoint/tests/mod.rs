@@ -38,7 +38,13 @@ const TIGHT: Stepping = Stepping {
     first: 1.0,
     largest: 1.0,
     smallest: 1e-3,
-    newton: Newton { iterations: 100, relative: 1e-13, absolute: 1e-13, negligible: 0.0 },
+    newton: Newton {
+        iterations: 100,
+        relative: 1e-13,
+        absolute: 1e-13,
+        negligible: 0.0,
+        ballooned: None,
+    },
 };
 
 /// Numbers that the energies are made with.

@@ -19,7 +19,8 @@ use crate::testing::{check_gradient, cube, square};
 const EDGE: f64 = 0.01;
 /// Between the two cubes [m].
 const GAP: f64 = 1e-3;
-const NEWTON: Newton = Newton { iterations: 100, relative: 1e-10, absolute: 0.0, negligible: 0.0 };
+const NEWTON: Newton =
+    Newton { iterations: 100, relative: 1e-10, absolute: 0.0, negligible: 0.0, ballooned: None };
 
 /// A cube whose skin is moved up by `distance` [m], and a free one a millimetre above
 /// it, with inertia in a step of h [s], or held by a tiny mass; and a ceiling.

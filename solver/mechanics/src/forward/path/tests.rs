@@ -16,7 +16,8 @@ use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
 use crate::testing;
 
-const NEWTON: Newton = Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0 };
+const NEWTON: Newton =
+    Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0, ballooned: None };
 
 fn stepper(problem: &Problem) -> TimeStepper {
     let zero = vec![0.0; problem.dofs()];
