@@ -237,8 +237,7 @@ impl Newton {
         let (mut before, mut within_rounding) = (f64::INFINITY, false);
         let mut peak = 0.0_f64;
         let start = Iterate { u: &now.u, ..*at };
-        let ballooning = self.ballooned.map(|times| Ballooning::from(problem, &start, times));
-        let mut ballooning = ballooning;
+        let mut ballooning = self.ballooned.map(|times| Ballooning::from(problem, &start, times));
         let mut indefinite = Indefinite::expected(workspace.indefinite_starts > 0);
         let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
         for iterations in 0.. {
@@ -300,8 +299,9 @@ impl Newton {
             let before = std::mem::replace(now, next);
             if let Some(ballooning) = &mut ballooning {
                 let ends = [&before, &*now].map(|end| End { u: &end.u, gradient: &end.gradient });
-                if let Some(failure) = ballooning.watch(problem, at, ends, iterations + 1) {
-                    return Err(failure);
+                if let Some([start, volume]) = ballooning.watch(problem, at, ends) {
+                    let iterations = iterations + 1;
+                    return Err(Failure::Balloons { iterations, start, volume });
                 }
             }
         }
