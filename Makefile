@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-lift finger-wound fibre-angles gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-lift finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -84,6 +84,8 @@ worm-authors: build/worm-authors/baseline/report.json  ## the worm of Gjoka et a
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
 
 fibre-angles:  ## what the angle of fibres does to a tube: length and twist, in ten minutes
+
+fibre-path:  ## windings of a tube whose tip follows a path at one pressure, designed in five minutes
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
 	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: about seven minutes on two cores"

@@ -271,6 +271,45 @@ $(TUBE)/pictures/twist.svg: $(TUBE)/one.jsonl $(TUBE)/thick.csv | setup
 
 fibre-angles: $(addprefix $(TUBE)/pictures/,longer.svg twist.svg)
 
+# The tube of three segments, whose windings are designed: its tip beside the path, at twice as many pressures.
+TIP := build/fibre/path
+
+$(TIP)/baseline/report.json: $(call source,pipelines/fibre/path/sim.toml) $(TIP)/tagged.msh | setup
+	$(BIN)/solver simulate $< --set time.steps=8 -o $(@D)
+
+$(TIP)/optimize/report.json: $(call source,$(patsubst %,pipelines/fibre/path/%.toml,design sim)) $(TIP)/tagged.msh | setup
+	$(BIN)/solver optimize $< -o $(@D)
+
+$(TIP)/sim.designed.toml: $(TIP)/optimize/report.json
+	echo 'include = ["../../../pipelines/fibre/path/sim.toml", "optimize/parameters.toml"]' > $@
+
+$(TIP)/designed/report.json: $(TIP)/sim.designed.toml | setup
+	$(BIN)/solver simulate $< --set time.steps=8 -o $(@D)
+
+$(TIP)/path.csv: $(call source,pipelines/fibre/path/path.py)
+	@mkdir -p $(@D)
+	$(PYTHON) -B $< > $@
+
+$(TIP)/tip.csv: pipelines/fibre/path/path.py $(TIP)/designed/report.json
+	$(PYTHON) -B $< $(TIP)/designed/steps.jsonl > $@
+
+TIPS := $(patsubst %,$(TIP)/%/report.json,baseline designed)
+
+$(TIP)/pictures/front.svg: $(TIPS) $(TIP)/path.csv | setup
+	$(BIN)/solver plot $(TIPS) --x "probes.y*1e3" --y "probes.z*1e3" --labels "first guess,designed,path" \
+		--points "$(TIP)/path.csv:y [mm],z [mm]" --x-title "to the side [mm]" --y-title "up [mm]" -o $@
+
+$(TIP)/pictures/along.svg: $(TIPS) $(TIP)/path.csv | setup
+	$(BIN)/solver plot $(TIPS) --x "probes.z*1e3" --y "probes.x*1e3" --labels "first guess,designed,path" \
+		--points "$(TIP)/path.csv:z [mm],x [mm]" --x-title "up [mm]" --y-title "along the tube [mm]" -o $@
+
+$(TIP)/pictures/bent.png: $(TIPS) | setup
+	$(BIN)/cad2fem picture $(patsubst %,$(TIP)/designed/step_%.vtu,001 003 005 007) --together --view -60,20 \
+		--captions "15 kPa,30 kPa,45 kPa,60 kPa" --title "designed tube" -o $@
+
+fibre-path: $(TIP)/tip.csv $(addprefix $(TIP)/pictures/,front.svg along.svg bent.png)
+	@cat $<
+
 # The $(1) of Gjoka et al. 2024 through our chain: the boundary of their mesh $(4) as CAD surface, tetrahedra of our
 # own, tagged by the surfaces in $(5). Run file $(3) in their folder $(2), which is not part of the project.
 THEIRS := ../shared/data/pneumatic-actuator-design
@@ -408,6 +447,7 @@ $(foreach s,$(FINER),$(eval $(call scene,$(s),build/$(s)/paper,.paper)))
 $(chains)
 $(foreach s,walker worm,$(eval $(call simulate,$(s),build/$(s),)))
 $(eval $(call mesh,fibre/tube,$(TUBE),))
+$(eval $(call mesh,fibre/path,$(TIP),))
 $(eval $(call mesh,fibre/core,build/fibre/core/body,))
 
 # Bodies with rules of their own.

@@ -172,6 +172,51 @@ volume = 2e-5
 measure = "deformed"
 "#;
 
+/// Angle and stiffness of a family are found again from what they did, within bounds, and the gradient by both passes
+/// its test.
+#[test]
+fn angle_and_stiffness_of_a_family_are_designed() {
+    let dir = workdir(&FIBRE.replace("k2 = 1.0\ndispersion = 0.1\n", "slack = 0.1\n"));
+    let probe =
+        "[[probe]]\nname = \"tip\"\nkind = \"displacement\"\non = \"tip\"\naxis = [1, 0, 0]\n";
+    dir.write("p1.toml", &(dir.text("p1.toml") + probe));
+    let numbers = "\n[numbers]\n\"fibre.weave.angle\" = 55\n\"fibre.weave.k1\" = 4e5\n";
+    dir.write("wanted.toml", &(dir.text("p1.toml") + numbers));
+    dir.solver("simulate wanted.toml -o wanted").assert_good();
+    let [air, tip] = ["air", "tip"].map(|name| dir.probe("wanted", name));
+    let objective = |name: &str, target: f64, scale: f64| {
+        format!(
+            "\n[[objective]]\nkind = \"probe\"\nname = \"{name}\"\nweight = 1\nprobe = \"{name}\"\n\
+             target = {target:e}\nscale = {scale:e}\n"
+        )
+    };
+    let design = |most: f64| {
+        format!(
+            "scene = \"p1.toml\"\n\n[optimizer]\nmethod = \"gauss-newton\"\niterations = 12\n\n\
+             [[parameter]]\nname = \"fibre.weave.angle\"\nbounds = [20, {most}]\n\n\
+             [[parameter]]\nname = \"fibre.weave.k1\"\nbounds = [1e5, 1e6]\n"
+        ) + &objective("air", air, 1e-8)
+            + &objective("tip", tip, 1e-5)
+    };
+    dir.write("design.toml", &design(80.0));
+    let run = dir.solver("check design.toml --random 1");
+    run.assert_good();
+    assert!(run.stdout.contains("fibre.weave"), "{}", run.stdout);
+    let found = |design: &str| {
+        dir.write("design.toml", design);
+        dir.solver("optimize design.toml -o out --restart").assert_good();
+        let text = dir.text("out/history.jsonl");
+        let last: serde_json::Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+        ["angle", "k1"]
+            .map(|key| last["parameters"][format!("fibre.weave.{key}")].as_f64().unwrap())
+    };
+    let [angle, k1] = found(&design(80.0));
+    assert!((angle - 55.0).abs() < 0.05 && (k1 / 4e5 - 1.0).abs() < 1e-2, "{angle} {k1}");
+    // a bound that is nearer holds
+    let [angle, _] = found(&design(48.0).replace("iterations = 12", "iterations = 4"));
+    assert!((angle - 48.0).abs() < 1e-9, "{angle}");
+}
+
 #[test]
 fn numbers_are_set_by_their_paths() {
     let dir = workdir(&(FIBRE.to_owned() + WINDING));
