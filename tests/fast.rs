@@ -41,6 +41,8 @@ mod fibres;
 mod flat_element;
 #[path = "fast/gallery.rs"]
 mod gallery;
+#[path = "fast/groove.rs"]
+mod groove;
 #[path = "fast/hostile_page.rs"]
 mod hostile_page;
 #[path = "fast/limit.rs"]

@@ -57,6 +57,9 @@ wound() = Surface In BoundingBox{-t, -y + skin, -t, end + t, y - skin, top - ski
 wound() -= {seat(), tip(), paper(), cavity()};
 outer() = CombinedBoundary{ Volume{:}; };
 outer() -= {seat(), tip(), cavity()};
+If (skin == 0)
+  outer() -= {paper()};
+EndIf
 
 Physical Surface("seat") = {seat()};
 Physical Surface("cavity") = {cavity()};
@@ -65,6 +68,8 @@ Physical Surface("outer") = {outer()};
 If (skin > 0)
   Physical Surface("paper") = {paper()};    // between core and skin: the flat side
   Physical Surface("wound") = {wound()};    // and all around above it
+Else
+  Physical Surface("flat") = {paper()};     // where the paper will be
 EndIf
 
 // The chamber's triangles are the same with and without skin: the pins of both molds then stand at the same places.

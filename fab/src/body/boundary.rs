@@ -41,6 +41,8 @@ pub struct Boundary {
     pub casts: Casts,
     /// The other one of model and mesh, on which walls are measured, too [m].
     pub beside: Option<SurfaceMesh>,
+    /// What is cast without the groove for its thread, if it has one [m].
+    pub plain: Option<SurfaceMesh>,
     /// One per connected piece of a chamber, in the order of the chambers' tags.
     pub cores: Vec<CoreBoundary>,
     /// The paths of rising air.
@@ -252,6 +254,7 @@ impl Boundary {
             cast: topology::submesh(vertices, facets).0,
             casts: Casts::Mesh,
             beside: None,
+            plain: None,
             cores,
             air_paths,
         })
@@ -288,6 +291,7 @@ impl Boundary {
             filled: surface,
             casts: Casts::Mesh,
             beside: None,
+            plain: None,
             cores: Vec::new(),
             air_paths,
         })

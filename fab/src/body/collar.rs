@@ -154,6 +154,7 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
         cast: cast.to_surface(),
         casts: boundary.casts,
         beside: boundary.beside,
+        plain: None,
         cores,
         air_paths: boundary.air_paths,
     };

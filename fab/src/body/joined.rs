@@ -50,6 +50,7 @@ pub fn join(
         cast,
         casts: Casts::Model,
         beside: None,
+        plain: None,
         cores,
         air_paths: design.air_paths,
     })

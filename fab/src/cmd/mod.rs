@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
-use mesh::io::{IoError, read_tets};
+use mesh::Vec3;
+use mesh::io::{IoError, MshFile, read_tets};
 use mesh::measure::volume;
 use program::schema::SchemaArguments;
 use program::{Changes, Progress};
@@ -87,6 +88,10 @@ pub struct Planned {
     pub layers: Vec<Layer>,
     /// Threads that are wound on it.
     pub threads: Vec<Thread>,
+    /// Where they run [m].
+    pub lines: Vec<Vec<Vec3>>,
+    /// The mesh with its tags.
+    pub file: MshFile,
     /// Volume of what lies in the mold already [mm³].
     pub inside: f64,
     /// Logs what the run is doing.
@@ -106,6 +111,7 @@ impl Task {
         let layer = |tag: &String| Layer::find(&file, tag).map_err(|message| anyhow!(message));
         let layers = self.named(config.layers.iter().map(layer).collect::<Result<_>>())?;
         let threads = self.named(self.threads(&config))?;
+        let lines = self.named(self.lines(&config))?;
         let inside = self.named(self.inside(&config))?;
         let triangles = boundary.cast.triangles.len();
         let progress = Progress::new(triangles);
@@ -117,12 +123,30 @@ impl Task {
             log::info!("the finished cast weighs {}", weight.in_words());
         }
         let report = self.report(&plan, &boundary, &config)?;
-        Ok(Planned { config, boundary, plan, report, collars, layers, threads, inside, progress })
+        Ok(Planned {
+            config,
+            boundary,
+            plan,
+            report,
+            collars,
+            layers,
+            threads,
+            lines,
+            file,
+            inside,
+            progress,
+        })
     }
 
     /// The threads that are wound on the casting.
     fn threads(&self, config: &Config) -> Result<Vec<Thread>> {
         config.wound.as_ref().map_or(Ok(Vec::new()), |report| Thread::read(&self.beside(report)))
+    }
+
+    /// Where they run, if they get a groove [m].
+    fn lines(&self, config: &Config) -> Result<Vec<Vec<Vec3>>> {
+        let report = config.wound.as_ref().filter(|_| config.groove.is_some());
+        report.map_or(Ok(Vec::new()), |report| Thread::lines(&self.beside(report)))
     }
 
     /// Volume of what lies in the mold already [mm³].

@@ -7,7 +7,10 @@ use program::{Progress, Unusable};
 
 use super::{Planned, Task};
 use crate::body::collar::{Collar, FittedTube};
+use crate::body::course::Ground;
+use crate::body::groove::Groove;
 use crate::body::layer::{LaidIn, Layer};
+use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::body::source::{CastPart, Input};
 use crate::config::Config;
 use crate::config::fitting::Tube;
@@ -81,12 +84,13 @@ fn molds(task: &Task, planned: &Planned) -> Result<Vec<(Entry, MoldFiles)>> {
     let mut molds = Vec::new();
     for casting in &planned.plan.castings {
         let entry = entry(planned, casting);
-        let mold = cut(task, planned, casting)?;
+        let (mold, groove) = cut(task, planned, casting)?;
         planned.progress.step("rounding and checking its surfaces");
         let mut files = MoldFiles::of_casting(&mold, task, planned, entry)?;
         files.report.collars = fitted_tubes(&planned.collars, &mold, &planned.config);
         files.report.layers = task.named(laid_in(&planned.layers, &mold, &casting.name))?;
         files.report.threads = planned.threads.clone();
+        files.report.groove = groove.map(|groove| groove.placed(&mold.frame));
         task.named(enclose(&mut files.report.cast, planned.inside))?;
         files.prove(&entry.name, against, &planned.report, planned.progress)?;
         molds.push((entry.clone(), files));
@@ -101,7 +105,7 @@ fn require_held(task: &Task, planned: &Planned) -> Result<()> {
         return Ok(());
     }
     for casting in &planned.plan.castings {
-        let mold = cut(task, planned, casting)?;
+        let (mold, _) = cut(task, planned, casting)?;
         if mold.holds.iter().any(|hold| hold.held > hold.limit) {
             let entry = entry(planned, casting);
             let files = MoldFiles::of_casting(&mold, task, planned, entry)?;
@@ -116,10 +120,37 @@ fn entry<'a>(planned: &'a Planned, casting: &Casting) -> &'a Entry {
     molds.find(|entry| entry.name == casting.name).expect("it is planned")
 }
 
-fn cut(task: &Task, planned: &Planned, casting: &Casting) -> Result<Mold> {
+/// The mold of a casting, and the groove in it for a thread.
+fn cut(task: &Task, planned: &Planned, casting: &Casting) -> Result<(Mold, Option<Groove>)> {
     let Planned { config, boundary, plan, progress, .. } = planned;
     progress.step(&format!("cutting the mold of the {}", casting.name));
-    task.named(Mold::new(boundary, &casting.orientation, plan.method, config))
+    let groove = task.named(groove(planned, casting))?;
+    let grooved = task.named(groove.as_ref().map(|groove| groove.cut(boundary)).transpose())?;
+    let boundary = grooved.as_ref().unwrap_or(boundary);
+    let mold = task.named(Mold::new(boundary, &casting.orientation, plan.method, config))?;
+    Ok((mold, groove))
+}
+
+/// The groove that is asked for.
+fn groove(planned: &Planned, casting: &Casting) -> Result<Option<Groove>> {
+    let Planned { config, boundary, lines, file, .. } = planned;
+    let Some(asked) = &config.groove else { return Ok(None) };
+    let Orientation { pull, parting, portion, .. } = &casting.orientation;
+    let (PartingSurface::Plane(parting), Portion::Whole) = (parting, portion) else {
+        let message = "[groove]: the mold is of halves, open, or parts on a height field; a groove is made in a body that is \
+                       cast whole in shells which part on a plane: set parting.kind = \"plane\", and a method that \
+                       casts it whole";
+        return Err(Unusable(message.into()).into());
+    };
+    let ground = Ground {
+        filled: &boundary.filled,
+        pull: *pull,
+        parting: *parting,
+        file,
+        pins: &config.core.pins,
+        even: config.even_around_pins() + 2.0 * (asked.thread + asked.clearance),
+    };
+    Groove::new(lines, &ground, asked).map(Some)
 }
 
 /// The collars for mold.json.

@@ -62,6 +62,13 @@ impl Config {
         inlet - self.stub_clearance() - self.core.shoulder
     }
 
+    /// How far from the point of a pin the silicone is to be even: the pin stands up to half a radius beside it, and
+    /// silicone is left around [m].
+    #[must_use]
+    pub fn even_around_pins(&self) -> f64 {
+        1.5 * self.core.pin + self.stub_clearance() + self.casting.least_wall
+    }
+
     /// Least inscribed radius of an inlet that holds a stub [m]. A stub of radius r and length
     /// L − c with a flat fills the part f (r/(r + c))² (L − c)/L of its socket, where c is the
     /// clearance and f the part of a circle that its flat leaves.

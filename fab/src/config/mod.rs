@@ -14,6 +14,7 @@ mod core;
 pub mod fitting;
 mod flange;
 mod gluing;
+mod groove;
 mod keys;
 mod limits;
 mod parting;
@@ -35,6 +36,7 @@ pub use core::{CoreConfig, STUB_FLAT, Support};
 pub use fitting::FittingConfig;
 pub use flange::FlangeConfig;
 pub use gluing::GluingConfig;
+pub use groove::GrooveConfig;
 pub use keys::KeysConfig;
 pub use limits::LimitsConfig;
 use method::Method;
@@ -145,6 +147,8 @@ table! {
         core: CoreConfig = CoreConfig::default() => "a table", any;
         /// The tube that is put into the inlet. Unset: what fits the inlet as it is modelled.
         fitting: Option<FittingConfig> = None => "a table", any;
+        /// The groove for the thread of `wound`. Unset: none.
+        groove: Option<GrooveConfig> = None => "a table", any;
         /// What is cast, and what the mold is printed on.
         casting: CastingConfig = CastingConfig::default() => "a table", any;
     }
@@ -179,6 +183,7 @@ pub fn markdown() -> String {
         .chain(VentsConfig::KEYS)
         .chain(CoreConfig::KEYS)
         .chain(FittingConfig::KEYS)
+        .chain(GrooveConfig::KEYS)
         .chain(CastingConfig::KEYS);
     table::markdown(all)
 }
@@ -254,6 +259,13 @@ impl Config {
 
     fn check(&self) -> Result<()> {
         self.check_tables()?;
+        ensure!(
+            self.groove.is_none() || self.wound.is_some(),
+            misfit!(
+                KeyPath::table("groove"),
+                " without wound: name the report of a scene whose [[winding]] lies in the groove"
+            )
+        );
         let shrinkage = self.shrinkage();
         ensure!(
             (0.0..0.2).contains(&shrinkage),
@@ -285,6 +297,7 @@ impl Config {
         self.vents.check_ranges()?;
         self.core.check_ranges()?;
         self.fitting.as_ref().map_or(Ok(()), FittingConfig::check)?;
+        self.groove.as_ref().map_or(Ok(()), GrooveConfig::check_ranges)?;
         self.casting.check_ranges()
     }
 }

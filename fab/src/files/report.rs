@@ -12,6 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::collar::FittedTube;
+use crate::body::groove::Groove;
 use crate::body::layer::LaidIn;
 use crate::body::source::{CastPart, Input};
 use crate::body::thread::Thread;
@@ -77,6 +78,8 @@ pub struct MoldReport {
     pub layers: Vec<LaidIn>,
     /// Threads that are wound on the casting.
     pub threads: Vec<Thread>,
+    /// The groove for them, which is not part of the design.
+    pub groove: Option<Groove>,
     /// Channels and gaps.
     pub features: Vec<Outline>,
     /// What a person should know.
@@ -281,6 +284,7 @@ impl MoldReport {
             collars: Vec::new(),
             layers: Vec::new(),
             threads: Vec::new(),
+            groove: None,
             features: mold.features.iter().map(outline).collect(),
             findings: mold
                 .findings

@@ -20,6 +20,9 @@ pub struct CastBody {
     pub filled: Solid,
     /// What is cast.
     pub cast: Solid,
+    /// The same without the groove for its thread, if it has one: between grooves that cross silicone ends in edges,
+    /// which are no walls.
+    pub plain: Option<Solid>,
     /// What fills the chambers.
     pub cores: Vec<Core>,
     /// Height on which it stands [m].
@@ -78,7 +81,8 @@ impl CastBody {
             (None, Portion::Whole) => seat_height(&surface, &cores, foot),
             (None, Portion::Above(_) | Portion::Below(_)) => 0.0,
         };
-        Ok(Self { cast: solid(&boundary.cast)?, surface, filled, cores, seat })
+        let plain = boundary.plain.as_ref().map(&solid).transpose()?;
+        Ok(Self { cast: solid(&boundary.cast)?, plain, surface, filled, cores, seat })
     }
 
     /// Area of the walls of its chambers [m²]. With the wall W, the outside U, the caps of inlets C, and

@@ -139,7 +139,7 @@ pub fn hold(
         let beside = shells.iter().enumerate().filter(|(i, _)| *i != pin.shell);
         pin.is_beside(beside.map(|(_, shell)| &shell.solid))
             && pin.is_clear(&channels, others, config.core.skin)
-            && leaves_walls(pin, others, &solids.cast, config)
+            && leaves_walls(pin, others, body.plain.as_ref().unwrap_or(&solids.cast), config)
     };
     let alone = stand.sag(&[]).most();
     let limit = config.limits.sag;

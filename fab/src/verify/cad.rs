@@ -7,6 +7,7 @@
 use std::collections::BTreeSet;
 
 use mesh::bvh::SurfaceBvh;
+use mesh::inside::WindingNumber;
 use mesh::io::{MshFile, read_surface, read_tets};
 use mesh::{SurfaceMesh, TetMesh, Vec3, measure, place_key, topology};
 
@@ -49,7 +50,8 @@ pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec
     let compare = || {
         origins.require_unchanged(&report.input)?;
         let model = read_surface(model).map_err(|e| e.to_string())?;
-        let pair = MoldAndCad { mold, cavity, origins, model };
+        let groove = report.groove.as_ref().map(|groove| Region::new(&groove.solid().to_surface()));
+        let pair = MoldAndCad { mold, cavity, origins, model, groove };
         let mut lines = Vec::new();
         if report.input.surface == Casts::Mesh || origins.modelled.is_some() {
             lines.extend(pair.to_cad(name)?);
@@ -76,6 +78,25 @@ struct MoldAndCad<'a> {
     origins: &'a Origins,
     /// The CAD surface [m].
     model: SurfaceMesh,
+    /// The groove for a thread, which the CAD does not have [mm].
+    groove: Option<Region>,
+}
+
+/// What a surface encloses.
+struct Region {
+    bvh: SurfaceBvh,
+    inside: WindingNumber,
+}
+
+impl Region {
+    fn new(surface: &SurfaceMesh) -> Self {
+        Self { bvh: SurfaceBvh::new(surface), inside: WindingNumber::new(surface) }
+    }
+
+    /// Whether a point is in it, or beside it.
+    fn holds(&self, p: &Vec3) -> bool {
+        self.inside.contains(p) || self.bvh.closest(p).distance <= CAD
+    }
 }
 
 impl MoldAndCad<'_> {
@@ -86,7 +107,7 @@ impl MoldAndCad<'_> {
 
     /// The largest distance of the CAD from the mold where the design did not move it.
     fn to_cad(&self, name: &str) -> Result<Option<Line>, String> {
-        let Self { mold, cavity, origins, model } = self;
+        let Self { mold, cavity, origins, model, .. } = self;
         let report = &mold.report;
         let read = |path| read_tets(path).map_err(|e| e.to_string());
         let unmoved = match &origins.modelled {
@@ -100,7 +121,7 @@ impl MoldAndCad<'_> {
         let vertices = still.collect();
         let placed = deviation::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
         let bvh = SurfaceBvh::new(cavity);
-        let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
+        let cast = placed.vertices.iter().filter(|p| self.is_cast(p));
         let off = cast.map(|p| bvh.closest(p).distance).reduce(f64::max);
         let Some(off) = off else { return Ok(None) };
         let mut line = Line::at_most(name, off, CAD + 2.0 * mold.rounding, "mm");
@@ -125,7 +146,7 @@ impl MoldAndCad<'_> {
         let vertices = motion.carried(&self.model);
         let placed = deviation::placed(SurfaceMesh { vertices, triangles: Vec::new() }, report);
         let bvh = SurfaceBvh::new(cavity);
-        let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
+        let cast = placed.vertices.iter().filter(|p| self.is_cast(p));
         let off: Vec<(f64, &Vec3)> = cast.map(|p| (bvh.closest(p).distance, p)).collect();
         let farthest = off.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let line = farthest.map(|(distance, at)| {
@@ -138,10 +159,15 @@ impl MoldAndCad<'_> {
         Ok(line)
     }
 
+    /// Whether the mold casts the body at a point as it is in the CAD [mm].
+    fn is_cast(&self, p: &Vec3) -> bool {
+        is_cast(p, &self.mold.report) && self.groove.as_ref().is_none_or(|groove| !groove.holds(p))
+    }
+
     /// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher, and whose
     /// facets are flat where the motion bends them.
     fn to_design(&self) -> Result<Line, String> {
-        let Self { mold, cavity, origins, model } = self;
+        let Self { mold, cavity, origins, model, .. } = self;
         let report = &mold.report;
         let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
         let film = deviation::SURFACE + 2.0 * mold.rounding;

@@ -21,6 +21,8 @@
 //!   meshes in other ways.
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
 //!   as the mold was.
+//! - `groove` and `fit` with it: where the thread runs comes from the report; widths, depths and what a moved ridge presses
+//!   into are measured on the written casting.
 //! - `weight`: the density and its formula; volume and area are those of the written surfaces.
 //! - `layers`: height, outline and volume come from the report; the silicone is that of the written surface.
 //! - `release`: girths are measured by `geometry::girth`, which chose the method, too.
@@ -37,6 +39,7 @@ mod demolding;
 mod deviation;
 mod filling;
 mod fit;
+mod groove;
 mod holding;
 mod keying;
 mod layers;
@@ -269,6 +272,7 @@ fn shapes(
     progress.step("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
+    lines.extend(groove::checks(mold));
     lines.extend(walls::checks(mold, folder, against));
     lines.extend(weight::check(mold));
     progress.step("pulling apart");

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mesh::io::{read_surface, read_tets};
+use mesh::solid::Solid;
 use mesh::{SurfaceMesh, topology};
 
 use super::{Against, deviation};
@@ -47,24 +48,40 @@ impl Origins {
         pairs.into_iter().try_for_each(named)
     }
 
-    /// The whole body that is to be cast, of the surface `casts`, with its collars, in the mold's millimetres.
+    /// The whole body that is to be cast, of the surface `casts`, with its collars and its groove, in the mold's millimetres.
     ///
     /// # Errors
     /// If a file cannot be read or has changed, or collars do not bound a solid with the body.
     pub fn whole(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
+        let plain = self.plain(report, casts)?;
+        let Some(groove) = &report.groove else { return Ok(plain) };
+        let plain = Solid::from_surface(&plain).map_err(|e| e.to_string())?;
+        Ok(plain.difference(&groove.solid()).to_surface())
+    }
+
+    /// The same without its groove.
+    ///
+    /// # Errors
+    /// As for [`Self::whole`].
+    pub fn plain(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
         let of_model = casts != Casts::Mesh;
         if of_model {
             self.require_unchanged(&report.input)?;
         }
-        if !report.collars.is_empty() {
-            return collared(self.read(report, casts)?, report);
+        match report.collars.is_empty() {
+            false => collared(self.read(report, casts)?, report),
+            true => Ok(deviation::placed(self.surface(report, casts)?, report)),
         }
-        let surface = match &self.model {
-            Some(_) if of_model && self.modelled.is_some() => self.read(report, casts)?.cast,
-            Some(model) if of_model => read_surface(model).map_err(|e| e.to_string())?,
-            _ => boundary_of(&self.design)?,
-        };
-        Ok(deviation::placed(surface, report))
+    }
+
+    /// The surface `casts` of the design [m].
+    fn surface(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
+        let of_model = casts != Casts::Mesh;
+        match &self.model {
+            Some(_) if of_model && self.modelled.is_some() => Ok(self.read(report, casts)?.cast),
+            Some(model) if of_model => read_surface(model).map_err(|e| e.to_string()),
+            _ => boundary_of(&self.design),
+        }
     }
 
     fn read(&self, report: &MoldReport, casts: Casts) -> Result<Boundary, String> {

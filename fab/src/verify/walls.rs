@@ -29,11 +29,15 @@ pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
     let surface = mold.cast.solid.to_surface();
     let least = mold.report.casting.least_wall * MM - 2.0 * mold.rounding;
     let input = &mold.report.input;
+    let origins = Origins::new(folder, input, against);
     let beside = match input.part {
-        CastPart::Whole => Origins::new(folder, input, against).beside(&mold.report),
+        CastPart::Whole => origins.beside(&mold.report),
         _ => None,
     };
-    let cast = (&surface, input.surface);
+    // Between grooves that cross silicone ends in edges; what is left below a groove is measured beside it.
+    let plain = mold.report.groove.as_ref().map(|_| origins.plain(&mold.report, input.surface));
+    let plain = plain.and_then(Result::ok);
+    let cast = (plain.as_ref().unwrap_or(&surface), input.surface);
     let mut silicone = wall_line_with("silicone: thinnest wall", cast, beside, least);
     // What the plan cuts in two has a sharp edge, no wall.
     if mold.report.input.part != CastPart::Whole && silicone.status == Status::Fail {

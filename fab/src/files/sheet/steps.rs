@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
+use crate::body::groove::Groove;
 use crate::body::layer::LaidIn;
 use crate::body::source::CastPart;
 use crate::body::thread::Thread;
@@ -108,6 +109,7 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
         steps.push("Cut off what stood in the sprue and the vents.".into());
     }
     steps.extend(sheet.weight.map(|weight| weigh(&weight)));
+    steps.extend(report.groove.as_ref().map(Groove::in_words));
     steps.extend(report.threads.iter().map(Thread::in_words));
     if is_half(report) {
         steps.push(keep_clean(report).into());

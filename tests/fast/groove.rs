@@ -1,0 +1,184 @@
+//! The groove for a thread: its ridge in the shells, what is left of the casting, and what is refused.
+
+use fab::files::report::MoldReport;
+use fab::plan::report::PlanReport;
+use fab::verify::{Against, Line, Status, before_writing};
+use mesh::io::{read_surface, write_tets};
+use mesh::solid::Solid;
+use mesh::{SurfaceMesh, Vec3};
+use program::Progress;
+use std::process::Output;
+use tests::chamber;
+use tests::workdir::Workdir;
+use tests::{block, tag};
+
+/// Height of a turn, over the way around a block of 40 × 40 mm.
+const CLIMB: f64 = 6.0 / 160.0;
+
+/// Diameter of the thread, and depth of its groove [mm].
+const THREAD: f64 = 1.0;
+
+const MOLD: &str = "wound = \"out/report.json\"\n\n[parting]\nkind = \"plane\"\npull = [0, 1, 0]\noffset = 0.02\n\n\
+                    [core]\npins = [[0.03, 0.03, 0.02]]\n\n[groove]\nthread = 1e-3\n";
+
+/// A block of 50 × 40 × 40 mm with a chamber that opens at x = 0, wound around x by two threads, and simulated.
+fn wound() -> Workdir {
+    let dir = chamber::workdir();
+    let middle = |i: usize| (1..3).contains(&i);
+    let hollow = |c: [usize; 3]| c[0] < 4 && middle(c[1]) && middle(c[2]);
+    let inner = |x: f64| x > 0.009 && x < 0.031;
+    let tags: [(&str, &dyn Fn(Vec3) -> bool); 4] = [
+        ("seat", &|p| p.x < 1e-6),
+        ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
+        ("tip", &|p| p.x > 0.05 - 1e-6),
+        ("side", &|_| true),
+    ];
+    let body = tag(block([5, 4, 4], 0.01, hollow, |p| p), &tags);
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let winding = "\n[[winding]]\nname = \"thread\"\non = \"side\"\npitch = 6e-3\nstart = 4e-3\nend = 46e-3\n\
+                   around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }\ndouble = true\nstiffness = 50\n";
+    dir.write("wound.toml", &(dir.text("p1.toml") + winding));
+    dir.solver("simulate wound.toml --final-only -o out").assert_good();
+    dir
+}
+
+fn mold(dir: &Workdir, config: &str) -> Output {
+    dir.write("mold.toml", config);
+    let command = "mold body.msh --config mold.toml --no-pictures -o mold";
+    dir.command_of("fab", command).output().unwrap()
+}
+
+/// The surfaces of a mold in the order of its report, as they are in their files [mm].
+fn surfaces(dir: &Workdir, report: &MoldReport) -> Vec<SurfaceMesh> {
+    report.files().map(|file| read_surface(&dir.path("mold").join(file)).unwrap()).collect()
+}
+
+/// The checks of a mold with these surfaces.
+fn checked(dir: &Workdir, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Line> {
+    let plan = PlanReport::read(&dir.path("mold")).unwrap();
+    let design = dir.path("body.msh");
+    let against = Against { design: Some(&design), ..Against::default() };
+    before_writing(report, surfaces, against, &plan, Progress::new(0))
+}
+
+/// Ends of the segments of the threads at rest [m].
+fn segments(dir: &Workdir) -> Vec<[Vec3; 2]> {
+    let row = |row: &str| {
+        let x: Vec<f64> = row.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        [Vec3::new(x[0], x[1], x[2]), Vec3::new(x[6], x[7], x[8])]
+    };
+    dir.text("out/windings.csv").lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
+    let dir = wound();
+    let run = mold(&dir, MOLD);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let report = MoldReport::read(&dir.path("mold")).unwrap();
+    let groove = report.groove.as_ref().unwrap();
+    // Across the pull, threads lie along it and climb: they may go by half a diameter until they leave the face.
+    let across = THREAD / 2.0 / CLIMB;
+    let part = groove.length / groove.wound;
+    assert!((part - (80.0 + 4.0 * across) / 160.0).abs() < 0.03, "{part}");
+    let locked = groove.locked.unwrap();
+    assert!((locked / (20.0 * CLIMB) - 1.0).abs() < 0.03 && groove.widened <= 0.5, "{locked}");
+    // The shells within the block, which our own Booleans cut out of their files: what is in the groove.
+    let surfaces = surfaces(&dir, &report);
+    let placed = |p: Vec3| {
+        Vec3::from(report.design_to_mold.map(|r| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]))
+    };
+    let corners = [Vec3::zeros(), Vec3::new(0.05, 0.04, 0.04)].map(placed);
+    let block = Solid::cube(&corners[0].inf(&corners[1]), &corners[0].sup(&corners[1]));
+    let cast = &surfaces[report.parts.len()];
+    let cast = Solid::from_surface(cast).unwrap();
+    let mut ridges = 0.0;
+    for (part, surface) in report.parts.iter().zip(&surfaces) {
+        if !["left", "right"].contains(&part.name.as_str()) {
+            continue;
+        }
+        let turned = |p: &Vec3| Vec3::from(part.to_mold.map(|row| Vec3::from(row).dot(p)));
+        let vertices = surface.vertices.iter().map(turned).collect();
+        let closed = SurfaceMesh { vertices, triangles: surface.triangles.clone() };
+        let ridge = Solid::from_surface(&closed).unwrap().intersection(&block);
+        ridges += ridge.volume();
+        for distance in [0.05, 0.2, 1.0, 5.0, 20.0] {
+            let moved = ridge.translate(&(Vec3::from(part.demolding) * distance));
+            let pressed = moved.intersection(&cast).volume();
+            assert!(pressed < 1e-2, "{}: {pressed} mm³ of {}", part.name, ridge.volume());
+        }
+    }
+    // Its section is a trapezoid; both threads share what they cross, and what is widened is added.
+    let section = 1.1 + 10_f64.to_radians().tan();
+    let straight = groove.length * section;
+    assert!((0.85..1.25).contains(&(ridges / straight)), "{ridges} mm³, {straight} mm³");
+    // Thread that lies on the bottom of the groove touches no silicone, on faces across the pull.
+    let mut laid = 0.0;
+    for [a, b] in segments(&dir) {
+        let normal = (a + b) / 2.0 - Vec3::new(a.x, 0.02, 0.02);
+        let at_pin = normal.y > 0.0 && (a.x - 0.03).abs() < 8e-3;
+        if normal.y.abs() < 0.02 - 1e-6 || normal.z.abs() > 0.016 || at_pin {
+            continue;
+        }
+        let inward = -Vec3::y() * normal.y.signum() * (THREAD / 2.0 * 1e-3);
+        let [a, b] = [a + inward, b + inward].map(placed);
+        let radius = 0.49 * THREAD;
+        let thread = Solid::cylinder(&a, &(b - a), radius, radius, 24);
+        let inside = thread.intersection(&cast).volume();
+        assert!(inside < 1e-3, "{inside} mm³ at {a:?}");
+        laid += (b - a).norm();
+    }
+    assert!(laid > 300.0, "{laid} mm");
+    let sheet = dir.text("mold/cast.md");
+    assert!(sheet.contains("A groove of 1.10 mm and 1.00 mm depth guides the thread"), "{sheet}");
+    assert!(sheet.contains("The knots go into the pits"), "{sheet}");
+    // A casting without the groove does not pass.
+    let lines = checked(&dir, &report, &surfaces);
+    assert!(lines.iter().all(|line| line.status != Status::Fail), "{lines:#?}");
+    let mut plain = surfaces.clone();
+    plain[report.parts.len()] = cast.union(&groove.solid().intersection(&block)).to_surface();
+    let lines = checked(&dir, &report, &plain);
+    for name in ["groove: depth", "groove: ridge leaves left", "groove: ridge leaves right"] {
+        let failed = |line: &&Line| line.status == Status::Fail && line.name == name;
+        assert!(lines.iter().any(|line| failed(&line)), "{name}: {lines:#?}");
+    }
+    // Nor do ridges that turn out to be wider than what they left: as if nothing were widened.
+    let mut straight = report.clone();
+    let stations = straight.groove.as_mut().unwrap().courses.iter_mut().flatten();
+    stations.for_each(|station| station.reach = 0.0);
+    let narrow = straight.groove.as_ref().unwrap().solid();
+    let mut filled = surfaces.clone();
+    let widened = groove.solid().difference(&narrow).intersection(&block);
+    filled[report.parts.len()] = cast.union(&widened).to_surface();
+    let lines = checked(&dir, &report, &filled);
+    let failed = |line: &&Line| line.status == Status::Fail && line.name.contains("ridge leaves");
+    assert_eq!(lines.iter().filter(failed).count(), 2, "{lines:#?}");
+}
+
+#[test]
+fn grooves_that_cannot_be_made_are_refused() {
+    let dir = wound();
+    let field = MOLD.replace("\"plane\"", "\"height-field\"").replace("offset = 0.02\n", "");
+    for (config, code, words) in [
+        (MOLD.replace("wound = \"out/report.json\"\n", ""), 2, "[groove] without wound"),
+        (MOLD.replace("thread = 1e-3", "thread = 1"), 2, "groove.thread is 1"),
+        (MOLD.replace("thread = 1e-3", "depth = 1e-3"), 2, "groove.thread is 0"),
+        (MOLD.to_owned() + "draft = 60\n", 2, "groove.draft is 60"),
+        (MOLD.to_owned() + "knot = 0.5\n", 2, "groove.knot is 0.5"),
+        (MOLD.to_owned() + "on = [\"skin\"]\n", 2, "no facet has the tag \"skin\""),
+        (MOLD.to_owned() + "on = [\"tip\"]\n", 2, "lies on none of tip"),
+        (field, 1, "shells which part on a plane"),
+    ] {
+        let run = mold(&dir, &config);
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.code() == Some(code) && said.contains(words), "{config}: {said}");
+    }
+    // Another body, from which the thread is far.
+    dir.write(
+        "out/windings.csv",
+        &dir.text("out/windings.csv").replace("thread,0.0", "thread,0.1"),
+    );
+    let said = mold(&dir, MOLD);
+    let said = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert!(said.contains("mm from the surface of the casting"), "{said}");
+}
