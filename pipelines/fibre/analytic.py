@@ -9,13 +9,16 @@ There are two bounds. In the paper, the pressure acts on the end of the chamber.
 load around the tube leaves the wall within it under the pressure p across: what lengthens the tube is then the
 pressure on all of the section within the thread.
 
+With the closed end held at its height, a bar with the moment M of the pressure along the chamber, of length a, presses
+there with F, L from the held end: M a (L − a/2) = F L³/3, whatever its stiffness, as long as it bends little.
+
 python3 pipelines/fibre/analytic.py > analytic.csv
 """
 
 from math import degrees, pi, sqrt
 
 # sizes as in model.geo, heights above the lower side of the core [m]
-LONG, FLOOR, SHEET = 80e-3, 2e-3, 0.0
+LONG, FLOOR, SHEET, CAP = 80e-3, 2e-3, 0.0, 6e-3
 # the law of Elastosil M4601 in the library [Pa]
 C1, C2 = 110e3, 20e3
 # sections: half-rounds on the floor's upper side, on rectangles. Radius and lower side [m]
@@ -59,12 +62,20 @@ def angles(pressure):
     return bound
 
 
+def forces(pressure):
+    """Forces on a held tip at a pressure [Pa] that acts within the thread, or on the chamber alone [N]."""
+    reach = LONG + CAP
+    moments = (pressure * moment(lambda _: 1.0, lambda h: width(section, h)) for section in (CORE, CHAMBER))
+    return [3 * bends * LONG * (reach - LONG / 2) / reach**3 for bends in moments]
+
+
 def silicone(height):
     """How wide the silicone is at a height [m]."""
     return width(BODY, height) - width(CHAMBER, height)
 
 
 if __name__ == "__main__":
-    print("pressure [Pa],within the thread [°],on the chamber [°]")
+    print("pressure [Pa],within the thread [°],on the chamber [°],within the thread [N],on the chamber [N]")
     for pressure in range(0, 120001, 10000):
-        print(pressure, *(f"{angle:.2f}" for angle in angles(pressure)), sep=",")
+        numbers = [f"{angle:.2f}" for angle in angles(pressure)] + [f"{force:.3f}" for force in forces(pressure)]
+        print(pressure, *numbers, sep=",")
