@@ -12,14 +12,17 @@ use tests::chamber;
 use tests::workdir::Workdir;
 use tests::{block, tag};
 
-/// Height of a turn, over the way around a block of 40 × 40 mm.
-const CLIMB: f64 = 6.0 / 160.0;
+/// Height that the thread climbs for each radian about the axis [mm].
+const CLIMB: f64 = 6.0 / std::f64::consts::TAU;
+
+/// Half the width of the block [mm].
+const HALF: f64 = 20.0;
 
 /// Diameter of the thread, and depth of its groove [mm].
 const THREAD: f64 = 1.0;
 
 const MOLD: &str = "wound = \"out/report.json\"\n\n[parting]\nkind = \"plane\"\npull = [0, 1, 0]\noffset = 0.02\n\n\
-                    [core]\npins = [[0.03, 0.03, 0.02]]\n\n[groove]\nthread = 1e-3\n";
+                    [core]\npins = [[0.034, 0.03, 0.02]]\n\n[groove]\nthread = 1e-3\n";
 
 /// A block of 50 × 40 × 40 mm with a chamber that opens at x = 0, wound around x by two threads, and simulated.
 fn wound() -> Workdir {
@@ -35,7 +38,7 @@ fn wound() -> Workdir {
     ];
     let body = tag(block([5, 4, 4], 0.01, hollow, |p| p), &tags);
     write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
-    let winding = "\n[[winding]]\nname = \"thread\"\non = \"side\"\npitch = 6e-3\nstart = 4e-3\nend = 46e-3\n\
+    let winding = "\n[[winding]]\nname = \"thread\"\non = \"side\"\npitch = 6e-3\nstart = 4e-3\nend = 22e-3\n\
                    around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }\ndouble = true\nstiffness = 50\n";
     dir.write("wound.toml", &(dir.text("p1.toml") + winding));
     dir.solver("simulate wound.toml --final-only -o out").assert_good();
@@ -77,12 +80,17 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let report = MoldReport::read(&dir.path("mold")).unwrap();
     let groove = report.groove.as_ref().unwrap();
-    // Across the pull, threads lie along it and climb: they may go by half a diameter until they leave the face.
-    let across = THREAD / 2.0 / CLIMB;
+    // On faces along the pull, threads climb: they may go by half a diameter until they leave the face. Pieces of up to
+    // four diameters have a groove as a whole or not at all.
+    // At y from the middle of a face it climbs by CLIMB · HALF / (HALF² + y²) for each millimetre.
+    let beside = |y: f64| (HALF - y) * CLIMB * HALF / (HALF * HALF + y * y);
+    let free = (0..2000).map(|i| f64::from(i) * 0.01).find(|&y| beside(y) < THREAD / 2.0);
+    let across = HALF - free.unwrap();
     let part = groove.length / groove.wound;
-    assert!((part - (80.0 + 4.0 * across) / 160.0).abs() < 0.03, "{part}");
+    let [least, most] = [across - 4.0 * THREAD, across].map(|way| (80.0 + 4.0 * way) / 160.0);
+    assert!((least - 0.02..most).contains(&part), "{part}");
     let locked = groove.locked.unwrap();
-    assert!((locked / (20.0 * CLIMB) - 1.0).abs() < 0.03 && groove.widened <= 0.5, "{locked}");
+    assert!((locked / beside(0.0) - 1.0).abs() < 0.06 && groove.widened <= 0.5, "{locked}");
     // The shells within the block, which our own Booleans cut out of their files: what is in the groove.
     let surfaces = surfaces(&dir, &report);
     let placed = |p: Vec3| {
@@ -111,13 +119,14 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     // Its section is a trapezoid; both threads share what they cross, and what is widened is added.
     let section = 1.1 + 10_f64.to_radians().tan();
     let straight = groove.length * section;
-    assert!((0.85..1.25).contains(&(ridges / straight)), "{ridges} mm³, {straight} mm³");
+    assert!((0.8..1.3).contains(&(ridges / straight)), "{ridges} mm³, {straight} mm³");
     // Thread that lies on the bottom of the groove touches no silicone, on faces across the pull.
     let mut laid = 0.0;
     for [a, b] in segments(&dir) {
         let normal = (a + b) / 2.0 - Vec3::new(a.x, 0.02, 0.02);
-        let at_pin = normal.y > 0.0 && (a.x - 0.03).abs() < 8e-3;
-        if normal.y.abs() < 0.02 - 1e-6 || normal.z.abs() > 0.016 || at_pin {
+        // Around the edges of the block a thread is bent.
+        let at_edge = [a, b].iter().any(|p| (p.z - 0.02).abs() > 0.016);
+        if normal.y.abs() < 0.02 - 1e-6 || at_edge {
             continue;
         }
         let inward = -Vec3::y() * normal.y.signum() * (THREAD / 2.0 * 1e-3);
@@ -128,7 +137,7 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
         assert!(inside < 1e-3, "{inside} mm³ at {a:?}");
         laid += (b - a).norm();
     }
-    assert!(laid > 300.0, "{laid} mm");
+    assert!(laid > 100.0, "{laid} mm");
     let sheet = dir.text("mold/cast.md");
     assert!(sheet.contains("A groove of 1.10 mm and 1.00 mm depth guides the thread"), "{sheet}");
     assert!(sheet.contains("The knots go into the pits"), "{sheet}");
