@@ -90,7 +90,10 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     let [least, most] = [across - 4.0 * THREAD, across].map(|way| (80.0 + 4.0 * way) / 160.0);
     assert!((least - 0.02..most).contains(&part), "{part}");
     let locked = groove.locked.unwrap();
-    assert!((locked / beside(0.0) - 1.0).abs() < 0.06 && groove.widened <= 0.5, "{locked}");
+    // In a facet of 10 mm the thread is straight; a quarter of the depth is added to the way.
+    let climb = CLIMB * 0.5_f64.atan() / 10.0;
+    let needed = (HALF + THREAD / 4.0) * climb;
+    assert!((locked / needed - 1.0).abs() < 0.01 && groove.widened <= 0.5, "{locked} {needed}");
     // The shells within the block, which our own Booleans cut out of their files: what is in the groove.
     let surfaces = surfaces(&dir, &report);
     let placed = |p: Vec3| {
@@ -147,7 +150,9 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     let mut plain = surfaces.clone();
     plain[report.parts.len()] = cast.union(&groove.solid().intersection(&block)).to_surface();
     let lines = checked(&dir, &report, &plain);
-    for name in ["groove: depth", "groove: ridge leaves left", "groove: ridge leaves right"] {
+    for name in
+        ["overlap: left and cast", "groove: ridge leaves left", "groove: ridge leaves right"]
+    {
         let failed = |line: &&Line| line.status == Status::Fail && line.name == name;
         assert!(lines.iter().any(|line| failed(&line)), "{name}: {lines:#?}");
     }
