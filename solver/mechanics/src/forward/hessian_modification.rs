@@ -21,6 +21,9 @@ use crate::math::linear::{Factorization, Outcome, Precision, Symmetric, dot};
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
 
+/// Relative residual of a direction that shows whether the exact Hessian is positive definite.
+const DECISIVE: f64 = 1e-2;
+
 /// The matrix that a direction is computed with, from the least to the most modified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Modification {
@@ -88,7 +91,7 @@ fn has_factor(workspace: &Workspace) -> bool {
 }
 
 /// The first direction of all. Whether the exact Hessian is positive definite is not known, so that the projected one
-/// is factored: conjugate gradients with that factor decide, and none is in vain.
+/// is factored, and conjugate gradients with that factor decide.
 fn first(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -101,12 +104,18 @@ fn first(
         return None;
     }
     let hessian = workspace.hessian(problem, at, Hessian::Exact);
-    let exact = near(workspace, &hessian, force, forcing).solved();
+    let clock = Clock::start();
+    let accuracy = forcing.max(DECISIVE);
+    let outcome = workspace.linear().last()?.solve_other(&hessian, force, accuracy);
+    workspace.timings.solve += clock.elapsed();
     workspace.recycle(hessian);
-    if let Some(direction) = exact {
-        return Some((Modification::Near, direction));
+    match outcome {
+        Outcome::Solved(direction) => Some((Modification::Near, direction)),
+        Outcome::Curved => {
+            Some((Modification::Projected, solve(workspace, force.to_vec(), forcing)?))
+        }
+        Outcome::Inaccurate => exact(problem, workspace, at, force, Modification::Exact, forcing),
     }
-    Some((Modification::Projected, solve(workspace, force.to_vec(), forcing)?))
 }
 
 fn projected(

@@ -142,6 +142,14 @@ impl Factorization {
         self.gradients(matrix, b, &stop).outcome(tolerance)
     }
 
+    /// Solves for another matrix as [`Self::solve_near`] does, however many steps that takes: where it is not positive
+    /// definite, they come to a direction of negative curvature, or to a solution within the tolerance before.
+    #[must_use]
+    pub fn solve_other(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
+        let stop = Stop { tolerance, steps: REFINEMENTS, left: None };
+        self.gradients(matrix, b, &stop).outcome(tolerance)
+    }
+
     /// Conjugate gradients preconditioned with the factor.
     fn gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
         let multiply = |x: &[f64]| self.pattern.multiply(matrix, x);
