@@ -21,9 +21,6 @@ use crate::math::linear::{Factorization, Outcome, Precision, Symmetric, dot};
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
 
-/// Relative residual of a direction that shows whether the exact Hessian is positive definite.
-const DECISIVE: f64 = 1e-2;
-
 /// The matrix that a direction is computed with, from the least to the most modified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Modification {
@@ -71,9 +68,7 @@ pub fn direction(
     let mut force = problem.restrict(point.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
     let at = &point.at;
-    let found = if from == Modification::Near && !has_factor(workspace) {
-        first(problem, workspace, at, &force, forcing)
-    } else if from <= Modification::Exact {
+    let found = if from <= Modification::Exact {
         exact(problem, workspace, at, &force, from, forcing)
     } else {
         None
@@ -83,39 +78,6 @@ pub fn direction(
         None => projected(problem, workspace, at, force, from, forcing)?,
     };
     Some((modification, problem.prolong(&free)))
-}
-
-/// Whether there is a factor for conjugate gradients.
-fn has_factor(workspace: &Workspace) -> bool {
-    workspace.linear().last().is_some_and(Factorization::is_positive)
-}
-
-/// The first direction of all. Whether the exact Hessian is positive definite is not known, so that the projected one
-/// is factored, and conjugate gradients with that factor decide.
-fn first(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    at: &Iterate,
-    force: &[f64],
-    forcing: f64,
-) -> Option<(Modification, Vec<f64>)> {
-    let matrix = workspace.hessian(problem, at, Hessian::Projected);
-    if !factor(workspace, matrix) {
-        return None;
-    }
-    let hessian = workspace.hessian(problem, at, Hessian::Exact);
-    let clock = Clock::start();
-    let accuracy = forcing.max(DECISIVE);
-    let outcome = workspace.linear().last()?.solve_other(&hessian, force, accuracy);
-    workspace.timings.solve += clock.elapsed();
-    workspace.recycle(hessian);
-    match outcome {
-        Outcome::Solved(direction) => Some((Modification::Near, direction)),
-        Outcome::Curved => {
-            Some((Modification::Projected, solve(workspace, force.to_vec(), forcing)?))
-        }
-        Outcome::Inaccurate => exact(problem, workspace, at, force, Modification::Exact, forcing),
-    }
 }
 
 fn projected(

@@ -320,7 +320,7 @@ mod tests {
         let (space, rest, u) = bodies(3);
         let iterate = Iterate::new(&space, &rest, &u, 1.0);
         let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
-        let of_moments = check_lanes(&Elastic::whole(Box::new(law.clone())), &iterate);
+        let of_moments = check_lanes(&Elastic::whole(Box::new(law)), &iterate);
         for (e, blocks) in of_moments[0].chunks_exact(pair_count(10)).enumerate() {
             let batch = Batch::<Scalar, 10>::new(Scalar, &iterate, e..e + 1);
             let mut sum = vec![[batch.splat(0.0); 9]; pair_count(10)];

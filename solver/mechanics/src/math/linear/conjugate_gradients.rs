@@ -24,9 +24,8 @@ pub fn conjugate_gradients(
     let mut rz = dot(&r, &z);
     // where a matrix proves not positive definite at once, a descent
     let mut best = (z.clone(), if norm(b) > 0.0 { f64::INFINITY } else { 0.0 });
-    let (mut since, mut curved, mut steps) = (0, false, 0);
+    let (mut since, mut curved) = (0, false);
     for step in 1..=stop.steps {
-        steps = step;
         let ap = multiply(&p);
         let curvature = dot(&p, &ap);
         if curvature.is_nan() || curvature <= 0.0 {
@@ -51,7 +50,7 @@ pub fn conjugate_gradients(
         p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
         rz = next;
     }
-    Gradients { x: best.0, residual: best.1, steps, curved }
+    Gradients { x: best.0, residual: best.1, curved }
 }
 
 /// Where conjugate gradients end.
@@ -60,8 +59,6 @@ pub struct Gradients {
     pub x: Vec<f64>,
     /// The relative residual.
     pub residual: f64,
-    /// The steps made.
-    pub steps: usize,
     /// Whether they met a direction of negative curvature.
     curved: bool,
 }
@@ -104,16 +101,15 @@ pub struct Stop {
     pub tolerance: f64,
     /// Steps at most.
     pub steps: usize,
-    /// To give up once more steps than these are left at the rate so far.
-    pub left: Option<f64>,
+    /// Whether to give up when the tolerance is out of reach.
+    pub near: bool,
 }
 
 impl Stop {
-    /// Whether a residual reached in `step` steps comes to the tolerance too late at this rate.
+    /// Whether a residual reached in `step` steps will not come to the
+    /// tolerance at this rate.
     fn is_hopeless(&self, step: usize, residual: f64) -> bool {
-        let Some(left) = self.left.filter(|_| step >= 3) else { return false };
-        // residuals fall as rᵏ
-        let all = step as f64 * self.tolerance.ln() / residual.ln();
-        residual >= 1.0 || all - step as f64 > left
+        let rate = residual.powf(1.0 / step as f64);
+        self.near && step >= 3 && rate.powi(self.steps as i32) > self.tolerance
     }
 }

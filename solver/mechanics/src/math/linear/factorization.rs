@@ -14,7 +14,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::conjugate_gradients::{Gradients, Outcome, Stop, conjugate_gradients};
-use super::direct::{Cost, Factor, Pivot, Precision};
+use super::direct::{Factor, Pivot, Precision};
 use super::matrix::{Symmetric, Triangle, dot, norm};
 
 /// Relative residual of a solution that has come to rounding.
@@ -23,11 +23,9 @@ const SMALLEST_RESIDUAL: f64 = 1e-14;
 /// Refinement steps of a solution, at most.
 const REFINEMENTS: usize = 40;
 
-/// Operations of a factorisation in the time in which a solution reads a byte. Measured with the frog: 115 GFLOP/s and
-/// 14.4 GB/s. A constant, and not measured in a run, so that results are the same on every machine.
-const FLOPS_PER_BYTE: f64 = 8.0;
-/// Steps of conjugate gradients with a factor of the matrix itself.
-const OWN_STEPS: f64 = 3.0;
+/// Conjugate-gradient steps with the factor of another matrix that cost less
+/// than a factor of its own.
+const NEAR_STEPS: usize = 12;
 
 /// A matrix and its factor.
 pub struct Factorization {
@@ -37,8 +35,6 @@ pub struct Factorization {
     /// The precision of L Lᵀ; none of the factor of a matrix that is not positive definite.
     pub(super) positive: Option<Precision>,
     dense: Option<Dense>,
-    /// Steps of conjugate gradients that take as long as a factorisation.
-    steps: f64,
 }
 
 /// What the formula of Woodbury needs besides the factor of A.
@@ -58,11 +54,9 @@ impl Factorization {
         matrix: Symmetric,
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
-        cost: Cost,
     ) -> Self {
         let dense = dense(&*factor, &matrix.updates);
-        let steps = steps_per_factorization(cost, pattern);
-        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense, steps }
+        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense }
     }
 
     /// The matrix; the factor is gone.
@@ -110,7 +104,7 @@ impl Factorization {
     /// returns the one that was reached.
     pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
         let (x, residual) = if self.is_positive() {
-            let stop = Stop { tolerance, steps: REFINEMENTS, left: None };
+            let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
             let Gradients { x, residual, .. } = self.gradients(&self.matrix, rhs, &stop);
             (x, residual)
         } else {
@@ -125,43 +119,26 @@ impl Factorization {
     /// steps if A is not positive definite.
     #[must_use]
     pub fn solve_modified(&self, b: &[f64], tolerance: f64) -> Outcome {
-        let stop = Stop { tolerance, steps: REFINEMENTS, left: None };
+        let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
         self.gradients(&self.matrix, b, &stop).outcome(tolerance)
     }
 
     /// Solves for another matrix by conjugate gradients, preconditioned with this factor, to
-    /// ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where the steps that are left, foreseen by the rate so far,
-    /// cost more than a factorisation and the steps with its factor, or this one is not that of a positive definite matrix.
+    /// ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where a factorisation is likely to be
+    /// cheaper, or this one is not that of a positive definite matrix.
     #[must_use]
     pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
         if !self.is_positive() {
             return Outcome::Inaccurate;
         }
-        let left = self.steps + OWN_STEPS;
-        let stop = Stop { tolerance, steps: (2.0 * left) as usize, left: Some(left) };
-        self.gradients(matrix, b, &stop).outcome(tolerance)
-    }
-
-    /// Solves for another matrix as [`Self::solve_near`] does, however many steps that takes: where it is not positive
-    /// definite, they come to a direction of negative curvature, or to a solution within the tolerance before.
-    #[must_use]
-    pub fn solve_other(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
-        let stop = Stop { tolerance, steps: REFINEMENTS, left: None };
+        let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
         self.gradients(matrix, b, &stop).outcome(tolerance)
     }
 
     /// Conjugate gradients preconditioned with the factor.
     fn gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
         let multiply = |x: &[f64]| self.pattern.multiply(matrix, x);
-        let gradients = conjugate_gradients(multiply, |x| self.inverse_times(x), b, stop);
-        log::debug!(
-            "{} steps of conjugate gradients to {:.1e}, wanted {:.1e}; a factorisation takes {:.1}",
-            gradients.steps,
-            gradients.residual,
-            stop.tolerance,
-            self.steps
-        );
-        gradients
+        conjugate_gradients(multiply, |x| self.inverse_times(x), b, stop)
     }
 
     /// Iterative refinement; the best x and its relative residual.
@@ -207,13 +184,6 @@ impl Factorization {
         }
         x
     }
-}
-
-/// A step applies the factor forwards and backwards, in single precision, and multiplies with the lower triangle.
-fn steps_per_factorization(cost: Cost, pattern: &Triangle) -> f64 {
-    let factor = 2 * size_of::<f32>() * cost.entries;
-    let matrix = (size_of::<f64>() + size_of::<u32>()) * pattern.rows.len();
-    cost.flops / (FLOPS_PER_BYTE * (factor + matrix) as f64)
 }
 
 fn dense(factor: &dyn Factor, updates: &[(f64, Vec<f64>)]) -> Option<Dense> {

@@ -155,7 +155,7 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<Factorization, NotPositive> {
         let (factor, precision) = self.cholesky(&matrix.lower, precision)?;
-        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision), self.cost()))
+        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision)))
     }
 
     /// L Lᵀ, and the precision that it has.
@@ -225,8 +225,7 @@ impl SparseSolver {
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
     ) -> &Factorization {
-        let cost = self.cost();
-        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive, cost))
+        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive))
     }
 
     /// Forgets the factorisation; the symbolic part and the memory stay.
