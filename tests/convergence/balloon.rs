@@ -19,7 +19,7 @@ use tests::symmetric_gas::{Planes, SymmetricGas};
 const MU: f64 = 100e3;
 const A: f64 = 0.010;
 const B: f64 = 0.015;
-/// Of the inner wall, in which a limit is looked for.
+/// Stretches of the inner wall between which a limit is looked for.
 const STRETCHES: [f64; 2] = [1.05, 4.0];
 
 /// A part of a sphere or a tube whose pressure grows from zero [Pa].

@@ -17,6 +17,7 @@ use mesh::{TetMesh, Vec3};
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where, mean};
 use tests::meshes::{prisms, ring_quarter};
+use tests::radial::runge_kutta;
 use tests::symmetric_gas::{Planes, SymmetricGas};
 
 /// Slack of all fibres.
@@ -276,27 +277,13 @@ fn thick(model: &Model, [inner, outer]: [f64; 2], pressure: f64, angle: f64) -> 
         }
         f64::midpoint(low, high)
     };
-    // r and P_rr are carried outward by the rule of Runge and Kutta
+    // r and P_rr are carried outward
     let outside = |start: f64| {
-        let n = 200;
-        let h = (outer - inner) / f64::from(n);
         let by = |at: f64, [r, radial]: [f64; 2]| {
             let slope = slope_at(radial, r / at);
             [slope, (stress(slope, r / at)[1] - radial) / at]
         };
-        let mut y = [start, -pressure * start / inner];
-        for i in 0..n {
-            let at = inner + f64::from(i) * h;
-            let add = |k: [f64; 2], by: f64| [y[0] + by * k[0], y[1] + by * k[1]];
-            let k1 = by(at, y);
-            let k2 = by(at + 0.5 * h, add(k1, 0.5 * h));
-            let k3 = by(at + 0.5 * h, add(k2, 0.5 * h));
-            let k4 = by(at + h, add(k3, h));
-            for j in 0..2 {
-                y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
-            }
-        }
-        y[1]
+        runge_kutta([inner, outer], 200, [start, -pressure * start / inner], by)[1]
     };
     let (mut low, mut high) = (inner, 1.3 * inner);
     for _ in 0..40 {

@@ -1,7 +1,7 @@
 """A scene of pipelines/ by FEniCSx with MUMPS: prints a line of JSON.
 
-Run by `run.py` beside, with the Python of the system, which has dolfinx. The mesh, the law, the degree and the rule of
-quadrature are those of `solver simulate`; Newton's method is plain, so that the load comes in steps.
+Run by `run.py` beside, with the Python of the system, which has dolfinx. The mesh, the law and the degree are those of `solver simulate`, and quadrature is exact
+to the same degree. Newton's method is plain, so that the load comes in steps.
 """
 
 import json

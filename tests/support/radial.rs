@@ -89,9 +89,8 @@ impl Wall<'_> {
         let around = if self.sphere { 2.0 } else { 1.0 };
         let stretches =
             |radial: f64, hoop: f64| [radial, hoop, if self.sphere { hoop } else { 1.0 }];
-        let h = (outer - inner) / STEPS as f64;
         let mut slope = stretch.powf(-around);
-        let mut by = |at: f64, [r, radial]: [f64; 2]| {
+        let by = |at: f64, [r, radial]: [f64; 2]| {
             let hoop = r / at;
             for _ in 0..50 {
                 let stress = |slope: f64| (self.stress)(stretches(slope, hoop))[0];
@@ -105,20 +104,33 @@ impl Wall<'_> {
             }
             [slope, around * ((self.stress)(stretches(slope, hoop))[1] - radial) / at]
         };
-        let mut y = [stretch * inner, -pressure * stretch.powf(around)];
-        for i in 0..STEPS {
-            let at = inner + i as f64 * h;
-            let add = |k: [f64; 2], by: f64| [y[0] + by * k[0], y[1] + by * k[1]];
-            let k1 = by(at, y);
-            let k2 = by(at + 0.5 * h, add(k1, 0.5 * h));
-            let k3 = by(at + 0.5 * h, add(k2, 0.5 * h));
-            let k4 = by(at + h, add(k3, h));
-            for j in 0..2 {
-                y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
-            }
-        }
-        y[1]
+        let start = [stretch * inner, -pressure * stretch.powf(around)];
+        runge_kutta([inner, outer], STEPS, start, by)[1]
     }
+}
+
+/// y at the end of an interval, where y′ = `by`(x, y), by the classic rule of Runge and Kutta.
+#[must_use]
+pub fn runge_kutta(
+    [from, to]: [f64; 2],
+    steps: usize,
+    start: [f64; 2],
+    mut by: impl FnMut(f64, [f64; 2]) -> [f64; 2],
+) -> [f64; 2] {
+    let h = (to - from) / steps as f64;
+    let mut y = start;
+    for i in 0..steps {
+        let at = from + i as f64 * h;
+        let add = |k: [f64; 2], by: f64| [y[0] + by * k[0], y[1] + by * k[1]];
+        let k1 = by(at, y);
+        let k2 = by(at + 0.5 * h, add(k1, 0.5 * h));
+        let k3 = by(at + 0.5 * h, add(k2, 0.5 * h));
+        let k4 = by(at + h, add(k3, h));
+        for j in 0..2 {
+            y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
+        }
+    }
+    y
 }
 
 /// Where a smooth function has its largest value inside an interval, and that value; none where it is at an end.

@@ -71,7 +71,7 @@ struct Line {
 /// How a piece of the ridge comes out of the casting.
 #[derive(Clone, Copy)]
 enum WayOut {
-    /// Its groove has to be widened by this beside the thread [m].
+    /// It comes out where its groove is widened by this beside the thread [m].
     By(f64),
     /// It is too near to a pin, or the surface leans over it.
     Never,

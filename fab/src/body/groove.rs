@@ -174,7 +174,7 @@ impl Groove {
         Ok(Boundary { filled, cast, plain: Some(boundary.cast.clone()), ..boundary.clone() })
     }
 
-    /// The same in the millimetres of a mold.
+    /// This groove in the millimetres of a mold.
     #[must_use]
     pub fn placed(&self, frame: &Frame) -> Self {
         let scale = frame.scale * MM;

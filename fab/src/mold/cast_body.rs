@@ -20,8 +20,8 @@ pub struct CastBody {
     pub filled: Solid,
     /// What is cast.
     pub cast: Solid,
-    /// The same without the groove for its thread, if it has one: between grooves that cross silicone ends in edges,
-    /// which are no walls.
+    /// What is cast, without the groove for its thread, if it has one. Walls are measured on it: between grooves that
+    /// cross, silicone ends in edges, which are no walls.
     pub plain: Option<Solid>,
     /// What fills the chambers.
     pub cores: Vec<Core>,

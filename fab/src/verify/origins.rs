@@ -59,7 +59,7 @@ impl Origins {
         Ok(plain.difference(&groove.solid()).to_surface())
     }
 
-    /// The same without its groove.
+    /// The body of [`Self::whole`] without its groove.
     ///
     /// # Errors
     /// As for [`Self::whole`].

@@ -21,7 +21,7 @@ const STATIC: f64 = 9.0;
 const STEP: f64 = 4.0;
 /// Newton iterations of a time step with contact.
 const CONTACT_STEP: f64 = 7.0;
-/// Operations at a quadrature point for each pair of nodes: a. Of degree 2: others take 1500.
+/// Operations at a quadrature point for each pair of nodes: a. It is that of degree 2; other degrees take 1500.
 const ASSEMBLY: f64 = 1100.0;
 /// Share of the operations of a factorisation in an iteration: f.
 const FACTORIZATIONS: f64 = 0.9;

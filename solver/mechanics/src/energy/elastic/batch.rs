@@ -110,7 +110,7 @@ fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, gra
 pub(in crate::energy) struct Memory<S: Simd> {
     /// Blocks of elements that are not of degree 2.
     local: Vec<[Lanes<S>; 9]>,
-    /// Of elements of degree 2.
+    /// Moments of elements that are of degree 2.
     moments: Moments<S>,
 }
 

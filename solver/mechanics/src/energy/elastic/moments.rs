@@ -5,14 +5,14 @@
 //!
 //! ∂²E/∂u_a∂u_b = Σ_cd ∇φ_a|_c · M_cd · ∇φ_b|_d      M_cd = ∫ λ_c λ_d A dX
 //!
-//! The node of a corner has ∇φ_a|_c = (4 δ_ac − 1) ∇λ_a, that of an edge ab 4 (δ_bc ∇λ_a + δ_ac ∇λ_b). With
+//! The gradients at the corners are those of [`Batch`]. With
 //! M_cd[m n] = ∇λ_m · M_cd · ∇λ_n, S_c = Σ_d M_cd and T = Σ_c S_c the blocks are
 //!
 //! corners a, b:        16 M_ab[a b] − 4 S_a[a b] − 4 S_b[a b] + T[a b]
 //! edge ab, corner c:   4 (4 M_bc − S_b)[a c] + 4 (4 M_ac − S_a)[b c]
 //! edges ab, cd:        16 (M_bd[a c] + M_bc[a d] + M_ad[b c] + M_ac[b d])
 //!
-//! An element of degree 2 with 14 points takes a third of the operations that a sum over points and pairs takes.
+//! The exact Hessian of an element with 14 points takes 0.6 of the time of a sum over points and pairs.
 
 #![allow(clippy::needless_range_loop, reason = "components of tensors have indices")]
 
@@ -32,7 +32,7 @@ const PAIRS: [[usize; 2]; PRODUCTS] =
     [[0, 0], [1, 0], [1, 1], [2, 0], [2, 1], [2, 2], [3, 0], [3, 1], [3, 2], [3, 3]];
 /// Entries of a symmetric matrix of the components (m, i) with the corners m = 1, 2, 3.
 const ENTRIES: usize = pair_count(9);
-/// The same with corner 0, which comes last.
+/// Entries of such a matrix that has corner 0, too, whose components come last.
 const ALL_ENTRIES: usize = pair_count(3 * CORNERS);
 
 /// M_cd, S_c and T of one entry.

@@ -182,7 +182,7 @@ pub(in crate::energy) struct Forces<S: Simd, const N: usize> {
 }
 
 impl<S: Simd, const N: usize> Forces<S, N> {
-    /// Of no point.
+    /// The sums before a point is added.
     #[inline(always)]
     pub(in crate::energy) fn none(batch: &Batch<S, N>) -> Self {
         let zero = batch.splat(0.0);
