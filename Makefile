@@ -85,7 +85,7 @@ validation: build/validation/done  ## simulate bodies that were measured by othe
 
 fibre-angles:  ## what the angle of fibres does to a tube: length and twist, in ten minutes
 
-fibre-path:  ## windings of a tube whose tip follows a path at one pressure, designed in five minutes
+fibre-path:  ## windings of a tube whose tip follows a path at one pressure, designed in two minutes
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
 	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: about seven minutes on two cores"
