@@ -68,7 +68,10 @@ pub fn direction(
     let mut force = problem.restrict(point.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
     let at = &point.at;
-    let found = if from <= Modification::Exact {
+    let blind = from == Modification::Near && !workspace.linear().has_preconditioner();
+    let found = if blind && is_under_pressure(problem, at) {
+        first(problem, workspace, at, &force, forcing)
+    } else if from <= Modification::Exact {
         exact(problem, workspace, at, &force, from, forcing)
     } else {
         None
@@ -78,6 +81,33 @@ pub fn direction(
         None => projected(problem, workspace, at, force, from, forcing)?,
     };
     Some((modification, problem.prolong(&free)))
+}
+
+/// Whether a chamber has a pressure, which softens some motions of its wall.
+fn is_under_pressure(problem: &Problem, at: &Iterate) -> bool {
+    problem.energies.chambers().any(|(_, named)| named.chamber.state(at).1.pressure != 0.0)
+}
+
+/// The first direction of a body under pressure, whose exact Hessian is likely to be indefinite: the projected one is
+/// factored, and conjugate gradients with that factor decide whether the exact one serves.
+fn first(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    at: &Iterate,
+    force: &[f64],
+    forcing: f64,
+) -> Option<(Modification, Vec<f64>)> {
+    let matrix = workspace.hessian(problem, at, Hessian::Projected);
+    if !factor(workspace, matrix) {
+        return None;
+    }
+    let hessian = workspace.hessian(problem, at, Hessian::Exact);
+    let exact = near(workspace, &hessian, force, forcing).solved();
+    workspace.recycle(hessian);
+    if let Some(direction) = exact {
+        return Some((Modification::Near, direction));
+    }
+    Some((Modification::Projected, solve(workspace, force.to_vec(), forcing)?))
 }
 
 fn projected(
@@ -146,8 +176,7 @@ fn exact(
 /// Conjugate gradients with an earlier factor.
 fn near(workspace: &mut Workspace, matrix: &Symmetric, force: &[f64], forcing: f64) -> Outcome {
     let clock = Clock::start();
-    let last = workspace.linear().last();
-    let outcome = last.map_or(Outcome::Inaccurate, |f| f.solve_near(matrix, force, forcing));
+    let outcome = workspace.linear().solve_near(matrix, force, forcing);
     workspace.timings.solve += clock.elapsed();
     outcome
 }
@@ -159,9 +188,8 @@ fn factor_and_solve(
     force: &[f64],
     forcing: f64,
 ) -> Option<Outcome> {
-    let clock = Clock::start();
-    let factored = workspace.linear_mut().factor_modified(hessian).map(|(_, replaced)| replaced);
-    workspace.timings.factor += clock.elapsed();
+    let factored =
+        workspace.factor(|linear| linear.factor_modified(hessian).map(|(_, replaced)| replaced));
     workspace.timings.factorizations += 1;
     let replaced = match factored {
         Ok(replaced) => replaced,
@@ -188,18 +216,15 @@ fn factor_and_solve(
 /// Factors the last matrix again in double precision; false where that is not positive
 /// definite.
 fn sharpen(workspace: &mut Workspace) -> bool {
-    let clock = Clock::start();
-    let positive = workspace.linear_mut().sharpen().is_some_and(Factorization::is_positive);
-    workspace.timings.factor += clock.elapsed();
+    let positive =
+        workspace.factor(|linear| linear.sharpen().is_some_and(Factorization::is_positive));
     workspace.timings.factorizations += 1;
     positive
 }
 
 /// H⁻¹f by an indefinite factor, if it is accurate and descends.
 fn indefinite(workspace: &mut Workspace, whole: Symmetric, force: &[f64]) -> Option<Vec<f64>> {
-    let clock = Clock::start();
-    workspace.linear_mut().factor_indefinite(whole);
-    workspace.timings.factor += clock.elapsed();
+    workspace.factor(|linear| linear.factor_indefinite(whole).is_positive());
     workspace.timings.factorizations += 1;
     let clock = Clock::start();
     let mut direction = force.to_vec();
@@ -217,9 +242,8 @@ fn solve(workspace: &mut Workspace, mut force: Vec<f64>, forcing: f64) -> Option
 }
 
 fn factor(workspace: &mut Workspace, matrix: Symmetric) -> bool {
-    let clock = Clock::start();
-    let result = workspace.linear_mut().factor_positive(matrix, Precision::Single).map(drop);
-    workspace.timings.factor += clock.elapsed();
+    let result =
+        workspace.factor(|linear| linear.factor_positive(matrix, Precision::Single).map(drop));
     workspace.timings.factorizations += 1;
     if let Err(error) = &result {
         workspace.timings.failed_factorizations += 1;

@@ -449,8 +449,10 @@ fn step(
             return (Some(accepted), by, predicted);
         }
         log::debug!("no {modification:?} step");
-        // other directions have no digits to compare either
-        from = modification.next().filter(|_| predicted > ENERGY_ROUNDING * energy.abs());
+        // within rounding other directions have no digits to compare either, but one by an old factor is inexact
+        let counts =
+            modification == Modification::Near || predicted > ENERGY_ROUNDING * energy.abs();
+        from = modification.next().filter(|_| counts);
     }
     (None, by, predicted)
 }

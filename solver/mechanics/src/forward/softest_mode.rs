@@ -11,7 +11,7 @@
 
 use super::{Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
-use crate::math::linear::{Pivot, Precision, dot, norm};
+use crate::math::linear::{Factorization, Pivot, Precision, dot, norm};
 use crate::math::random::Random;
 
 /// Inverse iterations; the error of λ falls by (λ/λ₂)² in each.
@@ -55,15 +55,19 @@ impl SoftestMode {
         let motion = vec![0.0; at.u.len()];
         let nothing = Self { stiffness: None, compliance: None, motion, pivot: None, largest };
         let (mut shift, mut pivot, mut compliance) = (0.0, None, None);
-        if let Ok(exact) =
-            workspace.linear_mut().factor_positive(hessian.clone(), Precision::Double)
-        {
-            pivot = exact.smallest_pivot();
+        let exact = workspace.factor(|linear| {
+            let factored = linear.factor_positive(hessian.clone(), Precision::Double);
+            factored.map(Factorization::smallest_pivot)
+        });
+        if let Ok(smallest) = exact {
+            pivot = smallest;
             compliance = compliance_of(problem, workspace, at, next);
         } else {
             shift = SHIFT * largest;
             workspace.diagonal().iter().for_each(|&d| hessian.lower[d] += shift);
-            if workspace.linear_mut().factor_positive(hessian, Precision::Double).is_err() {
+            let factored = workspace
+                .factor(|linear| linear.factor_positive(hessian, Precision::Double).map(drop));
+            if factored.is_err() {
                 return nothing;
             }
         }

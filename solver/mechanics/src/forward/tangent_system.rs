@@ -8,7 +8,7 @@
 use nalgebra::DMatrix;
 
 use super::bordered::Bordered;
-use super::{Clock, Configuration, Problem, Workspace};
+use super::{Configuration, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate};
 use crate::math::linear::{Factorization, Precision, norm};
 
@@ -107,9 +107,7 @@ pub fn factor<'w>(
     if !hessian.lower.iter().all(|entry| entry.is_finite()) {
         return None;
     }
-    let clock = Clock::start();
-    workspace.linear_mut().factor(hessian, Precision::Double);
-    workspace.timings.factor += clock.elapsed();
+    workspace.factor(|linear| linear.factor(hessian, Precision::Double).is_positive());
     workspace.timings.factorizations += 1;
     workspace.linear().last()
 }

@@ -321,7 +321,7 @@ impl TimeStepper {
         rest: &[Vec3],
         end: f64,
     ) -> Arc<TimeStep> {
-        workspace.linear_mut().forget();
+        workspace.forget();
         workspace.indefinite_starts = self.progress.indefinite_starts;
         let interrupted = self.progress.done > 0.0;
         if !interrupted && (self.progress.integrator.method.has_inertia() || self.guide.is_some()) {

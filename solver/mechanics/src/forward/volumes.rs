@@ -267,16 +267,14 @@ fn solve_all(
     sides: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
     let clock = Clock::start();
-    let last = workspace.linear().last();
-    let near = |side: &Vec<f64>| last?.solve_near(hessian, side, LINEAR).solved();
+    let linear = workspace.linear();
+    let near = |side: &Vec<f64>| linear.solve_near(hessian, side, LINEAR).solved();
     let near: Option<Vec<_>> = sides.iter().map(near).collect();
     workspace.timings.solve += clock.elapsed();
     if near.is_some() {
         return near;
     }
-    let clock = Clock::start();
-    workspace.linear_mut().factor(hessian.clone(), Precision::Single);
-    workspace.timings.factor += clock.elapsed();
+    workspace.factor(|linear| linear.factor(hessian.clone(), Precision::Single).is_positive());
     let clock = Clock::start();
     let factored = workspace.linear().last();
     let exact = |side: &Vec<f64>| {

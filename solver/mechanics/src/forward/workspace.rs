@@ -11,7 +11,7 @@ use mesh::Vec3;
 
 use super::Problem;
 use super::dirichlet::Dirichlet;
-use super::symbolic::symbolic;
+use super::symbolic::{Parts, symbolic};
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
@@ -39,8 +39,6 @@ pub struct Workspace {
     pub watch: Option<Watch>,
     /// How many more times Newton's method is taken to begin with an indefinite Hessian.
     pub indefinite_starts: usize,
-    /// What makes the direct solver of a pattern.
-    make: MakeDirectSolver,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
     /// Which factorisation of an exact Hessian is in `linear`, if it is one.
@@ -89,14 +87,15 @@ impl Workspace {
     #[must_use]
     pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
-        let (pattern, free, linear) =
-            symbolic(&problem.space, &problem.dirichlet, &[], make, Memory::default());
+        let Parts { pattern, free, triangle, groups } =
+            symbolic(&problem.space, &problem.dirichlet, &[]);
+        let linear = SparseSolver::with(triangle, groups, make, Memory::default());
+        linear.prepare();
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
             watch: None,
             indefinite_starts: 0,
-            make,
             linear,
             linearization: None,
             linearizations: 0,
@@ -120,6 +119,7 @@ impl Workspace {
     fn extend_pattern(&mut self, problem: &Problem, at: &Iterate) {
         if !Arc::ptr_eq(&self.dirichlet, &problem.dirichlet) {
             self.dirichlet = Arc::clone(&problem.dirichlet);
+            self.forget();
             self.symbolic(problem);
         }
         let clock = Clock::start();
@@ -134,7 +134,7 @@ impl Workspace {
     }
 
     /// Replaces the pairs of nodes that are coupled although they share no
-    /// element. The factor is forgotten.
+    /// element. Conjugate gradients go on with the factor; that of the new pattern is prepared when it is needed.
     pub fn set_couplings(&mut self, problem: &Problem, mut pairs: Vec<[usize; 2]>) {
         pairs.sort_unstable();
         pairs.dedup();
@@ -146,13 +146,13 @@ impl Workspace {
         self.symbolic(problem);
     }
 
-    /// Pattern and factorisation for the couplings and fixed degrees of freedom.
+    /// Pattern for the couplings and fixed degrees of freedom.
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
-        self.linear_mut().forget();
-        let (make, memory) = (self.make, self.linear.memory());
-        (self.pattern, self.free, self.linear) =
-            symbolic(&problem.space, &self.dirichlet, &self.couplings, make, memory);
+        self.linearization = None;
+        let parts = symbolic(&problem.space, &self.dirichlet, &self.couplings);
+        self.linear = self.linear.for_pattern(parts.triangle, parts.groups);
+        (self.pattern, self.free) = (parts.pattern, parts.free);
         self.timings.ordering += clock.elapsed();
     }
 
@@ -168,10 +168,22 @@ impl Workspace {
         &self.linear
     }
 
-    /// The solver of linear systems, for a new factorisation: no linearisation is kept.
-    pub fn linear_mut(&mut self) -> &mut SparseSolver {
+    /// Forgets the factor, and the linearisation that it is of.
+    pub fn forget(&mut self) {
         self.linearization = None;
-        &mut self.linear
+        self.linear.forget();
+    }
+
+    /// Lets the solver of linear systems factor, timed: no linearisation is kept.
+    pub fn factor<T>(&mut self, by: impl FnOnce(&mut SparseSolver) -> T) -> T {
+        self.linearization = None;
+        let clock = Clock::start();
+        self.linear.prepare();
+        self.timings.ordering += clock.elapsed();
+        let clock = Clock::start();
+        let factored = by(&mut self.linear);
+        self.timings.factor += clock.elapsed();
+        factored
     }
 
     /// What the first factorisation and the Hessians beside it will take.
@@ -258,9 +270,7 @@ impl Workspace {
     /// of the next one.
     pub fn linearize(&mut self, problem: &Problem, at: &Iterate) -> Linearization {
         let hessian = self.hessian(problem, at, Hessian::Exact);
-        let clock = Clock::start();
-        self.linear_mut().factor(hessian, Precision::Single);
-        self.timings.factor += clock.elapsed();
+        self.factor(|linear| linear.factor(hessian, Precision::Single).is_positive());
         self.linearizations += 1;
         self.linearization = Some(self.linearizations);
         Linearization {
@@ -366,9 +376,8 @@ impl Workspace {
         motion: &[f64],
     ) -> Option<Vec<f64>> {
         let (hessian, force) = self.hessian_times(problem, at, Hessian::Exact, Some(motion));
-        let clock = Clock::start();
-        let failed = self.linear_mut().factor_positive(hessian, Precision::Single).is_err();
-        self.timings.factor += clock.elapsed();
+        let failed =
+            self.factor(|linear| linear.factor_positive(hessian, Precision::Single).is_err());
         self.timings.factorizations += 1;
         self.timings.failed_factorizations += usize::from(failed);
         let clock = Clock::start();

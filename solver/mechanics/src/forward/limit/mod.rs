@@ -224,7 +224,7 @@ fn factor_pinned(
     let entry = workspace.diagonal()[unknown];
     let stiffness = hessian.lower[entry].abs();
     hessian.lower[entry] += stiffness;
-    workspace.linear_mut().factor(hessian, Precision::Double);
+    workspace.factor(|linear| linear.factor(hessian, Precision::Double).is_positive());
     Ok(Pin { unknown, stiffness })
 }
 
