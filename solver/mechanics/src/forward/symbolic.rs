@@ -50,7 +50,7 @@ pub(super) fn symbolic(
         },
     );
     let groups = groups_of_unknowns(&nodes, &free, space.node_count());
-    let triangle = Triangle::new(column_start, &rows);
+    let triangle = Triangle { column_start, rows };
     Parts { pattern, free, triangle, groups }
 }
 
