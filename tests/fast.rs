@@ -35,6 +35,8 @@ mod error_bars;
 mod export;
 #[path = "fast/failures.rs"]
 mod failures;
+#[path = "fast/fibre_directions.rs"]
+mod fibre_directions;
 #[path = "fast/fibres.rs"]
 mod fibres;
 #[path = "fast/flat_element.rs"]

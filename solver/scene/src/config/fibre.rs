@@ -1,5 +1,7 @@
 //! `[[fibre]]`: a family of fibres in a body or volume, beside its law.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, ensure};
 use mechanics::energy::{Axis, Direction};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
@@ -21,7 +23,7 @@ pub struct FibreConfig {
     /// The body or volume, which has a law of its own; all of them if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
-    /// The same direction everywhere, a vector of any length; or `around`.
+    /// The same direction everywhere, a vector of any length; or `around`, `along`, `between` or `file`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// An axis, with `angle` or `radial`.
@@ -33,6 +35,20 @@ pub struct FibreConfig {
     /// Whether fibres lead away from the axis.
     #[serde(default)]
     pub radial: bool,
+    /// Points of a curve [m]: an element has the direction of the leg that is nearest to its centre.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub along: Vec<[f64; 3]>,
+    /// Two tags: fibres lead from the first to the second along the gradient of the harmonic function that is 0 on the one
+    /// and 1 on the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[String; 2]>,
+    /// A file of vectors of any length: a `.npy` with three columns and a row for each tetrahedron or each vertex, in the
+    /// order of the mesh, or a `.vtu` with `field`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Name of the vectors of the cells or points in a `.vtu`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<String>,
     /// Stiffness k1 [Pa]. At small strain, fibres add 4 k1 to Young's modulus along them.
     pub k1: f64,
     /// By how much the stiffness grows with strain [1]; 0 is the standard reinforcing model, ½ k1 E².
@@ -79,6 +95,19 @@ impl AroundConfig {
     }
 }
 
+/// Where fibres lead.
+#[derive(Clone, Debug)]
+pub enum Leads {
+    /// By a formula of the place.
+    Formula(Direction),
+    /// Along the gradient of a harmonic function between two tags.
+    Between([String; 2]),
+    /// Along the nearest leg of a line through points [m].
+    Curve(Vec<Vec3>),
+    /// As a file says.
+    File(PathBuf),
+}
+
 /// The unit vector along a vector.
 fn unit(vector: [f64; 3], key: &KeyPath) -> Result<Vec3> {
     let length = Vec3::from(vector).norm();
@@ -104,10 +133,13 @@ impl FibreConfig {
     pub fn in_words(&self) -> String {
         let Self { name, on, angle, k1, k2, dispersion, .. } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
-        let leads = match (self.direction, angle) {
-            (Some([x, y, z]), _) => format!("along ({x}, {y}, {z})"),
-            (None, Some(angle)) => format!("at {angle}° to an axis"),
-            (None, None) => "away from an axis".to_owned(),
+        let leads = match (self.direction, angle, &self.between, &self.file) {
+            (Some([x, y, z]), ..) => format!("along ({x}, {y}, {z})"),
+            (None, Some(angle), ..) => format!("at {angle}° to an axis"),
+            (None, None, Some([from, to]), _) => format!("from {from} to {to}"),
+            (None, None, None, Some(file)) => format!("as {} says", file.display()),
+            (None, None, None, None) if !self.along.is_empty() => "along a curve".to_owned(),
+            (None, None, None, None) => "away from an axis".to_owned(),
         };
         let senses = if self.compression { ", in both senses" } else { ", in tension only" };
         format!(
@@ -127,46 +159,92 @@ impl FibreConfig {
     ///
     /// # Errors
     /// When it is given in two ways, or in none.
-    pub fn leads(&self) -> Result<Direction> {
-        let title = self.title();
-        let key = |key: &str| title.clone().key(key);
-        match (self.direction, &self.around) {
-            (Some(direction), None) => {
-                ensure!(
-                    self.angle.is_none(),
-                    misfit!(key("angle"), " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}")
-                );
-                ensure!(!self.radial, misfit!(key("radial"), " without an axis: expected around, not direction"));
-                Ok(Direction::Constant(unit(direction, &key("direction"))?))
-            }
-            (None, Some(around)) => {
-                let axis = around.line(&title)?;
-                match (self.angle, self.radial) {
-                    (Some(angle), false) => {
-                        ensure!(
-                            angle.is_finite() && angle.abs() <= 360.0,
-                            misfit!(key("angle"), " = {angle}°: must be from -360 to 360")
-                        );
-                        Ok(Direction::Helical(axis, angle.to_radians()))
-                    }
-                    (None, true) => Ok(Direction::Radial(axis)),
-                    (Some(_), true) => Err(misfit!(key("radial"), " beside angle: expected one of both").into()),
-                    (None, false) => Err(misfit!(
-                        key("around"),
-                        " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
-                    )
-                    .into()),
-                }
-            }
-            (Some(_), Some(_)) => Err(misfit!(key("direction"), " beside around: expected one of both").into()),
-            (None, None) if self.angle.is_some() => Err(misfit!(
-                key("angle"),
-                " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
+    pub fn leads(&self) -> Result<Leads> {
+        let key = |key: &str| self.title().key(key);
+        let ways = [
+            ("direction", self.direction.is_some()),
+            ("around", self.around.is_some()),
+            ("along", !self.along.is_empty()),
+            ("between", self.between.is_some()),
+            ("file", self.file.is_some()),
+        ];
+        let mut given = ways.into_iter().filter(|(_, has)| *has).map(|(name, _)| name);
+        let way = given.next();
+        if let (Some(way), Some(other)) = (way, given.next()) {
+            return Err(misfit!(key(way), " beside {other}: expected one of both").into());
+        }
+        self.check_companions()?;
+        if let Some(direction) = self.direction {
+            return Ok(Leads::Formula(Direction::Constant(unit(direction, &key("direction"))?)));
+        }
+        if let Some(around) = &self.around {
+            return Ok(Leads::Formula(self.about(around)?));
+        }
+        if let Some(tags) = &self.between {
+            return Ok(Leads::Between(tags.clone()));
+        }
+        if let Some(file) = &self.file {
+            return Ok(Leads::File(file.clone()));
+        }
+        ensure!(
+            way.is_some(),
+            misfit!(
+                self.title(),
+                " has no direction: expected direction = [x, y, z], around = {{ point = …, axis = … }} with angle, \
+                 along = [points], between = [\"TAG\", \"TAG\"] or file = \"directions.npy\""
             )
-            .into()),
-            (None, None) => Err(misfit!(
-                title,
-                " has no direction: expected direction = [x, y, z], or around = {{ point = …, axis = … }} with angle"
+        );
+        let points: Vec<Vec3> = self.along.iter().map(|&point| point.into()).collect();
+        let good = points.len() > 1 && points.windows(2).all(|leg| leg[0] != leg[1]);
+        ensure!(
+            good && self.along.iter().flatten().all(|x| x.is_finite()),
+            misfit!(
+                key("along"),
+                ": {} points; expected two or more, finite, each other than the one before",
+                points.len()
+            )
+        );
+        Ok(Leads::Curve(points))
+    }
+
+    /// Refuses keys that belong to another way to give the direction.
+    fn check_companions(&self) -> Result<()> {
+        let key = |key: &str| self.title().key(key);
+        let axis = "add around = { point = [0, 0, 0], axis = [0, 0, 1] }";
+        ensure!(
+            self.angle.is_none() || self.around.is_some(),
+            misfit!(key("angle"), " without an axis: {axis}")
+        );
+        ensure!(
+            !self.radial || self.around.is_some(),
+            misfit!(key("radial"), " without an axis: {axis}")
+        );
+        ensure!(
+            self.field.is_none() || self.file.is_some(),
+            misfit!(key("field"), " without a file: add file = \"directions.vtu\"")
+        );
+        Ok(())
+    }
+
+    /// A direction about an axis.
+    fn about(&self, around: &AroundConfig) -> Result<Direction> {
+        let key = |key: &str| self.title().key(key);
+        let axis = around.line(&self.title())?;
+        match (self.angle, self.radial) {
+            (Some(angle), false) => {
+                ensure!(
+                    angle.is_finite() && angle.abs() <= 360.0,
+                    misfit!(key("angle"), " = {angle}°: must be from -360 to 360")
+                );
+                Ok(Direction::Helical(axis, angle.to_radians()))
+            }
+            (None, true) => Ok(Direction::Radial(axis)),
+            (Some(_), true) => {
+                Err(misfit!(key("radial"), " beside angle: expected one of both").into())
+            }
+            (None, false) => Err(misfit!(
+                key("around"),
+                " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
             )
             .into()),
         }

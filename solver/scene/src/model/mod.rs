@@ -5,6 +5,7 @@ mod apart;
 mod afloat;
 mod chambers;
 mod contact;
+mod directions;
 mod laws;
 mod membranes;
 mod objectives;

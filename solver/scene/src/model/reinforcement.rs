@@ -26,7 +26,8 @@ impl Scene {
     /// that have no mirror image.
     pub(super) fn fibres(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Fibres>> {
         let one = |fibre: &FibreConfig| {
-            let (direction, elements) = (fibre.leads()?, self.elements_of(fibre, body)?);
+            let elements = self.elements_of(fibre, body)?;
+            let direction = self.direction_of(fibre, body, elements.clone())?;
             let inside = direction
                 .axis()
                 .and_then(|axis| axis.point_inside(space, &body.mesh.vertices, elements.clone()));
@@ -42,7 +43,7 @@ impl Scene {
                 .into());
             }
             let mut vertices = body.mesh.tets[elements.clone()].iter().flatten();
-            let defined = |v: &usize| direction.at(body.mesh.vertices[*v]).norm_squared() < 2.0;
+            let defined = |v: &usize| direction.at(0, body.mesh.vertices[*v]).norm_squared() < 2.0;
             ensure!(
                 vertices.all(defined),
                 misfit!(
@@ -80,7 +81,10 @@ impl Scene {
 
     /// Whether the mirror images of all fibres in a plane are fibres.
     fn check_mirrored(&self, fibres: &[Fibres], plane: &Plane, body: &Body) -> Result<()> {
-        for (fibre, own) in self.config.fibre.iter().zip(fibres) {
+        // directions of elements are those of their mirror images, too
+        let by_formula =
+            |(_, own): &(&FibreConfig, &Fibres)| !matches!(own.direction, Direction::Elements(_));
+        for (fibre, own) in self.config.fibre.iter().zip(fibres).filter(by_formula) {
             let tets = &body.mesh.tets[own.elements()];
             let step = tets.len().div_ceil(TESTED).max(1);
             let places = tets.iter().step_by(step).map(|t| body.mesh.vertices[t[0]]);
@@ -122,10 +126,10 @@ impl Scene {
 
 /// Whether fibres at the mirror image of a point lead along the mirror image of others.
 fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
-    let (mut place, mut along) = (x, own.at(x));
+    let (mut place, mut along) = (x, own.at(0, x));
     place[plane.axis] = 2.0 * plane.level - x[plane.axis];
     along[plane.axis] = -along[plane.axis];
-    along.cross(&other.at(place)).norm() < PARALLEL
+    along.cross(&other.at(0, place)).norm() < PARALLEL
 }
 
 /// The pieces of a thread on facets at rest.

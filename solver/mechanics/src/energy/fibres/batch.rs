@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::{Direction, Fibres, PARAMETERS};
+use super::{Fibres, PARAMETERS};
 use crate::element::FunctionSpace;
 use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
 use crate::energy::{Hessian, Iterate};
@@ -47,7 +47,7 @@ fn apply<S: Simd>(a: &Tensor<S>, v: &Vector<S>) -> Vector<S> {
 #[inline(always)]
 fn directions<S: Simd, const N: usize>(
     batch: &Batch<S, N>,
-    direction: &Direction,
+    fibres: &Fibres,
     lambda: &[f64],
 ) -> Vector<S> {
     let Batch { iterate, elements, .. } = batch;
@@ -55,7 +55,7 @@ fn directions<S: Simd, const N: usize>(
     for lane in 0..Lanes::<S>::COUNT {
         let e = (elements.start + lane).min(elements.end - 1);
         let corners = iterate.space.tets()[e].iter().zip(lambda);
-        let along = direction.at(corners.map(|(&v, l)| *l * iterate.rest[v]).sum());
+        let along = fibres.along(e, corners.map(|(&v, l)| *l * iterate.rest[v]).sum());
         for i in 0..3 {
             values[i][lane] = along[i];
         }
@@ -127,8 +127,7 @@ impl Fibres {
     ) -> (Points<S>, Nodal<S, N>, Responses<S>) {
         let g = batch.gradients(q);
         let lambda = &batch.iterate.space.volume_table().points[q];
-        let points =
-            Points::new(self, &batch.grad_u(q, &g), directions(batch, &self.direction, lambda));
+        let points = Points::new(self, &batch.grad_u(q, &g), directions(batch, self, lambda));
         let responses = points.responses(batch.simd, self);
         (points, g, responses)
     }

@@ -20,6 +20,7 @@
 
 mod batch;
 mod direction;
+mod harmonic;
 
 use std::ops::Range;
 
@@ -33,6 +34,7 @@ use crate::material::fibre::{Fibre, Response};
 use crate::math::tensor::Mat3;
 
 pub use direction::{Axis, Direction};
+pub use harmonic::gradients_of_potential;
 
 #[cfg(test)]
 mod tests;
@@ -144,6 +146,11 @@ impl Fibres {
         self.elements.clone()
     }
 
+    /// a₀ at a rest position in an element.
+    fn along(&self, e: usize, x: Vec3) -> Vec3 {
+        self.direction.at(e - self.elements.start, x)
+    }
+
     /// H at a direction.
     fn structure(&self, along: &Vec3) -> Mat3 {
         let own = 1.0 - 3.0 * self.law.dispersion;
@@ -164,7 +171,7 @@ impl Fibres {
             }
             let lambda = [lambda[0], lambda[1], lambda[2], lambda[3]];
             let place = corners.iter().zip(lambda).map(|(x, l)| l * x).sum();
-            let along = self.direction.at(place);
+            let along = self.along(e, place);
             let structure = self.structure(&along);
             let k = Kinematics::new(&gradient(element.nodes, &gradients, iterate.u));
             let response = self.law.response(2.0 * structure.dot(&k.green));

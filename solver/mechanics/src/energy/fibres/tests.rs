@@ -22,11 +22,14 @@ impl Case {
         let elements = 5..self.space.tets().len();
         let along = Vec3::new(1.0, 2.0, -2.0) / 3.0;
         let new = |law: Fibre, direction: Direction| Fibres::new(law, direction, elements.clone());
+        let turned = |e: usize| Direction::Helical(axis, 0.1 * e as f64).at(0, Vec3::zeros());
+        let by_element = elements.clone().map(turned).collect();
         vec![
             new(law, Direction::Constant(along)),
             new(Fibre { slack: None, ..law }, Direction::Helical(axis, 0.6)),
             new(Fibre { k2: 0.0, dispersion: 0.0, ..law }, Direction::Helical(axis, -1.0)),
             new(Fibre { dispersion: 0.25, ..law }, Direction::Radial(axis)),
+            new(law, Direction::Elements(by_element)),
         ]
     }
 }
@@ -54,9 +57,9 @@ fn parameters_have_their_derivatives() {
                 dispersion: dispersion + x[2],
                 slack,
             };
-            let direction = match family.direction {
-                Direction::Helical(axis, angle) => Direction::Helical(axis, angle + x[3]),
-                other => other,
+            let direction = match &family.direction {
+                Direction::Helical(axis, angle) => Direction::Helical(*axis, angle + x[3]),
+                other => other.clone(),
             };
             Fibres::new(law, direction, family.elements())
         };
