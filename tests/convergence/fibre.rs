@@ -39,7 +39,8 @@ impl Model {
 
     fn energies(&self, directions: &[Direction], count: usize) -> Energies {
         let mut energies = Energies::elastic(Box::new(NeoHookean(self.lame)));
-        let all = directions.iter().map(|direction| Fibres::new(self.law, direction.clone(), 0..count));
+        let all =
+            directions.iter().map(|direction| Fibres::new(self.law, direction.clone(), 0..count));
         energies.fibres.extend(all);
         energies
     }
