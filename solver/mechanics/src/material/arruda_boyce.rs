@@ -64,16 +64,18 @@ impl ArrudaBoyce {
     }
 }
 
+/// Ī₁ⁱ − 3ⁱ, as a product with Ī₁ − 3, which has all digits at small strain.
+fn rise(at: &Invariants, i: i32) -> f64 {
+    let i1 = at.a + 3.0;
+    at.a * (0..i).map(|k| i1.powi(k) * 3.0_f64.powi(i - 1 - k)).sum::<f64>()
+}
+
 impl Isotropic for ArrudaBoyce {
     fn partials(&self, at: &Invariants) -> Partials {
         let i1 = at.a + 3.0;
-        // as a product with Ī₁ − 3, which has all digits at small strain
-        let rise = |i: i32| -> f64 {
-            at.a * (0..i).map(|k| i1.powi(k) * 3.0_f64.powi(i - 1 - k)).sum::<f64>()
-        };
         let twice = |i: i32| f64::from(i * (i - 1)) * i1.powi(i - 2);
         Partials {
-            value: self.mu * self.sum(rise) + 0.5 * self.bulk * at.log_j * at.log_j,
+            value: self.mu * self.sum(|i| rise(at, i)) + 0.5 * self.bulk * at.log_j * at.log_j,
             first: [self.mu * self.slope(i1), 0.0, self.bulk * at.log_j / at.j],
             second: [
                 self.mu * self.sum(twice),
@@ -86,6 +88,13 @@ impl Isotropic for ArrudaBoyce {
 
     fn parameter_count(&self) -> usize {
         LAW.parameters.len()
+    }
+
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        let by_lambda = self.sum(|i| f64::from(2 - 2 * i) * rise(at, i)) / self.lambda_m;
+        out[0] += self.sum(|i| rise(at, i)) * bar;
+        out[1] += self.mu * by_lambda * bar;
+        out[2] += 0.5 * at.log_j * at.log_j * bar;
     }
 
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {

@@ -76,6 +76,13 @@ impl Isotropic for Gent {
         LAW.parameters.len()
     }
 
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        let (room, log) = (self.room(at), (-at.a / self.j_m).ln_1p());
+        out[0] -= 0.5 * self.j_m * log * bar;
+        out[1] -= 0.5 * self.mu * (log + at.a / (self.j_m * room)) * bar;
+        out[2] += 0.5 * at.log_j * at.log_j * bar;
+    }
+
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
         let room = self.room(at);
         out[0] += 0.5 / room * bar[0];

@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use super::isotropic::{Invariants, Isotropic, Partials};
+use super::Kinematics;
+use super::isotropic::{Invariants, Isotropic, Partials, alone};
 
 /// ψ̄(Ī₁, Ī₂) = ψ(Ī₁, Ī₂, J) − ψ(3, 3, J) of a law in which J does not couple to the others. It has
 /// all parameters of the law; those of the bulk do nothing.
@@ -15,6 +16,11 @@ impl Isochoric {
     #[must_use]
     pub fn new(law: impl Isotropic + 'static) -> Self {
         Self(Arc::new(law))
+    }
+
+    /// Adds bar ∂ψ̄/∂parameters.
+    pub fn add_energy_vjp(&self, k: &Kinematics, bar: f64, out: &mut [f64]) {
+        self.add_value_vjp(&alone(k).invariants()[0], bar, out);
     }
 }
 
@@ -28,6 +34,11 @@ impl Isotropic for Isochoric {
 
     fn parameter_count(&self) -> usize {
         self.0.parameter_count()
+    }
+
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        self.0.add_value_vjp(at, bar, out);
+        self.0.add_value_vjp(&Invariants { a: 0.0, b: 0.0, ..*at }, -bar, out);
     }
 
     fn add_partials_vjp(&self, at: &Invariants, [by_1, by_2, _]: [f64; 3], out: &mut [f64]) {

@@ -50,12 +50,14 @@ pub trait Isotropic: Send + Sync {
     fn partials(&self, at: &Invariants) -> Partials;
     /// Number of parameters.
     fn parameter_count(&self) -> usize;
+    /// Adds bar ∂ψ/∂parameters.
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]);
     /// Adds Σₖ barₖ ∂²ψ/∂(Ī₁, Ī₂, J)ₖ∂parameters.
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]);
 }
 
 /// At a point alone.
-fn alone(k: &Kinematics) -> Points<Scalar> {
+pub(super) fn alone(k: &Kinematics) -> Points<Scalar> {
     Points::new(Scalar, &splat(Scalar, &k.grad_u))
 }
 

@@ -60,6 +60,13 @@ impl Isotropic for MooneyRivlinQuadratic {
         LAW.parameters.len()
     }
 
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        out[0] += at.a * bar;
+        out[1] += at.b * bar;
+        out[2] += at.a * at.b * bar;
+        out[3] += at.j_minus_1 * at.j_minus_1 * bar;
+    }
+
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
         out[0] += bar[0];
         out[1] += bar[1];

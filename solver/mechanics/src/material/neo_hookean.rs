@@ -92,6 +92,10 @@ impl Isotropic for Shear {
         LAW.parameters.len()
     }
 
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        self.0.add_vjp(0.5 * at.a * bar, 0.0, out);
+    }
+
     fn add_partials_vjp(&self, _: &Invariants, bar: [f64; 3], out: &mut [f64]) {
         self.0.add_vjp(0.5 * bar[0], 0.0, out);
     }
@@ -108,6 +112,10 @@ impl Isotropic for Volume {
 
     fn parameter_count(&self) -> usize {
         LAW.parameters.len()
+    }
+
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        self.0.add_vjp(0.0, 0.5 * at.log_j * at.log_j * bar, out);
     }
 
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {

@@ -217,6 +217,10 @@ impl Isotropic for Volume {
         2 * self.terms + 1
     }
 
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        out[2 * self.terms] += 0.5 * at.log_j * at.log_j * bar;
+    }
+
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
         out[2 * self.terms] += at.log_j / at.j * bar[2];
     }

@@ -122,6 +122,36 @@ fn parameter_derivatives_are_those_of_stress() {
 }
 
 #[test]
+fn parameter_derivatives_of_isochoric_parts_are_those_of_their_energies() {
+    let mut laws = 0;
+    for law in LAWS {
+        let Some(own) = sample(law).isochoric() else { continue };
+        laws += 1;
+        for f in deformations().iter().take(5) {
+            let k = at(f);
+            let energy = |values: &[f64]| {
+                (law.build)(values).isochoric().expect("as the sample").energy_density(&k)
+            };
+            let mut gradient = vec![0.0; law.sample.len()];
+            own.add_energy_vjp(&k, 1.0, &mut gradient);
+            let scaled =
+                |x: &[f64]| -> Vec<f64> { x.iter().zip(law.sample).map(|(x, s)| x * s).collect() };
+            let size = sample(law).energy_density(&k);
+            for (i, &g) in gradient.iter().enumerate() {
+                let value = |step: f64| {
+                    let mut x = vec![1.0; gradient.len()];
+                    x[i] += step;
+                    energy(&scaled(&x))
+                };
+                let (slope, g) = ((value(1e-5) - value(-1e-5)) / 2e-5, g * law.sample[i]);
+                assert!((slope - g).abs() < 1e-8 * size, "{} {i}: {slope} {g}", law.key);
+            }
+        }
+    }
+    assert_eq!(laws, 6);
+}
+
+#[test]
 fn parameter_derivatives_pass_the_taylor_test_where_they_are_not_linear() {
     // a large stretch without a change of volume: bulk moduli, which are linear, do not outweigh
     // the others

@@ -58,6 +58,11 @@ impl Isotropic for Yeoh {
         LAW.parameters.len()
     }
 
+    fn add_value_vjp(&self, at: &Invariants, bar: f64, out: &mut [f64]) {
+        (0..3).for_each(|i| out[i] += at.a.powi(i as i32 + 1) * bar);
+        out[3] += 0.5 * at.log_j * at.log_j * bar;
+    }
+
     fn add_partials_vjp(&self, at: &Invariants, bar: [f64; 3], out: &mut [f64]) {
         out[0] += bar[0];
         out[1] += 2.0 * at.a * bar[0];

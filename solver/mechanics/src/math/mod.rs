@@ -1,5 +1,6 @@
 //! Small dense and sparse algebra.
 
+pub mod error_function;
 mod followers;
 pub mod lanczos;
 pub mod lanes;
