@@ -268,8 +268,8 @@ fn internal_vjp(
     past
 }
 
-/// Adds the derivatives by the numbers that a term is made with; a viscous one has those of the
-/// law of its body, then its own.
+/// Adds the derivatives by the numbers that a term is made with; overstress and softening have those of
+/// the law of their body, then their own.
 fn add_parameters(
     problem: &Problem,
     kind: Kind,
@@ -277,9 +277,14 @@ fn add_parameters(
     mut by: Vec<f64>,
     parameters: &mut ParameterGradients,
 ) {
-    if let Kind::Viscous(body) = kind {
+    let own = match kind {
+        Kind::Viscous(body) => Some((body, ParameterId::Relaxation(body))),
+        Kind::Mullins(body) => Some((body, ParameterId::Mullins(body))),
+        _ => None,
+    };
+    if let Some((body, id)) = own {
         let law = problem.energies.bodies[body].elastic.material.parameter_count();
-        parameters.add(step, ParameterId::Relaxation(body), by.split_off(law));
+        parameters.add(step, id, by.split_off(law));
     }
     if let Some(id) = kind.parameter() {
         parameters.add(step, id, by);

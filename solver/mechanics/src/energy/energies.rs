@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use super::{
     BodyForce, Chamber, Contact, Elastic, Energy, Fibres, Friction, GasLaw, Held, Inertia, Iterate,
-    Membrane, Rigid, RigidLoad, RigidMass, RigidMoment, Springs, Traction, Viscous, Winding,
+    Membrane, Mullins, Rigid, RigidLoad, RigidMass, RigidMoment, Springs, Traction, Viscous,
+    Winding,
 };
 use crate::element::FunctionSpace;
 use crate::material::Material;
@@ -50,6 +51,8 @@ pub struct BodyEnergies {
     pub elastic: Elastic,
     /// What its stress is more than elastic, if it is viscoelastic.
     pub viscous: Option<Viscous>,
+    /// What a first stretch takes from its stress, if it is softened by one.
+    pub mullins: Option<Mullins>,
     /// Energy in the field of gravity, if there is one.
     pub weight: Option<BodyForce>,
     /// Inertia, or the tiny mass of a body that is loose.
@@ -99,6 +102,8 @@ pub enum Kind {
     Elastic(usize),
     /// Overstress of a body.
     Viscous(usize),
+    /// Softening of a body.
+    Mullins(usize),
     /// Weight of a body.
     Weight(usize),
     /// Elastic energy of a sheet, by its index.
@@ -143,6 +148,8 @@ pub enum ParameterId {
     Material(usize),
     /// Overstress and time of each branch of a body.
     Relaxation(usize),
+    /// r, m and β of the softening of a body.
+    Mullins(usize),
     /// Thickness of a sheet, then the parameters of its law.
     Membrane(usize),
     /// k₁, k₂, dispersion and angle [rad] of a family of fibres.
@@ -189,7 +196,8 @@ impl Kind {
     #[must_use]
     pub fn is_elastic(self) -> bool {
         let reinforces = matches!(self, Self::Membrane(_) | Self::Fibre(_) | Self::Winding(_));
-        reinforces || matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Rigid(_))
+        let of_body = matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Mullins(_));
+        reinforces || of_body || matches!(self, Self::Rigid(_))
     }
 
     /// Whether its forces are given and do not depend on the displacement.
@@ -199,7 +207,8 @@ impl Kind {
     }
 
     /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
-    /// a time step is not.
+    /// a time step is not. Elastic energy and softening together are the work done on a body, of which the part that
+    /// is lost cannot be had back.
     #[must_use]
     pub fn is_stored(self) -> bool {
         !matches!(
@@ -216,7 +225,9 @@ impl Kind {
     #[must_use]
     pub fn parameter(self) -> Option<ParameterId> {
         match self {
-            Self::Elastic(body) | Self::Viscous(body) => Some(ParameterId::Material(body)),
+            Self::Elastic(body) | Self::Viscous(body) | Self::Mullins(body) => {
+                Some(ParameterId::Material(body))
+            }
             Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
             Self::Fibre(family) => Some(ParameterId::Fibre(family)),
             Self::Winding(thread) => Some(ParameterId::Winding(thread)),
@@ -237,7 +248,7 @@ impl BodyEnergies {
     /// Without weight and inertia.
     #[must_use]
     pub fn new(elastic: Elastic) -> Self {
-        Self { elastic, viscous: None, weight: None, inertia: None }
+        Self { elastic, viscous: None, mullins: None, weight: None, inertia: None }
     }
 }
 
@@ -268,7 +279,7 @@ impl Energies {
         self
     }
 
-    /// All terms: elastic energy, overstress and weight of each body, sheets, fibres, threads, inertia of each,
+    /// All terms: elastic energy, overstress, softening and weight of each body, sheets, fibres, threads, inertia of each,
     /// chambers, contact, friction, body forces, tractions, rigid parts, springs, others.
     pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
         fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
@@ -277,7 +288,9 @@ impl Energies {
         let statics = self.bodies.iter().enumerate().flat_map(|(i, body)| {
             let weight = body.weight.as_ref().map(|weight| term(Kind::Weight(i), weight));
             let viscous = body.viscous.as_ref().map(|viscous| term(Kind::Viscous(i), viscous));
-            [term(Kind::Elastic(i), &body.elastic)].into_iter().chain(viscous).chain(weight)
+            let mullins = body.mullins.as_ref().map(|mullins| term(Kind::Mullins(i), mullins));
+            let elastic = [term(Kind::Elastic(i), &body.elastic)].into_iter();
+            elastic.chain(viscous).chain(mullins).chain(weight)
         });
         let sheets = self.membranes.iter().enumerate();
         let sheets = sheets.map(|(i, sheet)| term(Kind::Membrane(i), sheet));

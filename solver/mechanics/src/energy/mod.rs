@@ -1,6 +1,6 @@
 //! Terms of the potential energy [J]: elasticity, sheets, fibres, threads, inertia as an incremental potential, dead
 //! loads, follower loads (gas in chambers), the contact barrier and lagged friction; and the
-//! overstress of viscoelastic bodies as one.
+//! overstress of viscoelastic bodies and the softening after a first stretch as such.
 
 mod body_force;
 mod chamber;
@@ -14,6 +14,8 @@ pub mod gas_law;
 mod held;
 mod inertia;
 mod membrane;
+mod mullins;
+mod quadrature_points;
 mod rigid;
 mod rim;
 mod springs;
@@ -36,6 +38,7 @@ pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolum
 pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
+pub use mullins::{Mullins, MullinsMean, MullinsSummary};
 pub use rigid::{MassPoint, NoLever, Rigid, RigidLoad, RigidMass, RigidMoment};
 pub use rim::Rim;
 pub use springs::{Spring, Springs};

@@ -28,21 +28,15 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use mesh::Vec3;
-use nalgebra::SVector;
-
-use super::elements::{Element, corner_gradients};
+use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
     Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent, TimeStep,
 };
-use crate::element::{FunctionSpace, add_at, at};
-use crate::material::{Isochoric, Kinematics, Material};
-use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
-use crate::math::tensor::{Mat3, Mat9, project_positive, vec9};
-use crate::parallel::{fill, map_merge, map_merge_waves};
+use crate::element::FunctionSpace;
+use crate::material::{Isochoric, Material};
+use crate::math::sparse::BlockMatrix;
+use crate::math::tensor::{Mat3, Mat9, vec9};
 
-/// Nodes of an element, at most.
-const MOST_NODES: usize = 20;
 /// Numbers of a symmetric tensor.
 const SIX: usize = 6;
 /// Their rows and columns.
@@ -62,33 +56,9 @@ pub struct Branch {
 pub struct Viscous {
     law: Arc<Isochoric>,
     branches: Vec<Branch>,
-    elements: Range<usize>,
+    points: QuadraturePoints,
     /// Where its relaxed stresses begin among those of all terms.
     first: usize,
-}
-
-/// A quadrature point of an element.
-struct Point {
-    /// The place among all of the term.
-    place: usize,
-    /// Volume that it stands for [m³].
-    weight: f64,
-    /// ∇φ_a [1/m].
-    gradients: [Vec3; MOST_NODES],
-    k: Kinematics,
-}
-
-impl Point {
-    /// ∇w of nodal values of the element.
-    fn gradient(&self, element: &Element, w: &[f64]) -> Mat3 {
-        let terms = element.nodes.iter().zip(&self.gradients);
-        terms.map(|(&node, g)| at(w, node) * g.transpose()).sum()
-    }
-
-    /// F⁻¹.
-    fn inverse(&self) -> Mat3 {
-        self.k.cofactor.transpose() / self.k.j()
-    }
 }
 
 fn tensor(six: &[f64]) -> Mat3 {
@@ -120,7 +90,7 @@ impl Viscous {
         elements: Range<usize>,
         first: usize,
     ) -> Self {
-        Self { law: Arc::new(law), branches, elements, first }
+        Self { law: Arc::new(law), branches, points: QuadraturePoints { elements }, first }
     }
 
     /// Number of parameters of the law, which come first.
@@ -129,34 +99,9 @@ impl Viscous {
         Material::parameter_count(&*self.law)
     }
 
-    fn each_point<'a>(
-        &self,
-        iterate: &Iterate<'a>,
-        e: usize,
-    ) -> (Element<'a>, impl Iterator<Item = Point> + use<'a>) {
-        let (space, u) = (iterate.space, iterate.u);
-        let element = Element::new(space, iterate.rest, e);
-        let (nodes, volume, to_rest) = (element.nodes, element.volume, element.to_rest);
-        let points = points(space);
-        let first = (e - self.elements.start) * points.len();
-        let point = move |(q, weight): (usize, f64)| {
-            let mut gradients = [Vec3::zeros(); MOST_NODES];
-            let table = &space.volume_table().gradients[q];
-            let mut grad_u = Mat3::zeros();
-            for ((g, t), &node) in gradients.iter_mut().zip(table).zip(nodes) {
-                *g = to_rest * Vec3::from(*t);
-                grad_u += at(u, node) * g.transpose();
-            }
-            let k = Kinematics::new(&grad_u);
-            Point { place: first + q, weight: weight * volume, gradients, k }
-        };
-        (element, points.into_iter().enumerate().map(point))
-    }
-
     /// Where the stress of a branch at a point lies among those of all terms.
-    fn at(&self, points: usize, branch: usize, place: usize) -> Range<usize> {
-        let of_branch = self.elements.len() * points;
-        let start = self.first + SIX * (branch * of_branch + place);
+    fn at(&self, count: usize, branch: usize, place: usize) -> Range<usize> {
+        let start = self.first + SIX * (branch * count + place);
         start..start + SIX
     }
 
@@ -164,11 +109,11 @@ impl Viscous {
     fn branches_at(
         &self,
         step: &TimeStep,
-        points: usize,
+        count: usize,
         place: usize,
     ) -> impl Iterator<Item = (f64, Mat3)> {
         self.branches.iter().enumerate().map(move |(i, branch)| {
-            let past = step.internal.get(self.at(points, i, place));
+            let past = step.internal.get(self.at(count, i, place));
             (
                 branch.overstress / (1.0 + step.internal_h / branch.time),
                 past.map_or(Mat3::zeros(), tensor),
@@ -177,9 +122,9 @@ impl Viscous {
     }
 
     /// Σ c and Σ c Z° at a point.
-    fn sums(&self, step: &TimeStep, points: usize, place: usize) -> (f64, Mat3) {
+    fn sums(&self, step: &TimeStep, count: usize, place: usize) -> (f64, Mat3) {
         let mut sums = (0.0, Mat3::zeros());
-        for (c, past) in self.branches_at(step, points, place) {
+        for (c, past) in self.branches_at(step, count, place) {
             sums.0 += c;
             sums.1 += c * past;
         }
@@ -204,22 +149,19 @@ impl Viscous {
 /// The relaxed stresses [Pa], six for each point of each branch.
 impl InternalVariables for Viscous {
     fn count(&self, space: &FunctionSpace) -> usize {
-        SIX * self.branches.len() * self.elements.len() * points(space).len()
+        SIX * self.branches.len() * self.points.count(space)
     }
 
     fn values(&self, iterate: &Iterate) -> Vec<f64> {
         let step = iterate.step.expect("stresses relax in a step in time");
-        let points = points(iterate.space).len();
-        let stresses = fill(self.elements.len(), SIX * points, 0.0, |range, out| {
-            let own = range.flat_map(|e| self.each_point(iterate, self.elements.start + e).1);
-            for (point, out) in own.zip(out.chunks_exact_mut(SIX)) {
-                let s = self.isochoric_stress(&point);
-                out.iter_mut().zip(PLACES).for_each(|(out, place)| *out = s[place]);
-            }
+        let count = self.points.count(iterate.space);
+        let stresses = self.points.numbers(iterate, |point| {
+            let s = self.isochoric_stress(point);
+            PLACES.map(|place| s[place])
         });
         let of_branch = |(i, branch): (usize, &Branch)| -> Vec<f64> {
             let a = step.internal_h / branch.time;
-            let begin = self.at(points, i, 0).start;
+            let begin = self.at(count, i, 0).start;
             let past = |k: usize| step.internal.get(begin + k).copied().unwrap_or(0.0);
             stresses.iter().enumerate().map(|(k, s)| (past(k) + a * s) / (1.0 + a)).collect()
         };
@@ -234,19 +176,18 @@ impl InternalVariables for Viscous {
         by_rest: &mut [f64],
     ) -> InternalCotangent {
         let step = iterate.step.expect("stresses relax in a step in time");
-        let points = points(iterate.space).len();
+        let count = self.points.count(iterate.space);
         let mut out = InternalCotangent {
             past: vec![0.0; self.count(iterate.space)],
             parameters: vec![0.0; self.law_parameters() + 2 * self.branches.len()],
         };
-        for e in self.elements.clone() {
-            let (element, own) = self.each_point(iterate, e);
-            let corner = corner_gradients(&element);
+        for e in self.points.elements.clone() {
+            let (element, own) = self.points.of(iterate, e);
             for point in own {
                 let (s, inverse) = (self.isochoric_stress(&point), point.inverse());
                 let mut s_bar = Mat3::zeros();
                 for (i, branch) in self.branches.iter().enumerate() {
-                    let place = self.at(points, i, point.place);
+                    let place = self.at(count, i, point.place);
                     let (bar, a) = (&cotangents[place.clone()], step.internal_h / branch.time);
                     let past = step.internal.get(place.clone()).map_or(Mat3::zeros(), tensor);
                     let to = place.start - self.first;
@@ -265,39 +206,11 @@ impl InternalVariables for Viscous {
                 self.law.add_parameter_vjp(&point.k, &pushed, &mut out.parameters);
                 let through = self.law.tangent(&point.k) * vec9(&pushed);
                 let by_f = Mat3::from_column_slice(through.as_slice()) - pushed * s;
-                for (&node, g) in element.nodes.iter().zip(&point.gradients) {
-                    add_at(by_u, node, &(by_f * g));
-                }
-                // ∇u at fixed nodal u changes by −∇u ∇V
-                let m = -point.k.grad_u.transpose() * by_f;
-                for (&vertex, c) in iterate.space.tets()[e].iter().zip(&corner) {
-                    add_at(by_rest, vertex, &(m * c));
-                }
+                let (at, by) = ((e, &element), (&mut *by_u, &mut *by_rest));
+                QuadraturePoints::add_deformation_vjp(iterate, at, &point, &by_f, by);
             }
         }
         out
-    }
-}
-
-/// Weights of the points of an element.
-fn points(space: &FunctionSpace) -> Vec<f64> {
-    if space.nodes_per_element() == 4 { vec![1.0] } else { space.volume_table().weights.clone() }
-}
-
-/// Adds w ∇φ_a · A · ∇φ_b for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.
-fn add_point(tangent: &Mat9, point: &Point, nodes: usize, local: &mut [[f64; 9]]) {
-    for b in 0..nodes {
-        let g = point.weight * point.gradients[b];
-        for j in 0..3 {
-            // of the strain e_j ⊗ ∇φ_b, which has the entries 3 k + j alone
-            let stress: SVector<f64, 9> = (0..3).map(|k| g[k] * tangent.column(3 * k + j)).sum();
-            let stress = Mat3::from_column_slice(stress.as_slice());
-            for a in b..nodes {
-                let force = stress * point.gradients[a];
-                let block = &mut local[pair_index(a, b)];
-                (0..3).for_each(|i| block[3 * i + j] += force[i]);
-            }
-        }
     }
 }
 
@@ -308,79 +221,36 @@ impl Energy for Viscous {
 
     fn value(&self, iterate: &Iterate) -> f64 {
         let Some(step) = iterate.step else { return 0.0 };
-        let points = points(iterate.space).len();
-        let one = |e: usize| -> f64 {
-            let of = |point: Point| {
-                let (c, past) = self.sums(step, points, point.place);
-                let density = c * self.law.energy_density(&point.k) - past.dot(&point.k.green);
-                point.weight * density
-            };
-            self.each_point(iterate, self.elements.start + e).1.map(of).sum()
-        };
-        let mut sum = 0.0;
-        map_merge(self.elements.len(), |r| r.map(one).sum::<f64>(), |_, part| sum += part);
-        sum
+        let count = self.points.count(iterate.space);
+        self.points.integral(iterate, |point| {
+            let (c, past) = self.sums(step, count, point.place);
+            c * self.law.energy_density(&point.k) - past.dot(&point.k.green)
+        })
     }
 
     fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
         let Some(step) = iterate.step else { return };
-        let (points, n) = (points(iterate.space).len(), iterate.space.nodes_per_element());
-        let forces = fill(self.elements.len(), n, Vec3::zeros(), |range, forces| {
-            for (e, forces) in range.zip(forces.chunks_exact_mut(n)) {
-                for point in self.each_point(iterate, self.elements.start + e).1 {
-                    let stress = self.stress(&point, &self.sums(step, points, point.place));
-                    let terms = forces.iter_mut().zip(&point.gradients);
-                    terms.for_each(|(f, g)| *f += point.weight * (stress * g));
-                }
-            }
-        });
-        let places = n * self.elements.start..n * self.elements.end;
-        iterate.space.incidence().add(places, &forces, out);
+        let count = self.points.count(iterate.space);
+        let stress = |point: &Point| Some(self.stress(point, &self.sums(step, count, point.place)));
+        self.points.add_gradient(iterate, stress, out);
     }
 
     fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
         let Some(step) = iterate.step else { return };
-        let (points, n) = (points(iterate.space).len(), iterate.space.nodes_per_element());
-        let first = self.elements.start;
-        let blocks = |range: Range<usize>| -> Vec<[f64; 9]> {
-            let mut blocks = vec![[0.0; 9]; pair_count(n) * range.len()];
-            for (e, local) in range.zip(blocks.chunks_exact_mut(pair_count(n))) {
-                for point in self.each_point(iterate, first + e).1 {
-                    let mut tangent = self.tangent(&point, &self.sums(step, points, point.place));
-                    if kind == Hessian::Projected {
-                        tangent = project_positive(&tangent);
-                    }
-                    add_point(&tangent, &point, n, local);
-                }
-            }
-            blocks
-        };
-        map_merge_waves(self.elements.len(), blocks, |r, parts| {
-            let parts: Vec<&[[f64; 9]]> = parts.iter().map(|part| &part[..]).collect();
-            out.add_elements(first + r.start..first + r.end, &parts);
-        });
+        let count = self.points.count(iterate.space);
+        let tangent =
+            |point: &Point| Some(self.tangent(point, &self.sums(step, count, point.place)));
+        self.points.add_hessian(iterate, kind, tangent, out);
     }
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let Some(step) = iterate.step else { return };
-        let points = points(iterate.space).len();
-        for e in self.elements.clone() {
-            let (element, own) = self.each_point(iterate, e);
-            let corner = corner_gradients(&element);
-            for point in own {
-                let sums = self.sums(step, points, point.place);
-                let (stress, grad_l) =
-                    (self.stress(&point, &sums), point.gradient(&element, lambda));
-                let pushed = self.tangent(&point, &sums) * vec9(&grad_l);
-                let pushed = Mat3::from_column_slice(pushed.as_slice());
-                let m = Mat3::identity() * stress.dot(&grad_l)
-                    - point.k.grad_u.transpose() * pushed
-                    - grad_l.transpose() * stress;
-                for (&vertex, c) in iterate.space.tets()[e].iter().zip(&corner) {
-                    add_at(out, vertex, &(point.weight * (m * c)));
-                }
-            }
-        }
+        let count = self.points.count(iterate.space);
+        let at_point = |point: &Point| {
+            let sums = self.sums(step, count, point.place);
+            Some((self.stress(point, &sums), self.tangent(point, &sums)))
+        };
+        self.points.add_mixed_vjp(iterate, lambda, at_point, out);
     }
 
     fn internal_variables(&self) -> Option<&dyn InternalVariables> {
@@ -390,14 +260,14 @@ impl Energy for Viscous {
     fn add_past_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
         let Some(step) = iterate.step.filter(|step| !step.internal.is_empty()) else { return };
         out.internal.resize(step.internal.len(), 0.0);
-        let points = points(iterate.space).len();
-        for e in self.elements.clone() {
-            let (element, own) = self.each_point(iterate, e);
+        let count = self.points.count(iterate.space);
+        for e in self.points.elements.clone() {
+            let (element, own) = self.points.of(iterate, e);
             for point in own {
                 let grad_l = point.gradient(&element, lambda);
                 let by = by_six(&(-point.weight * (point.k.f.transpose() * grad_l)));
-                for (i, (c, _)) in self.branches_at(step, points, point.place).enumerate() {
-                    let to = &mut out.internal[self.at(points, i, point.place)];
+                for (i, (c, _)) in self.branches_at(step, count, point.place).enumerate() {
+                    let to = &mut out.internal[self.at(count, i, point.place)];
                     to.iter_mut().zip(by).for_each(|(to, by)| *to += c * by);
                 }
             }
@@ -408,15 +278,15 @@ impl Energy for Viscous {
         let law = self.law_parameters();
         let mut sum = vec![0.0; law + 2 * self.branches.len()];
         let Some(step) = iterate.step else { return sum };
-        let points = points(iterate.space).len();
-        for e in self.elements.clone() {
-            let (element, own) = self.each_point(iterate, e);
+        let count = self.points.count(iterate.space);
+        for e in self.points.elements.clone() {
+            let (element, own) = self.points.of(iterate, e);
             for point in own {
                 let bar = point.weight * point.gradient(&element, lambda);
-                let (c, _) = self.sums(step, points, point.place);
+                let (c, _) = self.sums(step, count, point.place);
                 self.law.add_parameter_vjp(&point.k, &(c * bar), &mut sum[..law]);
                 let stress = self.law.first_piola(&point.k);
-                let branches = self.branches_at(step, points, point.place);
+                let branches = self.branches_at(step, count, point.place);
                 for (i, ((c, past), branch)) in branches.zip(&self.branches).enumerate() {
                     let along = (stress - point.k.f * past).dot(&bar);
                     let a = step.internal_h / branch.time;

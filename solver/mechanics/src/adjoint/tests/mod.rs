@@ -27,6 +27,7 @@ mod fibre;
 mod inside;
 mod internal;
 mod membrane;
+mod mullins;
 mod neighbours;
 mod rigid;
 mod tangent;
@@ -175,6 +176,7 @@ impl Case {
         let mut energies = Energies::bodies(vec![BodyEnergies {
             elastic: Elastic::whole(Box::new(law)),
             viscous: None,
+            mullins: None,
             weight: Some(BodyForce::weight(Field(gravity), numbers.density, 0..count)),
             inertia,
         }]);

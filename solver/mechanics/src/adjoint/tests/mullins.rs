@@ -1,0 +1,208 @@
+//! Runs of bodies that soften: their gradients through loading, unloading and loading again, and closed forms.
+
+use super::*;
+use crate::energy::{Isobaric, Mullins};
+use crate::material::{Material, OgdenRoxburgh};
+use crate::testing::cube;
+
+/// Where a run of five steps is pressed, in parts of the number of the case: it grows beyond what was before in
+/// the first and the fourth step.
+const PRESSED: [f64; 6] = [0.0, 4.0, 1.4, 3.0, 6.4, 2.0];
+const SOFTENING: OgdenRoxburgh = OgdenRoxburgh { r: 1.5, m: 5.0, beta: 0.3 };
+
+/// What else a body has.
+#[derive(Clone, Copy, PartialEq)]
+enum Beside {
+    Nothing,
+    Overstress,
+    MeanDilatation,
+}
+
+fn law(numbers: &Numbers) -> MooneyRivlin {
+    let [c1, c2, c3, d1] = numbers.law;
+    MooneyRivlin { c1, c2, c3, d1 }
+}
+
+/// The problem of a case with softening, pressed as [`PRESSED`] says.
+fn problem(
+    case: &Case,
+    beside: Beside,
+    numbers: &Numbers,
+    softening: OgdenRoxburgh,
+) -> (Problem, Workspace, Vec<Vec3>) {
+    let (mut problem, _, rest) = match beside {
+        Beside::Overstress => viscous::problem(case, numbers, &viscous::BRANCHES),
+        _ => case.problem(numbers),
+    };
+    let first = problem.energies.internal_count(&problem.space);
+    let count = problem.space.tets().len();
+    let own = &mut problem.energies.bodies[0];
+    if beside == Beside::MeanDilatation {
+        own.elastic = own.elastic.clone().with_mean_dilatation().expect("a split law");
+    }
+    let isochoric = law(numbers).isochoric().expect("in invariants");
+    own.mullins = Some(Mullins::new(isochoric, softening, 0..count, first));
+    let chambers: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
+    for id in chambers {
+        let times: Vec<f64> = (0..PRESSED.len()).map(|n| case.dt * n as f64).collect();
+        let values = PRESSED.map(|part| part * numbers.pressure);
+        let pressure = Schedule::table(&times, &values).expect("a table");
+        problem.energies.set_gas_law(id, Box::new(Isobaric { pressure }));
+    }
+    let workspace = Workspace::new(&problem);
+    (problem, workspace, rest)
+}
+
+fn check_softening(case: &Case, beside: Beside) {
+    let (own, mut workspace, rest) = problem(case, beside, &NUMBERS, SOFTENING);
+    let start = case.start(&own, &rest);
+    let run = case.run(&own, &mut workspace, &rest, start.clone());
+    let (state, step) = (run.state(case.steps), run.step(&own, &rest, case.steps));
+    let at = own.iterate(&rest, &state.u, run.times[case.steps]);
+    let mullins = own.energies.bodies[0].mullins.as_ref().expect("set above");
+    let summary = mullins.summary(&Iterate { step: Some(&step), ..at });
+    assert!(summary.factor < 0.98, "{summary:?}");
+    let probe = Probe::new(own.dofs(), case.hits());
+    let gradient = probe.gradient(&own, &mut workspace, &rest, &run);
+    let value = |numbers: &Numbers, softening: OgdenRoxburgh, rest: &[Vec3]| {
+        let (problem, mut workspace, _) = problem(case, beside, numbers, softening);
+        let run = case.run(&problem, &mut workspace, rest, start.clone());
+        probe.value(&problem, rest, &run)
+    };
+    check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| value(&NUMBERS, SOFTENING, &points(x)));
+    let by = gradient.parameters.total(ParameterId::Material(0));
+    let by: Vec<f64> = by.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
+    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
+        let law = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
+        value(&Numbers { law, ..NUMBERS }, SOFTENING, &rest)
+    });
+    let OgdenRoxburgh { r, m, beta } = SOFTENING;
+    let by = gradient.parameters.total(ParameterId::Mullins(0));
+    let by: Vec<f64> = by.iter().zip([r, m, beta]).map(|(g, c)| g * c).collect();
+    assert!(by.len() == 3 && by.iter().all(|by| *by != 0.0), "{by:?}");
+    check_gradient(&[1.0; 3], &by, 1e-2, |p| {
+        value(&NUMBERS, OgdenRoxburgh { r: p[0] * r, m: p[1] * m, beta: p[2] * beta }, &rest)
+    });
+}
+
+#[test]
+fn softened_runs_have_their_gradients() {
+    for (method, degree, body, beside) in [
+        (Method::Quasistatic, 1, Shape::Tet, Beside::Nothing),
+        (Method::Quasistatic, 2, Shape::Tet, Beside::Nothing),
+        (Method::ImplicitEuler, 1, Shape::Tet, Beside::Overstress),
+        (Method::Quasistatic, 2, Shape::Tet, Beside::MeanDilatation),
+        (Method::Quasistatic, 2, Shape::Hollow, Beside::Nothing),
+        (Method::ImplicitEuler, 1, Shape::Blocks, Beside::Nothing),
+    ] {
+        let dt = if body == Shape::Blocks { 2e-3 } else { 0.02 };
+        let case = Case { method, degree, steps: 5, dt, body, inside: Inside::Pressure };
+        check_softening(&case, beside);
+    }
+}
+
+/// erf by Simpson's rule.
+fn erf(x: f64) -> f64 {
+    let n = 400;
+    let h = x / f64::from(n);
+    let weight = |i: i32| if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+    let part = |i: i32| weight(i) * (-(h * f64::from(i)).powi(2)).exp();
+    2.0 / std::f64::consts::PI.sqrt() * h / 3.0 * (0..=n).map(part).sum::<f64>()
+}
+
+/// A unit cube that is stretched along x without a change of volume, all of its nodes moved.
+struct Stretched {
+    problem: Problem,
+    rest: Vec<Vec3>,
+    nodes: Vec<Vec3>,
+    integrator: Integrator,
+}
+
+const C: [f64; 2] = [55e3, 5e3];
+const OF_CUBE: OgdenRoxburgh = OgdenRoxburgh { r: 2.0, m: 3e3, beta: 0.1 };
+
+impl Stretched {
+    fn new() -> Self {
+        let mesh = cube(1, 0.0);
+        let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
+        let law = MooneyRivlin { c1: C[0], c2: C[1], c3: 0.0, d1: 1e6 };
+        let mut energies = Energies::bodies(vec![BodyEnergies::new(Elastic::whole(Box::new(law)))]);
+        let isochoric = law.isochoric().expect("in invariants");
+        let count = mesh.tets.len();
+        energies.bodies[0].mullins = Some(Mullins::new(isochoric, OF_CUBE, 0..count, 0));
+        let problem = Problem::new(space, energies, &[true; 3 * 27]);
+        let nodes = problem.space.node_positions(&mesh.vertices);
+        let zero = vec![0.0; problem.dofs()];
+        let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
+        Self { problem, rest: mesh.vertices, nodes, integrator }
+    }
+
+    fn displacement(&self, stretch: f64) -> Vec<f64> {
+        let across = stretch.powf(-0.5) - 1.0;
+        let one = |x: &Vec3| [(stretch - 1.0) * x.x, across * x.y, across * x.z];
+        self.nodes.iter().flat_map(one).collect()
+    }
+
+    /// Makes a step to a stretch: the nodal forces and the energy there [N, J], and what is lost by then [J].
+    fn go(&mut self, stretch: f64) -> (Vec<f64>, f64, f64) {
+        let u = self.displacement(stretch);
+        let step = self.integrator.step(1.0);
+        let at = Iterate { step: Some(&step), ..self.problem.iterate(&self.rest, &u, 1.0) };
+        let (forces, _) = self.problem.gradient(&at);
+        let energy = self.problem.energies.iter().map(|term| term.value(&at)).sum();
+        let mullins = self.problem.energies.bodies[0].mullins.as_ref().expect("it softens");
+        let lost = mullins.summary(&at).lost;
+        self.integrator.accept(&step, &u, self.problem.energies.internal(&at));
+        (forces, energy, lost)
+    }
+}
+
+/// W of the cube [J/m³].
+fn energy_density(l: f64) -> f64 {
+    C[0] * (l * l + 2.0 / l - 3.0) + C[1] * (2.0 * l + 1.0 / (l * l) - 3.0)
+}
+
+#[test]
+fn a_stretched_cube_has_the_stress_of_the_formula() {
+    let mut cube = Stretched::new();
+    let mut largest = 0.0_f64;
+    for (n, l) in [1.5, 1.3, 1.05, 1.2, 1.49, 1.7, 1.1, 1.6].into_iter().enumerate() {
+        let w = energy_density(l);
+        let x = (largest - w) / (OF_CUBE.m + OF_CUBE.beta * largest);
+        let factor = if w < largest { 1.0 - erf(x) / OF_CUBE.r } else { 1.0 };
+        assert_eq!(factor < 1.0, ![0, 5].contains(&n));
+        // two thirds of σ₁₁ − σ₂₂ = 2 (λ² − 1/λ) (c₁ + c₂/λ), which is isochoric, over λ
+        let expected = factor * 4.0 / 3.0 * (l * l - 1.0 / l) * (C[0] + C[1] / l) / l;
+        let (forces, ..) = cube.go(l);
+        let end = (0..cube.nodes.len()).filter(|&i| cube.nodes[i].x == 1.0);
+        let force: f64 = end.map(|i| forces[3 * i]).sum();
+        assert!((force / expected - 1.0).abs() < 1e-10, "{l}: {force} {expected}");
+        largest = largest.max(w);
+    }
+}
+
+/// From rest to a stretch and back, by the trapezoidal rule; the second time nothing is lost.
+#[test]
+fn the_work_of_a_cycle_is_what_is_lost() {
+    let mut cube = Stretched::new();
+    let steps = 400_i32;
+    let mut last = cube.go(1.0);
+    let mut before = cube.displacement(1.0);
+    let mut work = [0.0; 2];
+    for cycle in 0..2 {
+        for n in 1..=2 * steps {
+            let up = 1.0 - f64::from((n - steps).abs()) / f64::from(steps);
+            let next = cube.go(1.0 + 0.6 * up);
+            let u = cube.displacement(1.0 + 0.6 * up);
+            let moved = u.iter().zip(&before).map(|(u, before)| u - before);
+            let forces = last.0.iter().zip(&next.0).map(|(a, b)| 0.5 * (a + b));
+            work[cycle] += moved.zip(forces).map(|(u, f)| u * f).sum::<f64>();
+            (last, before) = (next, u);
+        }
+    }
+    let (_, energy, lost) = last;
+    assert!((work[0] / lost - 1.0).abs() < 1e-4, "{work:?} {lost}");
+    assert!((energy / lost - 1.0).abs() < 1e-10, "{energy} {lost}");
+    assert!(lost > 0.2 * energy_density(1.6), "{lost}");
+    assert!(work[1].abs() < 1e-4 * lost, "{work:?}");
+}
