@@ -14,8 +14,9 @@
 //! are not softened.
 //!
 //! Source: Ogden and Roxburgh 1999, "A pseudo-elastic model for the Mullins effect in filled rubber",
-//! doi:10.1098/rspa.1999.0431, with β = 0; β is that of finite-element programs, see Mars and Fatemi
-//! 2004, doi:10.1115/1.1631432. The closed form of D is ours.
+//! doi:10.1098/rspa.1999.0431, for an incompressible rubber and with β = 0. β and the isochoric part are
+//! those of finite-element programs: the Abaqus Analysis User's Guide, "Mullins effect". The closed
+//! form of D is ours.
 
 use std::f64::consts::{FRAC_2_SQRT_PI, PI};
 

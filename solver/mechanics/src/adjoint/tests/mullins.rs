@@ -189,14 +189,14 @@ fn the_work_of_a_cycle_is_what_is_lost() {
     let mut last = cube.go(1.0);
     let mut before = cube.displacement(1.0);
     let mut work = [0.0; 2];
-    for cycle in 0..2 {
+    for work in &mut work {
         for n in 1..=2 * steps {
             let up = 1.0 - f64::from((n - steps).abs()) / f64::from(steps);
             let next = cube.go(1.0 + 0.6 * up);
             let u = cube.displacement(1.0 + 0.6 * up);
             let moved = u.iter().zip(&before).map(|(u, before)| u - before);
             let forces = last.0.iter().zip(&next.0).map(|(a, b)| 0.5 * (a + b));
-            work[cycle] += moved.zip(forces).map(|(u, f)| u * f).sum::<f64>();
+            *work += moved.zip(forces).map(|(u, f)| u * f).sum::<f64>();
             (last, before) = (next, u);
         }
     }
