@@ -69,6 +69,8 @@ mod measured_rubber;
 mod membranes;
 #[path = "fast/mold_report.rs"]
 mod mold_report;
+#[path = "fast/mullins.rs"]
+mod mullins;
 #[path = "fast/names.rs"]
 mod names;
 #[path = "fast/nested.rs"]

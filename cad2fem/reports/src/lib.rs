@@ -5,6 +5,7 @@
 
 mod failed;
 mod measured;
+mod mullins;
 mod numbers;
 mod optimization;
 mod simulation;
@@ -17,6 +18,7 @@ pub use measured::{
     AsCast, Chamber, ErrorBar, ErrorBars, Fibre, Locking, Measurement, Membrane, Offset, Probe,
     StretchRange, Tag, Winding,
 };
+pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};
 pub use optimization::{
     Castable, Designed, DesignedProbe, Ended, Handles, Iteration, NoStart, Optimization,

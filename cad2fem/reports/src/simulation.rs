@@ -11,6 +11,7 @@ use crate::failed::{Crossing, Failed};
 use crate::measured::{
     AsCast, Chamber, ErrorBars, Fibre, Locking, Membrane, Probe, StretchRange, Tag, Winding,
 };
+use crate::mullins::{Inflation, Mullins};
 use crate::stability::{Limit, Stability};
 use crate::step::{ForceBalance, Step};
 
@@ -84,6 +85,12 @@ pub struct End {
     /// Measures of each thread, in the order of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub windings: Option<Vec<Winding>>,
+    /// How far bodies are softened, of a scene with `[[mullins]]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mullins: Option<Vec<Mullins>>,
+    /// Inflations of each chamber in their order, of a scene with `[[mullins]]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inflations: Option<Vec<Inflation>>,
     /// Value of each probe in the last state.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<BTreeMap<String, Probe>>,
@@ -245,7 +252,7 @@ pub struct CutPlane {
 pub struct EnergyBalance {
     /// Work of gas, dead loads and moving supports, by the trapezoidal rule over the load steps [J].
     pub work_of_loads: f64,
-    /// Energy of bodies and sheets [J].
+    /// Energy of bodies and sheets, with what softening has taken of it [J].
     pub elastic: f64,
     /// Kinetic energy, of a scene with inertia [J].
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -239,8 +239,8 @@ fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()
     draw(path, &Axes { x: "t".to_owned(), y, ..Axes::default() }, &series)
 }
 
-/// The tables [material] of the scenes' bodies, and those of relaxation and sheets, with what was
-/// found.
+/// The tables [material] of the scenes' bodies, and those of relaxation, softening and sheets, with
+/// what was found.
 fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Result<String> {
     let scene = calibration.material(&found.numbers)?;
     let mut text = String::from("# From solver calibrate:\n");
@@ -281,6 +281,11 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
     let relaxation = &scene.config.relaxation;
     if !relaxation.is_empty() {
         text += &toml::to_string(&BTreeMap::from([("relaxation", relaxation)]))?;
+        text.push('\n');
+    }
+    let mullins = &scene.config.mullins;
+    if !mullins.is_empty() {
+        text += &toml::to_string(&BTreeMap::from([("mullins", mullins)]))?;
         text.push('\n');
     }
     let as_found = |membrane: &SceneMembrane| MembraneConfig {

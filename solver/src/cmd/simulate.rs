@@ -145,6 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (report.usable, report.status) = (false, Status::SurfacesCrossed);
     }
     log::info!("{}", summary::in_words(&found));
+    summary::inflations(&found).iter().for_each(|line| log::info!("{line}"));
     report.end = Some(found);
     results::write_report(folder, &report)?;
     let Some(crossing) = crossing else { return Ok(()) };
@@ -177,6 +178,7 @@ fn announce(scene: &Scene, workspace: &Workspace) {
     scene.config.fibre.iter().for_each(|fibre| log::info!("{}", fibre.in_words()));
     scene.config.winding.iter().for_each(|winding| log::info!("{}", winding.in_words()));
     scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
+    scene.config.mullins.iter().for_each(|softening| log::info!("{}", softening.in_words()));
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),

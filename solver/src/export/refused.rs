@@ -41,6 +41,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         (!config.fibre.is_empty(), KeyPath::list("fibre")),
         (!config.winding.is_empty(), KeyPath::list("winding")),
         (!config.relaxation.is_empty(), KeyPath::list("relaxation")),
+        (!config.mullins.is_empty(), KeyPath::list("mullins")),
     ];
     if let Some((_, path)) = lists.into_iter().find(|(has, _)| *has) {
         bail!(misfit!(path, ": has no part in a deck; export a scene without it"));

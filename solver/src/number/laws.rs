@@ -86,6 +86,35 @@ pub(super) const RELAXATION: Kind = Kind {
     scale: None,
 };
 
+pub(super) const MULLINS: Kind = Kind {
+    path: "mullins.N.r, .m or .beta",
+    meaning: "a number of the N-th [[mullins]], counted from 1",
+    list: |scene| {
+        let one = |table: usize| -> [Entry; 3] {
+            let keys = [("r", "1"), ("m", "Pa"), ("beta", "1")];
+            [0, 1, 2].map(|k| (format!("{}.{}", table + 1, keys[k].0), keys[k].1, [table, k]))
+        };
+        (0..scene.config.mullins.len()).flat_map(one).collect()
+    },
+    value: |scene, [table, k]| {
+        let table = &scene.config.mullins[table];
+        [table.r, table.m, table.beta][k]
+    },
+    set: Setting::By(|scene, _, [table, k], value| {
+        let table = &mut scene.config.mullins[table];
+        *[&mut table.r, &mut table.m, &mut table.beta][k] = value;
+        scene.config.check_mullins()?;
+        scene.set_mullins()
+    }),
+    check: any,
+    derivative: |swept, [table, k]| {
+        let laws = swept.scene.laws.iter().enumerate();
+        let own = laws.filter(|(_, law)| swept.scene.is_softened_by(law, table));
+        own.map(|(i, _)| total(swept, ParameterId::Mullins(i), k)).sum()
+    },
+    scale: None,
+};
+
 pub(super) const MEMBRANE: Kind = Kind {
     path: "membrane.TAG.thickness or .PARAMETER",
     meaning: "the thickness of the sheet on a tag, or a parameter of its law",

@@ -32,6 +32,7 @@ pub const KINDS: &[Kind] = &[
     laws::MATERIAL,
     laws::DENSITY,
     laws::RELAXATION,
+    laws::MULLINS,
     laws::MEMBRANE,
     reinforcement::FIBRE,
     reinforcement::WINDING,

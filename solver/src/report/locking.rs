@@ -184,7 +184,10 @@ fn richer(scene: &Scene) -> Scene {
 /// A step in time for the next degree.
 fn elevated(step: &TimeStep, from: &Problem, to: &Problem) -> Result<TimeStep> {
     let count = |problem: &Problem| problem.energies.internal_count(&problem.space);
-    ensure!(count(from) == count(to), "[[relaxation]]: stresses at other points of degree 1");
+    ensure!(
+        count(from) == count(to),
+        "[[relaxation]] and [[mullins]]: states at other points of degree 1"
+    );
     let lift = |field: &Vec<f64>| match &field[..] {
         [] => Vec::new(),
         field => elevate(&from.space, &to.space, field),

@@ -11,6 +11,7 @@ pub mod fields;
 pub mod leap;
 pub mod locking;
 pub mod mirror;
+pub mod mullins;
 pub mod record;
 pub mod reinforcement;
 pub mod results;

@@ -23,6 +23,7 @@ use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 
 use crate::report::fields::fields;
+use crate::report::mullins;
 use crate::report::reinforcement::{THREADS, fibre_fields};
 use crate::report::stability;
 
@@ -354,6 +355,7 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     grid.point_fields.extend(at_points);
     grid.cell_fields.extend(of_cells);
     grid.cell_fields.extend(fibre_fields(energies, at));
+    grid.cell_fields.extend(mullins::fields(energies, at));
     for energy in energies.contact_terms() {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);

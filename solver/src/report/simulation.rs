@@ -17,6 +17,7 @@ use serde_json::json;
 
 use crate::report::crossing::Crossing;
 use crate::report::locking;
+use crate::report::mullins;
 use crate::report::record::Recorder;
 use crate::report::reinforcement;
 use crate::report::results;
@@ -115,6 +116,8 @@ pub fn end(
         membranes: (!scene.membranes.is_empty()).then(sheets),
         fibres: (!scene.config.fibre.is_empty()).then(fibres),
         windings: (!scene.config.winding.is_empty()).then(threads),
+        mullins: mullins::softened(scene, &problem.energies, end),
+        inflations: mullins::inflations(scene, &recorder.lines),
         probes: (!probes.is_empty()).then(measured),
         stretch_range: stretches(scene, end),
         locking: locking::estimate(scene, (problem, probes), end),
@@ -140,9 +143,9 @@ fn balance(
     kinetic: Option<f64>,
 ) -> EnergyBalance {
     let work_of_loads = recorder.work().total;
-    let reinforcement =
-        ["membrane", "fibre", "winding"].map(|name| energies.get(name).unwrap_or(&0.0));
-    let elastic = energies["elastic"] + reinforcement.into_iter().sum::<f64>();
+    let beside = ["membrane", "fibre", "winding", "mullins"];
+    let beside = beside.map(|name| energies.get(name).unwrap_or(&0.0));
+    let elastic = energies["elastic"] + beside.into_iter().sum::<f64>();
     let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
     let relative_gap = kinetic.is_none().then_some(gap);
     let largest_gain = recorder.largest_gain();

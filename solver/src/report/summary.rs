@@ -4,11 +4,14 @@
 
 use std::collections::BTreeMap;
 
-use reports::{DesignedProbe, End, StretchRange};
+use reports::{DesignedProbe, End, Inflated, Inflation, StretchRange};
 
 /// Units of reports that people read better in another: factor and its name.
 const READABLE: &[(&str, f64, &str)] =
     &[("m", 1e3, "mm"), ("m³", 1e6, "mL"), ("Pa", 1e-3, "kPa"), ("deg", 1.0, "°")];
+
+/// The inflation that is told beside the first.
+const TENTH: usize = 10;
 
 /// How far the body moves, how far it is stretched, each chamber and each probe.
 #[must_use]
@@ -27,6 +30,35 @@ pub fn in_words(found: &End) -> String {
         parts.push(format!("{name} {}", quantity(probe.value.unwrap_or(f64::NAN), &probe.unit)));
     }
     parts.join(", ")
+}
+
+/// Each chamber's first inflation, and its tenth or, of fewer, the last: volume and probes at half of the
+/// largest pressure on the way up, and there.
+#[must_use]
+pub fn inflations(found: &End) -> Vec<String> {
+    let all = found.inflations.as_deref().unwrap_or_default();
+    let told = |inflation: &&Inflation| {
+        let count = all.iter().filter(|other| other.chamber == inflation.chamber).count();
+        [1, count.min(TENTH)].contains(&inflation.number)
+    };
+    let words = |inflation: &Inflation| {
+        let Inflation { chamber, number, peak, halfway } = inflation;
+        let states = halfway.iter().chain([peak]).map(|state| inflated(state, found));
+        format!("inflation {number} of {chamber}: {}", states.collect::<Vec<_>>().join("; "))
+    };
+    all.iter().filter(told).map(words).collect()
+}
+
+fn inflated(state: &Inflated, found: &End) -> String {
+    let Inflated { t, pressure, volume, probes } = state;
+    let at = [quantity(*volume, "m³"), quantity(*pressure, "Pa")].join(" at ");
+    let mut text = format!("t = {t:.4} s {at}");
+    for (name, value) in probes.iter().flatten() {
+        let unit = found.probes.iter().flatten().find(|(probe, _)| *probe == name);
+        let unit = unit.map_or("", |(_, probe)| &probe.unit);
+        text += &format!(", {name} {}", quantity(value.unwrap_or(f64::NAN), unit));
+    }
+    text
 }
 
 /// The largest principal stretch, beside that at which the silicone tears, and its place at rest.

@@ -14,7 +14,8 @@
 //! mullins    stresses of materials that are softer after a first stretch      [1]
 //!
 //! The last two come with the material and go one way: it may be softer than its law. A scene that
-//! simulates [`relaxation`](scene::config::RelaxationConfig) of a material has no bar of its creep.
+//! simulates [`relaxation`](scene::config::RelaxationConfig) of a material has no bar of its creep, one that
+//! simulates its [softening](scene::config::MullinsConfig) none of that.
 //! The bars of the numbers that a scene states, taken as independent, together make √Σ δq².
 
 use std::collections::BTreeMap;
@@ -191,7 +192,9 @@ fn softening(scene: &Scene, of: &str) -> Vec<Off> {
     for (i, law) in scene.laws.iter().enumerate() {
         let mut changes = law.material.softening.changes();
         let Some((_, off)) = changes.find(|(known, _)| *known == of) else { continue };
-        if of == "creep" && !law.branches.is_empty() {
+        let simulated =
+            if of == "creep" { !law.branches.is_empty() } else { law.mullins.is_some() };
+        if simulated {
             continue;
         }
         most = most.min(off);

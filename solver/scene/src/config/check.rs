@@ -82,6 +82,7 @@ impl SimConfig {
         self.check_fibres()?;
         self.check_windings()?;
         self.check_relaxation()?;
+        self.check_mullins()?;
         self.check_rigid()?;
         self.check_probes()?;
         if let Some(uncertainty) = &self.uncertainty {

@@ -12,6 +12,7 @@ mod level;
 mod limit;
 mod material;
 mod membrane;
+mod mullins;
 mod relaxation;
 mod rigid;
 mod scenario;
@@ -37,6 +38,7 @@ pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
 pub use membrane::MembraneConfig;
+pub use mullins::MullinsConfig;
 pub use relaxation::RelaxationConfig;
 pub use rigid::RigidConfig;
 pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
@@ -115,6 +117,9 @@ pub struct SimConfig {
     /// Overstress of viscoelastic bodies; several tables make a Prony series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub relaxation: Vec<RelaxationConfig>,
+    /// Softening of bodies after a first stretch (Mullins effect).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mullins: Vec<MullinsConfig>,
     /// Forces on the whole body.
     #[serde(default)]
     pub body_force: Vec<BodyForceConfig>,

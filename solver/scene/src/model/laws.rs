@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::body::Body;
-use mechanics::energy::{Branch, Elastic, Viscous};
-use mechanics::material::{LAWS, Lame, Law, NeoHookean, Specification};
+use mechanics::energy::{Branch, Elastic, Mullins, Viscous};
+use mechanics::material::{LAWS, Lame, Law, NeoHookean, OgdenRoxburgh, Specification};
 use mesh::{Tags, TetMesh, Volumes};
 use program::{KeyPath, misfit, unknown};
 
 use super::Scene;
-use crate::config::{BodyConfig, Dilatation, MaterialConfig, RelaxationConfig};
+use crate::config::{BodyConfig, Dilatation, MaterialConfig};
 
 /// The law of a body or of one of its volumes.
 #[derive(Clone)]
@@ -25,9 +25,21 @@ pub struct SceneLaw {
     pub material: Specification,
     /// The overstress.
     pub branches: Vec<Branch>,
+    /// The softening after a first stretch.
+    pub mullins: Option<OgdenRoxburgh>,
 }
 
 impl SceneLaw {
+    /// Without overstress and softening.
+    fn new(
+        part: usize,
+        volume: Option<String>,
+        config: MaterialConfig,
+        material: Specification,
+    ) -> Self {
+        Self { part, volume, config, material, branches: Vec::new(), mullins: None }
+    }
+
     /// The tetrahedra that have this law, on a body with the volumes of the scene.
     #[must_use]
     pub fn elements(&self, body: &Body) -> Range<usize> {
@@ -58,34 +70,65 @@ impl Scene {
     pub fn set_branches(&mut self) -> Result<()> {
         self.laws.iter_mut().for_each(|law| law.branches.clear());
         for table in self.config.relaxation.clone() {
-            let is_own = |&i: &usize| self.relaxes(&table, &self.laws[i]);
-            let own: Vec<usize> = (0..self.laws.len()).filter(is_own).collect();
-            let names = || self.laws.iter().map(|law| self.law_name(law)).collect::<Vec<_>>();
-            ensure!(
-                !own.is_empty(),
-                misfit!(
-                    KeyPath::list("relaxation").on(table.on.as_deref().unwrap_or_default()),
-                    ": no body or volume has this name; there are: {}",
-                    names().join(", ")
-                )
-            );
-            for &i in &own {
-                let law = &self.laws[i];
-                ensure!(
-                    law.material.build().isochoric().is_some(),
-                    misfit!(
-                        KeyPath::list("relaxation"),
-                        ": the law {} of \"{}\" has no isochoric part in Ī₁ and Ī₂; expected one of: {}",
-                        law.material.law.key,
-                        self.law_name(law),
-                        with_isochoric_part().join(", ")
-                    )
-                );
-            }
             let branch = Branch { overstress: table.overstress, time: table.time };
+            let own = self.isochoric_laws("relaxation", table.on.as_deref())?;
             own.iter().for_each(|&i| self.laws[i].branches.push(branch));
         }
         Ok(())
+    }
+
+    /// Gives the laws the softening of `[[mullins]]`, and no other.
+    ///
+    /// # Errors
+    /// When a name is none of the bodies and volumes, a law has no isochoric part, or two tables are of one.
+    pub fn set_mullins(&mut self) -> Result<()> {
+        self.laws.iter_mut().for_each(|law| law.mullins = None);
+        for table in self.config.mullins.clone() {
+            for i in self.isochoric_laws("mullins", table.on.as_deref())? {
+                let twice = self.laws[i].mullins.replace(table.law()).is_some();
+                ensure!(
+                    !twice,
+                    misfit!(
+                        KeyPath::list("mullins").on(table.on.as_deref().unwrap_or_default()),
+                        ": \"{}\" is softened by two tables; expected one, with on where volumes differ",
+                        self.law_name(&self.laws[i])
+                    )
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The laws that a table of a list is of, by their places; all of them without a name.
+    ///
+    /// # Errors
+    /// When the name is none of the bodies and volumes, or a law has no isochoric part.
+    fn isochoric_laws(&self, list: &str, on: Option<&str>) -> Result<Vec<usize>> {
+        let own: Vec<usize> =
+            (0..self.laws.len()).filter(|&i| self.is_of(on, &self.laws[i])).collect();
+        let names = || self.laws.iter().map(|law| self.law_name(law)).collect::<Vec<_>>();
+        ensure!(
+            !own.is_empty(),
+            misfit!(
+                KeyPath::list(list).on(on.unwrap_or_default()),
+                ": no body or volume has this name; there are: {}",
+                names().join(", ")
+            )
+        );
+        for &i in &own {
+            let law = &self.laws[i];
+            ensure!(
+                law.material.build().isochoric().is_some(),
+                misfit!(
+                    KeyPath::list(list),
+                    ": the law {} of \"{}\" has no isochoric part in Ī₁ and Ī₂; expected one of: {}",
+                    law.material.law.key,
+                    self.law_name(law),
+                    with_isochoric_part().join(", ")
+                )
+            );
+        }
+        Ok(own)
     }
 
     /// Whether all laws can have the dilatation of the scene.
@@ -126,15 +169,21 @@ impl Scene {
     /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.
     #[must_use]
     pub fn branch_of(&self, law: &SceneLaw, table: usize) -> Option<usize> {
-        let is_own = |table: &&RelaxationConfig| self.relaxes(table, law);
         let tables = &self.config.relaxation;
-        tables.get(table).filter(is_own)?;
-        Some(tables[..table].iter().filter(is_own).count())
+        let is_own = |table: usize| self.is_of(tables[table].on.as_deref(), law);
+        (table < tables.len() && is_own(table)).then(|| (0..table).filter(|&t| is_own(t)).count())
     }
 
-    /// Whether a `[[relaxation]]` is of a law.
-    fn relaxes(&self, table: &RelaxationConfig, law: &SceneLaw) -> bool {
-        table.on.as_ref().is_none_or(|on| self.is_law_of(law, on))
+    /// Whether a `[[mullins]]` is of a law, by its place among all.
+    #[must_use]
+    pub fn is_softened_by(&self, law: &SceneLaw, table: usize) -> bool {
+        let tables = &self.config.mullins;
+        tables.get(table).is_some_and(|table| self.is_of(table.on.as_deref(), law))
+    }
+
+    /// Whether a table with a name, or without one, is of a law.
+    fn is_of(&self, on: Option<&str>, law: &SceneLaw) -> bool {
+        on.is_none_or(|on| self.is_law_of(law, on))
     }
 
     /// The overstress of a law on some elements, if it has any; `first` relaxed stresses are of the
@@ -148,6 +197,19 @@ impl Scene {
         let isochoric = law.material.build().isochoric();
         let isochoric = isochoric.filter(|_| !law.branches.is_empty())?;
         Some(Viscous::new(isochoric, law.branches.clone(), elements, first))
+    }
+
+    /// The softening of a law on some elements, if it has any and is not rigid; `first` internal variables are
+    /// of the terms before.
+    pub(super) fn softening(
+        &self,
+        law: &SceneLaw,
+        elements: Range<usize>,
+        first: usize,
+    ) -> Option<Mullins> {
+        let softening =
+            law.mullins.filter(|_| !self.is_rigid(&self.parts[law.part].config.name))?;
+        Some(Mullins::new(law.material.build().isochoric()?, softening, elements, first))
     }
 
     /// Whether a law is called so, or is of a body that is.
@@ -178,7 +240,7 @@ pub(super) fn laws(
         tags.volumes = Volumes::default();
         let material = config.material.specification()?;
         let config = config.material.clone();
-        return Ok(vec![SceneLaw { part, volume: None, config, material, branches: Vec::new() }]);
+        return Ok(vec![SceneLaw::new(part, None, config, material)]);
     };
     if tags.volumes.names.is_empty() {
         let names = vec![mesh::io::msh::BODY.to_owned()];
@@ -211,8 +273,7 @@ pub(super) fn laws(
         let context = || KeyPath::list("material").on(name);
         let config = material.material().with_context(context)?;
         let material = config.specification().with_context(context)?;
-        let (volume, branches) = (Some(name.clone()), Vec::new());
-        found.push(SceneLaw { part, volume, config, material, branches });
+        found.push(SceneLaw::new(part, Some(name.clone()), config, material));
     }
     sort_by_volume(mesh, &mut tags.volumes);
     Ok(found)

@@ -332,6 +332,8 @@ impl Scene {
             let mut own = self.law_energies(law, body, space, supports)?;
             own.viscous = self.overstress(law, law.elements(body), internal);
             internal += own.viscous.as_ref().map_or(0, |of| InternalVariables::count(of, space));
+            own.mullins = self.softening(law, law.elements(body), internal);
+            internal += own.mullins.as_ref().map_or(0, |of| InternalVariables::count(of, space));
             bodies.push(own);
         }
         Ok(bodies)

@@ -101,6 +101,7 @@ impl Scene {
             certify: true,
         };
         scene.set_branches().with_context(context)?;
+        scene.set_mullins().with_context(context)?;
         scene.check_dilatation().with_context(context)?;
         Ok(scene)
     }

@@ -95,11 +95,11 @@ impl Sought {
         self.meaning() == "parameter of the law" || self.of.starts_with("material.")
     }
 
-    /// Whether a table `[material]`, `[[relaxation]]` or `[[membrane]]` has it.
+    /// Whether a table `[material]`, `[[relaxation]]`, `[[mullins]]` or `[[membrane]]` has it.
     #[must_use]
     pub fn is_of_material(&self) -> bool {
         let words = ["modulus", "membrane", "overstress", "relaxation-time"];
-        let paths = ["relaxation.", "membrane."];
+        let paths = ["relaxation.", "mullins.", "membrane."];
         self.is_parameter()
             || words.contains(&&*self.of)
             || paths.iter().any(|path| self.of.starts_with(path))
