@@ -402,7 +402,8 @@ fn widened(pitch: Option<f64>) -> f64 {
         for hand in [1.0, -1.0] {
             for i in 0..starts {
                 let phase = std::f64::consts::TAU * i as f64 / starts as f64;
-                let own = Helix { axis: Z, pitch: hand * climb, heights: [0.0, height], phase };
+                let (pitch, heights) = (hand * climb, [0.0, height]);
+                let own = Helix { axis: Z, pitch, climb: hand, heights, phase };
                 let pieces = helix(&skin, &vertices, &own).expect("it lies on the skin");
                 energies.windings.push(Winding::new(space, &pieces, [stiffness, 0.0, 1e-4]));
             }

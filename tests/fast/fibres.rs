@@ -138,20 +138,35 @@ fn a_thread_passes_from_tag_to_tag() {
     assert_eq!(none.code, Some(2));
 }
 
-/// The gradients by shape and by all numbers, as a user asks for them.
+/// The gradients by shape and by all numbers, as a user asks for them: those of a thread by its stiffness and
+/// pretension, and by pitch or angle and phase.
 #[test]
 fn gradients_by_shape_and_numbers_pass_their_test() {
-    // the slack is wide, so that its curvature is seen by the steps of the test
-    let dir = workdir(
-        &(FIBRE.to_owned() + "slack = 0.1\n" + WINDING + "slack = 0.1\npretension = 0.5\n"),
-    );
-    dir.write("design.toml", DESIGN);
-    let run = dir.solver("check design.toml --handles 1 --random 1");
-    run.assert_good();
-    for path in ["fibre.weave", "winding.thread"] {
-        assert!(run.stdout.contains(path), "{}", run.stdout);
+    // the slack is wide, so that its curvature is seen by the steps of the test; with the phase, the thread does not
+    // start on an edge of the mesh, where forces have a kink
+    let winding = WINDING.to_owned() + "slack = 0.1\npretension = 0.5\nphase = 10\n";
+    for (course, shape) in [("pitch = 0.02", true), ("angle = 80", false)] {
+        let winding = winding.replace("pitch = 0.02", course);
+        let dir = workdir(&(FIBRE.to_owned() + "slack = 0.1\n" + &winding));
+        let design = if shape { DESIGN.to_owned() } else { DESIGN.replace(SHAPE, "") };
+        dir.write("design.toml", &design);
+        let run = dir.solver("check design.toml --random 1");
+        run.assert_good();
+        for (path, tests) in [("fibre.weave", 2), ("winding.thread", 4)] {
+            let found = run.stdout.matches(&format!("by {path}, ")).count();
+            assert_eq!(found, tests, "{}", run.stdout);
+        }
     }
 }
+
+const SHAPE: &str = r#"
+[shape]
+on = "cavity"
+
+[[shape.level]]
+handles = 1
+iterations = 1
+"#;
 
 const DESIGN: &str = r#"
 scene = "p1.toml"

@@ -36,6 +36,7 @@ pub const KINDS: &[Kind] = &[
     laws::MEMBRANE,
     reinforcement::FIBRE,
     reinforcement::WINDING,
+    reinforcement::COURSE,
     loads::CHAMBER,
     loads::FRICTION,
     loads::GRAVITY,

@@ -1,6 +1,7 @@
 //! Numbers of fibres and threads.
 
 use mechanics::energy::ParameterId;
+use scene::config::WindingConfig;
 
 use super::laws::total;
 use super::{Entry, Kind, Setting};
@@ -65,3 +66,53 @@ pub(super) const WINDING: Kind = Kind {
     derivative: |swept, [thread, k]| total(swept, ParameterId::Winding(thread), k),
     scale: None,
 };
+
+/// The places of what a helix climbs by, and of its phase, among the numbers of a winding.
+const CLIMB: usize = 2;
+const PHASE: usize = 3;
+
+pub(super) const COURSE: Kind = Kind {
+    path: "winding.NAME.pitch, .angle or .phase",
+    meaning: "the pitch or the angle of a [[winding]] around an axis, as the scene has it, and its phase",
+    list: |scene| {
+        let mut entries: Vec<Entry> = Vec::new();
+        for (i, winding) in scene.config.winding.iter().enumerate() {
+            let name = |key: &str| format!("{}.{key}", winding.name);
+            entries.extend(winding.pitch.map(|_| (name("pitch"), "m", [i, CLIMB])));
+            entries.extend(winding.angle.map(|_| (name("angle"), "°", [i, CLIMB])));
+            entries.extend(winding.around.as_ref().map(|_| (name("phase"), "°", [i, PHASE])));
+        }
+        entries
+    },
+    value: |scene, [thread, k]| {
+        let winding = &scene.config.winding[thread];
+        if k == PHASE { winding.phase } else { climb(winding) }
+    },
+    set: Setting::By(|scene, _, [thread, k], value| {
+        let winding = &mut scene.config.winding[thread];
+        match (k, winding.pitch) {
+            (PHASE, _) => winding.phase = value,
+            (_, Some(_)) => winding.pitch = Some(value),
+            (_, None) => winding.angle = Some(value),
+        }
+        Ok(())
+    }),
+    check: |scene, _| scene.config.check_windings(),
+    derivative: |swept, [thread, k]| {
+        let by = total(swept, ParameterId::Winding(thread), k);
+        let winding = &swept.scene.config.winding[thread];
+        if k == PHASE || winding.pitch.is_none() { by.to_radians() } else { by }
+    },
+    scale: Some(|scene, [thread, k]| match k {
+        PHASE => RADIAN,
+        _ => climb(&scene.config.winding[thread]),
+    }),
+};
+
+/// A radian [°].
+const RADIAN: f64 = 180.0 / std::f64::consts::PI;
+
+/// The pitch [m] or the angle [°] of a helix.
+fn climb(winding: &WindingConfig) -> f64 {
+    winding.pitch.or(winding.angle).unwrap_or_default()
+}

@@ -154,7 +154,7 @@ pub enum ParameterId {
     Membrane(usize),
     /// k₁, k₂, dispersion and angle [rad] of a family of fibres.
     Fibre(usize),
-    /// Stiffness EA [N] and pretension [N] of a thread.
+    /// Stiffness EA [N] and pretension [N] of a thread; what the pitch of its helix is made of, and its phase [rad].
     Winding(usize),
     /// Density of a body in its weight, then the three components of what is added to gravity.
     Weight(usize),

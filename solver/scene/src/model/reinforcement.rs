@@ -1,5 +1,6 @@
 //! The fibres and threads of a scene, on a body.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
@@ -147,18 +148,19 @@ fn lay(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Vec
         return Ok(energy::polyline(facets, x, &points).map_err(cannot)?);
     };
     let axis = around.line(&winding.title())?;
-    let pitch = match climb {
-        Climb::Pitch(pitch) => pitch,
+    let (pitch, climb) = match climb {
+        Climb::Pitch(pitch) => (pitch, 1.0),
         Climb::Angle(angle) => {
-            std::f64::consts::TAU * axis.mean_distance(facets, x) / angle.to_radians().tan()
+            let (round, angle) = (TAU * axis.mean_distance(facets, x), angle.to_radians());
+            (round / angle.tan(), -round / angle.sin().powi(2))
         }
     };
     let heights = winding.heights(axis.heights(facets, x), pitch)?;
     let phase = winding.phase.to_radians();
-    let one = Helix { axis, pitch, heights, phase };
+    let one = Helix { axis, pitch, climb, heights, phase };
     let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
     if winding.double {
-        let other = Helix { pitch: -pitch, ..one };
+        let other = Helix { pitch: -pitch, climb: -climb, ..one };
         pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
     }
     Ok(pieces)

@@ -9,6 +9,15 @@
 //! the facet, which for an arc of φ is off by φ³/(72 √3), 0.02° for facets of 20°. A leg of a polyline is cut
 //! by the plane through both of its ends, moved to the nearest points of the facets, and the mean of the
 //! normals there.
+//!
+//! With other numbers of a helix, c at the corners is other by ċ, linear in the facet. An end λ of a piece stays
+//! at c = 0 and moves along d, Σ d_k = 0: along the edge that it is on, and at its height where it is an end of
+//! the thread or at a vertex. So
+//!
+//! λ̇ = −ċ(λ) d/Σ c_k d_k      ċ = t/|pitch| by |pitch|      ċ = ∓1/2π by θ₀ of a right- or left-handed screw
+//!
+//! As long as no piece appears or vanishes, that is the derivative of all ends. There, and where the thread passes
+//! a vertex, forces are continuous, with a kink.
 
 use std::f64::consts::{PI, TAU};
 
@@ -31,6 +40,9 @@ pub struct Helix {
     pub axis: Axis,
     /// Height that a turn climbs [m]; negative for a left-handed screw.
     pub pitch: f64,
+    /// Derivative of the pitch by the number that it is made of: 1 for the pitch itself, −1 for the opposite
+    /// of another one, ∂pitch/∂angle [m/rad].
+    pub climb: f64,
     /// Heights of its ends [m].
     pub heights: [f64; 2],
     /// Angle of its start [rad], from [`Axis::reference`].
@@ -46,6 +58,9 @@ pub struct Piece {
     pub ends: [[f64; 3]; 2],
     /// t at its ends.
     pub range: [f64; 2],
+    /// Derivatives of `ends` by the number that the pitch of a helix is made of, and by its phase [1/rad]; zero
+    /// for a polyline.
+    pub rates: [[[f64; 3]; 2]; 2],
 }
 
 /// Why a thread cannot be laid.
@@ -120,7 +135,7 @@ fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Pie
         ends.swap(0, 1);
         own.swap(0, 1);
     }
-    clipped(Piece { facet, ends, range: own }, range)
+    clipped(Piece { facet, ends, range: own, rates: Default::default() }, range)
 }
 
 /// The part of a piece in a range of t; none where nothing is left.
@@ -135,6 +150,32 @@ fn clipped(piece: Piece, [first, last]: [f64; 2]) -> Option<Piece> {
         std::array::from_fn(|k| (1.0 - part) * a[k] + part * b[k])
     });
     Some(Piece { range: own, ends, ..piece })
+}
+
+/// ∂λ/∂c of an end of a piece, by c of the corners, for a motion along its edge, or at its height where it is free.
+fn slide(end: &[f64; 3], corners: &[[f64; 2]; 3], free: bool) -> [f64; 3] {
+    let mut along = [0.0; 3];
+    match end.iter().position(|l| *l == 0.0) {
+        Some(k) if !free => (along[(k + 1) % 3], along[(k + 2) % 3]) = (1.0, -1.0),
+        _ => (0..3).for_each(|k| along[k] = corners[(k + 1) % 3][1] - corners[(k + 2) % 3][1]),
+    }
+    let across: f64 = corners.iter().zip(&along).map(|([c, _], d)| c * d).sum();
+    along.map(|d| -d / across)
+}
+
+impl Helix {
+    /// The segment of a helix of so many turns in a facet, by c and t of its corners, with its rates.
+    fn piece(&self, facet: [usize; 3], corners: [[f64; 2]; 3], turns: f64) -> Option<Piece> {
+        let mut piece = cut(facet, corners, [0.0, turns])?;
+        let hand = self.pitch.signum();
+        for (k, (end, t)) in piece.ends.iter().zip(piece.range).enumerate() {
+            let free = t == 0.0 || t == turns || end.contains(&1.0);
+            let slide = slide(end, &corners, free);
+            piece.rates[0][k] = slide.map(|by| by * t / self.pitch * self.climb);
+            piece.rates[1][k] = slide.map(|by| -by * hand / TAU);
+        }
+        Some(piece)
+    }
 }
 
 /// Whether a piece is elsewhere than the chain is at the same t.
@@ -251,7 +292,7 @@ pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece
         let last = (turns - least(beside)).min(most(along) - least(beside)).ceil();
         for whole in first as i64..=last as i64 {
             let at = |k: usize| [beside[k] + whole as f64 - along[k], along[k]];
-            pieces.extend(cut(facet, [at(0), at(1), at(2)], [0.0, turns]));
+            pieces.extend(own.piece(facet, [at(0), at(1), at(2)], turns));
         }
     }
     chained(pieces, x, [0.0, turns])

@@ -19,7 +19,12 @@
 //!
 //! w [½ EA q″ (t·m) (t/L − l D/L³) + N (m − (t·m) t)/l]
 //!
-//! The parameters are EA and N₀.
+//! The parameters are EA, N₀, what the pitch of a helix is made of, and its phase [rad]. By the last two, ends of
+//! segments move at the rates of their [`Piece`]: with δ from end to end and λ a point of a segment,
+//!
+//! Ḋ = Σ δ̇_k X_k      φ̇′ = ∇φ · δ̇ + δ · ∇∇φ λ̇      L̇ = ∂L/∂D · Ḋ + Σ_a (∂L/∂u′ · u_a + w N t · λ_a) φ̇′_a
+//!
+//! ∂L/∂u′ is w (½ EA q″/L t⊗t + N/l (I − t⊗t)) m: the Hessian by u′ times m.
 
 mod lay;
 
@@ -59,15 +64,27 @@ struct Segment {
     nodes: Vec<usize>,
     /// Barycentric coordinates of its ends.
     ends: [[f64; 3]; 2],
-    /// Weight and φ′ of each quadrature point.
-    points: Vec<(f64, Vec<f64>)>,
+    points: Vec<Place>,
+    /// δ̇ by what the pitch is made of, and by the phase.
+    rates: [[f64; 3]; 2],
+}
+
+/// What a quadrature point of a segment has of the facet's reference.
+#[derive(Clone)]
+struct Place {
+    weight: f64,
+    /// φ′ of the nodes.
+    slopes: Vec<f64>,
+    /// φ̇′ of the nodes by what the pitch is made of, and by the phase.
+    rates: [Vec<f64>; 2],
 }
 
 /// A quadrature point of a segment.
 struct Point<'a> {
     weight: f64,
-    /// φ′ of the nodes.
+    /// φ′ of the nodes, and φ̇′.
     slopes: &'a [f64],
+    rates: &'a [Vec<f64>; 2],
     /// D [m].
     rest: Vec3,
     /// L [m].
@@ -119,26 +136,55 @@ fn rule(points: usize) -> Vec<(f64, f64)> {
     }
 }
 
+/// From one end to the other.
+fn between(ends: &[[f64; 3]; 2]) -> [f64; 3] {
+    std::array::from_fn(|k| ends[1][k] - ends[0][k])
+}
+
+/// The place at a part of the way between two ends.
+fn part(ends: &[[f64; 3]; 2], s: f64) -> [f64; 3] {
+    let by = between(ends);
+    std::array::from_fn(|k| ends[0][k] + s * by[k])
+}
+
+/// Derivatives of a facet's basis at barycentric coordinates along a difference of such.
+fn along(degree: usize, at: &[f64; 3], by: &[f64; 3]) -> Vec<f64> {
+    let table = tabulate(degree, &Rule { weights: vec![1.0], points: vec![at.to_vec()] });
+    table.gradients[0].iter().map(|g| g[0] * by[1] + g[1] * by[2]).collect()
+}
+
+/// φ̇′ at a part of the way, for rates of the ends. Gradients are quadratic at most, so that their central
+/// difference along λ̇ is exact.
+fn slope_rates(degree: usize, piece: &Piece, rates: &[[f64; 3]; 2], s: f64) -> Vec<f64> {
+    let (at, moves, by) = (part(&piece.ends, s), part(rates, s), between(&piece.ends));
+    let size = moves.iter().fold(0.0_f64, |size, m| size.max(m.abs()));
+    let own = along(degree, &at, &between(rates));
+    if size == 0.0 {
+        return own;
+    }
+    let shifted = |sign: f64| std::array::from_fn(|k| at[k] + sign / size * moves[k]);
+    let [before, after] = [-1.0, 1.0].map(|sign| along(degree, &shifted(sign), &by));
+    let turned = before.iter().zip(&after).map(|(before, after)| 0.5 * size * (after - before));
+    own.iter().zip(turned).map(|(own, turned)| own + turned).collect()
+}
+
 impl Segment {
     fn new(space: &FunctionSpace, piece: &Piece) -> Self {
-        let Piece { facet: vertices, ends, .. } = *piece;
-        let by: [f64; 3] = std::array::from_fn(|k| ends[1][k] - ends[0][k]);
-        let rule = rule(space.degree());
-        let place = |s: f64| (0..3).map(|k| ends[0][k] + s * by[k]).collect();
-        let weights: Vec<f64> = rule.iter().map(|(_, weight)| *weight).collect();
-        let places = rule.iter().map(|(s, _)| place(*s)).collect();
-        let table = tabulate(space.degree(), &Rule { weights: weights.clone(), points: places });
-        let slopes = |gradients: &Vec<[f64; 3]>| {
-            gradients.iter().map(|g| g[0] * by[1] + g[1] * by[2]).collect()
+        let Piece { facet: vertices, ends, rates, .. } = *piece;
+        let (degree, by) = (space.degree(), between(&ends));
+        let place = |(s, weight): (f64, f64)| Place {
+            weight,
+            slopes: along(degree, &part(&ends, s), &by),
+            rates: rates.map(|rates| slope_rates(degree, piece, &rates, s)),
         };
-        let points = weights.into_iter().zip(table.gradients.iter().map(slopes)).collect();
-        Self { vertices, nodes: space.facet_nodes(vertices), ends, points }
+        let points = rule(degree).into_iter().map(place).collect();
+        let rates = rates.map(|rates| between(&rates));
+        Self { vertices, nodes: space.facet_nodes(vertices), ends, points, rates }
     }
 
-    /// Σ δ_k X_k over the corners, δ from one end to the other.
-    fn difference(&self, rest: &[Vec3]) -> Vec3 {
-        let [a, b] = &self.ends;
-        self.vertices.iter().zip(a.iter().zip(b)).map(|(&v, (a, b))| (b - a) * rest[v]).sum()
+    /// Σ δ_k X_k over the corners.
+    fn corners(&self, by: &[f64; 3], rest: &[Vec3]) -> Vec3 {
+        self.vertices.iter().zip(by).map(|(&v, by)| *by * rest[v]).sum()
     }
 
     /// w′ of a nodal field.
@@ -159,6 +205,32 @@ impl Point<'_> {
     /// N [N].
     fn force(&self, own: &Winding) -> f64 {
         0.5 * own.stiffness * self.square[1]
+    }
+
+    /// ∂L/∂D of L = w N t·m.
+    fn by_rest(&self, own: &Winding, m: &Vec3) -> Vec3 {
+        let along = self.along.dot(m);
+        let by_strain = 0.5 * own.stiffness * self.square[2] * along;
+        let strained = self.along / self.long - (self.stretched / self.long.powi(3)) * self.rest;
+        let turned = self.force(own) / self.stretched * (m - along * self.along);
+        self.weight * (by_strain * strained + turned)
+    }
+
+    /// L̇ for the rate k of the ends.
+    fn by_ends(
+        &self,
+        own: &Winding,
+        segment: &Segment,
+        (at, lambda): (&Iterate, &[f64]),
+        k: usize,
+    ) -> f64 {
+        let slope = |field: &[f64]| segment.slope(&self.rates[k], field);
+        let m = segment.slope(self.slopes, lambda);
+        let by_slope = self.weight * self.stiffness(own) * m;
+        let by_m = self.weight * self.force(own) * self.along;
+        self.by_rest(own, &m).dot(&segment.corners(&segment.rates[k], at.rest))
+            + by_slope.dot(&slope(at.u))
+            + by_m.dot(&slope(lambda))
     }
 }
 
@@ -191,9 +263,9 @@ impl Winding {
     }
 
     fn for_each_point(&self, iterate: &Iterate, segment: &Segment, mut f: impl FnMut(&Point)) {
-        let rest = segment.difference(iterate.rest);
+        let rest = segment.corners(&between(&segment.ends), iterate.rest);
         let long = rest.norm();
-        for (weight, slopes) in &segment.points {
+        for Place { weight, slopes, rates } in &segment.points {
             let moved = segment.slope(slopes, iterate.u);
             let stretched = (rest + moved).norm();
             // without the digits of 1
@@ -201,7 +273,7 @@ impl Winding {
                 (2.0 * rest.dot(&moved) + moved.norm_squared()) / (long * (stretched + long));
             let square = square(strain + self.pretension / self.stiffness, Some(self.slack));
             let along = (rest + moved) / stretched;
-            f(&Point { weight: *weight, slopes, rest, long, stretched, along, square });
+            f(&Point { weight: *weight, slopes, rates, rest, long, stretched, along, square });
         }
     }
 
@@ -338,33 +410,28 @@ impl Energy for Winding {
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         self.for_each_segment(
             iterate,
-            |segment, p, by: &mut Vec3| {
-                let m = segment.slope(p.slopes, lambda);
-                let along = p.along.dot(&m);
-                let by_strain = 0.5 * self.stiffness * p.square[2] * along;
-                let strained = p.along / p.long - (p.stretched / p.long.powi(3)) * p.rest;
-                let turned = p.force(self) / p.stretched * (m - along * p.along);
-                *by += p.weight * (by_strain * strained + turned);
-            },
+            |segment, p, by: &mut Vec3| *by += p.by_rest(self, &segment.slope(p.slopes, lambda)),
             |segment, by| {
-                let [a, b] = &segment.ends;
-                for (k, &vertex) in segment.vertices.iter().enumerate() {
-                    add_at(out, vertex, &((b[k] - a[k]) * by));
+                let shares = between(&segment.ends);
+                for (&vertex, share) in segment.vertices.iter().zip(shares) {
+                    add_at(out, vertex, &(share * by));
                 }
             },
         );
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; 2];
+        let mut sum = vec![0.0; 4];
         let pretension = self.pretension / self.stiffness;
         self.for_each_segment(
             iterate,
-            |segment, p, by: &mut [f64; 2]| {
+            |segment, p, by: &mut [f64; 4]| {
                 let along = p.weight * p.along.dot(&segment.slope(p.slopes, lambda));
                 let [_, first, second] = p.square;
                 by[0] += 0.5 * along * (first - pretension * second);
                 by[1] += 0.5 * along * second;
+                by[2] += p.by_ends(self, segment, (iterate, lambda), 0);
+                by[3] += p.by_ends(self, segment, (iterate, lambda), 1);
             },
             |_, part| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p),
         );

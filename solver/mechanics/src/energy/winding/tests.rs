@@ -75,6 +75,42 @@ fn derivatives_pass_the_taylor_test() {
     }
 }
 
+/// Helices of both hands around the side faces of the cube, by their pitch and phase: steps are so short that no
+/// piece appears or vanishes.
+#[test]
+fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
+    for degree in [1, 2, 3] {
+        for sign in [1.0, -1.0] {
+            let case = Case::new(degree, 0.03);
+            let mesh = cube(3, 0.2);
+            let is_side = |f: &[usize; 3]| {
+                let flat = |k: usize, at: f64| f.iter().all(|&v| mesh.vertices[v][k] == at);
+                (0..2).any(|k| flat(k, 0.0) || flat(k, 1.0))
+            };
+            let boundary = mesh::topology::boundary(&mesh).facets;
+            let sides: Vec<_> = boundary.into_iter().filter(is_side).collect();
+            let axis = Axis { point: Vec3::new(0.5, 0.45, 0.0), along: Vec3::z() };
+            let numbers = [0.53 * sign, 0.3];
+            let pieces = |[pitch, phase]: [f64; 2]| {
+                let own = Helix { axis, pitch, climb: 1.0, heights: [0.1, 0.85], phase };
+                helix(&sides, &case.rest, &own).expect("it lies on the sides")
+            };
+            let facets = |numbers: [f64; 2]| -> Vec<_> {
+                pieces(numbers).iter().map(|piece| piece.facet).collect()
+            };
+            let thread = |numbers| Winding::new(&case.space, &pieces(numbers), [40.0, 2.0, 0.3]);
+            let weights = Random::new(33).numbers(case.u.len());
+            let by = thread(numbers).parameter_vjp(&case.at(&case.u, &case.rest), &weights);
+            let here = facets(numbers);
+            check_gradient(&numbers, &by[2..], 1e-4, |x| {
+                assert_eq!(facets([x[0], x[1]]), here);
+                let thread = thread([x[0], x[1]]);
+                dot(&weights, &case.gradient(&thread, &case.u, &case.rest))
+            });
+        }
+    }
+}
+
 /// Pulled by λ in all directions, a thread has the force EA (λ − 1), and with pretension as much more.
 #[test]
 fn a_stretched_thread_has_its_force() {
@@ -130,7 +166,7 @@ fn tube(around: usize, along: usize, radius: f64) -> (Vec<[usize; 3]>, Vec<Vec3>
 
 fn screw(pitch: f64, phase: f64) -> Helix {
     let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
-    Helix { axis, pitch, heights: [0.5, 3.5], phase }
+    Helix { axis, pitch, climb: 1.0, heights: [0.5, 3.5], phase }
 }
 
 fn length(pieces: &[Piece], x: &[Vec3]) -> f64 {
