@@ -105,6 +105,15 @@ pub struct Winding {
     pub force: [f64; 2],
     /// Mean force along it [N].
     pub mean_force: f64,
+    /// Mean force of a helix along its axis, across sections of the body in the middle third of its height [N].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_force: Option<f64>,
+    /// The same force of all that is elastic there: bodies, sheets, fibres and all threads [N].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub section_force: Option<f64>,
+    /// The thread's share of it [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_share: Option<f64>,
     /// Force at which it breaks over the largest force, if it is known: it breaks below 1 [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margin: Option<f64>,

@@ -64,6 +64,7 @@ pub fn measure(probes: &[Probe], problem: &Problem, at: &Iterate) -> BTreeMap<St
         reaction = problem.gradient(at).0;
     }
     let &Iterate { space, rest, u, time, .. } = at;
-    let here = Equilibrium { space, rest, u, time, contact: &contact, reaction: &reaction };
+    let (contact, reaction, threads) = (&contact, &reaction, &problem.energies.windings);
+    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
     probes.iter().map(|probe| (probe.name.clone(), probe.quantity.value(&here))).collect()
 }

@@ -12,7 +12,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use mechanics::energy::{self, Energies, FibreMean, FibreSummary, Fibres, Iterate, WindingSummary};
+use mechanics::energy::{
+    self, Axis, Energies, Energy, FibreMean, FibreSummary, Fibres, Helix, Iterate, WindingSummary,
+};
 use mesh::Vec3;
 use mesh::io::vtu::Field;
 use reports::{Fibre, Winding};
@@ -21,6 +23,8 @@ use scene::config::WindingConfig;
 
 /// Forces along the threads.
 pub const THREADS: &str = "windings.csv";
+/// A force across a section that is rounding beside that of a thread [1].
+const NO_FORCE: f64 = 1e-6;
 
 /// Measures of every family of fibres.
 #[must_use]
@@ -30,6 +34,50 @@ pub fn fibres(energies: &Energies, at: &Iterate) -> Vec<Fibre> {
         Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
     };
     energies.fibres.iter().map(one).collect()
+}
+
+/// Heights of a section, from 0 to 1 between two of them, and the axis across it.
+struct Section {
+    axis: Axis,
+    heights: [f64; 2],
+}
+
+impl Section {
+    /// The middle third of a helix.
+    fn middle(helix: &Helix) -> Self {
+        let [start, end] = helix.heights;
+        let third = (end - start) / 3.0;
+        Self { axis: helix.axis, heights: [start + third, end - third] }
+    }
+
+    /// Force of terms along the axis across sections between both heights at rest, on average [N]: with φ of 0 below
+    /// and 1 above, linear between them and interpolated at the nodes, Σ ∂W/∂u_a · k φ_a. That is the force across
+    /// every section where no load is between the heights.
+    fn force<'a>(&self, terms: impl Iterator<Item = &'a dyn Energy>, at: &Iterate) -> f64 {
+        let mut forces = vec![0.0; at.u.len()];
+        terms.for_each(|term| term.add_gradient(at, &mut forces));
+        let [low, high] = self.heights;
+        let nodes = at.space.node_positions(at.rest).into_iter().enumerate();
+        let one = |(node, x): (usize, Vec3)| {
+            let height = (x - self.axis.point).dot(&self.axis.along);
+            let part = ((height - low) / (high - low)).clamp(0.0, 1.0);
+            part * self.axis.along.dot(&Vec3::from_column_slice(&forces[3 * node..3 * node + 3]))
+        };
+        nodes.map(one).sum()
+    }
+}
+
+/// Force of a thread along its axis, and that of all that is elastic [N]; none of a line through points.
+fn axial_forces(
+    scene: &Scene,
+    (winding, thread): (&WindingConfig, &energy::Winding),
+    (energies, at): (&Energies, &Iterate),
+) -> Option<[f64; 2]> {
+    // a thread that lies on the body has a helix
+    let section = Section::middle(&scene.helix(winding).ok()??);
+    let elastic = energies.terms().filter(|term| term.kind.is_elastic()).map(|term| term.energy);
+    let own: &dyn Energy = thread;
+    Some([section.force(std::iter::once(own), at), section.force(elastic, at)])
 }
 
 /// Measures of every thread, in the order of the scene.
@@ -47,6 +95,8 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
                 strength.unwrap_or_default()
             );
         }
+        let axial = axial_forces(scene, (winding, thread), (energies, at));
+        let counts = |[own, all]: &[f64; 2]| all.abs() > NO_FORCE * own.abs();
         Winding {
             name: name.clone(),
             on: on.all().join(" and "),
@@ -56,6 +106,9 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
             energy,
             force,
             mean_force,
+            axial_force: axial.map(|[own, _]| own),
+            section_force: axial.map(|[_, all]| all),
+            load_share: axial.filter(counts).map(|[own, all]| own / all),
             margin,
             taut,
         }

@@ -28,7 +28,8 @@ pub fn sensitivities(
     let reaction = problem.gradient(&at).0;
     let linearization = (n == run.steps()).then(|| workspace.linearize(problem, &at));
     let (space, u, time) = (at.space, at.u, at.time);
-    let here = Equilibrium { space, rest, u, time, contact: &contact, reaction: &reaction };
+    let (contact, reaction, threads) = (&contact, &reaction, &problem.energies.windings);
+    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
     let mut found = Vec::new();
     for probe in probes {
         let (q, mut by_rest) = (&probe.quantity, vec![0.0; 3 * rest.len()]);
@@ -43,6 +44,9 @@ pub fn sensitivities(
         let mut swept = adjoint::sweep(problem, workspace, on, linearization.as_ref(), partials)
             .map_err(|e| anyhow!("derivatives of the probe \"{}\": {e}", probe.name))?;
         swept.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
+        for (id, by) in q.by_parameters(&here, 1.0) {
+            swept.parameters.add(n - 1, id, by);
+        }
         found.push((q.value(&here), swept));
     }
     Ok(found)

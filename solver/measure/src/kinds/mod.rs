@@ -22,6 +22,7 @@ mod tests;
 mod volume;
 mod wall_thickness;
 mod wanted;
+mod winding_force;
 
 use program::{KeyPath, Misfit, unknown};
 
@@ -43,6 +44,7 @@ pub const KINDS: &[Kind] = &[
     volume::CHAMBER,
     contact_force::ALONG,
     reaction::KIND,
+    winding_force::KIND,
     target::KIND,
     motion::DISPLACEMENT,
     motion::POSITION,

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::{Result, ensure};
+use mechanics::energy::ParameterId;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
 use program::{KeyPath, misfit};
@@ -115,8 +116,8 @@ impl Quantity for Wanted {
         self.quantity.add_partials(at, weight * self.at(at).1, out);
     }
 
-    fn by_laws(&self, at: &Equilibrium, weight: f64) -> Vec<(usize, Vec<f64>)> {
-        self.quantity.by_laws(at, weight * self.at(at).1)
+    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+        self.quantity.by_parameters(at, weight * self.at(at).1)
     }
 
     fn uses_contact(&self) -> bool {

@@ -21,6 +21,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use mechanics::element::{FunctionSpace, at};
+use mechanics::energy::{ParameterId, Winding};
 
 pub use axis::Axis;
 pub use distance_field::{DistanceField, DistanceKind};
@@ -59,6 +60,8 @@ pub struct Equilibrium<'a> {
     /// Force of the supports on each node [N], in the components that they fix, three
     /// components per node; empty where no quantity needs it.
     pub reaction: &'a [f64],
+    /// The threads of the scene.
+    pub threads: &'a [Winding],
 }
 
 impl Equilibrium<'_> {
@@ -111,9 +114,8 @@ pub trait Quantity: Send + Sync {
     fn value(&self, at: &Equilibrium) -> f64;
     /// Adds `weight` times the partial derivatives of q, which must be finite.
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials);
-    /// `weight` times the partial derivatives of q by the parameters of the laws that it is made with, by the
-    /// places of these among all laws.
-    fn by_laws(&self, _at: &Equilibrium, _weight: f64) -> Vec<(usize, Vec<f64>)> {
+    /// `weight` times the partial derivatives of q by the parameters of terms of the energy that it is made with.
+    fn by_parameters(&self, _at: &Equilibrium, _weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
         Vec::new()
     }
     /// Whether it looks at the forces of contact.

@@ -31,6 +31,8 @@ pub struct Site<'a> {
     pub times: Vec<f64>,
     /// What the scene's probes measure, by their names, where an objective is built.
     pub probes: BTreeMap<String, Arc<dyn Quantity>>,
+    /// Names of the threads, in the order of the scene.
+    pub threads: Vec<&'a str>,
     /// Target surfaces, from their files.
     pub targets: Targets,
 }

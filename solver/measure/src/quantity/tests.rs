@@ -1,6 +1,7 @@
 //! Taylor tests of quantities at random states.
 
 use mechanics::element::FunctionSpace;
+use mechanics::energy::{Winding, polyline};
 use mechanics::math::random::Random;
 use mechanics::testing::{check_gradient, cube, flat, points};
 use mesh::Vec3;
@@ -23,12 +24,17 @@ pub struct Case {
     pub facets: Vec<[usize; 3]>,
     /// Size of the body [m].
     pub scale: f64,
+    /// Two threads, each across a side of the cube; none on other bodies.
+    pub threads: Vec<Winding>,
 }
 
 impl Case {
     /// A cube of side `scale` in 48 tetrahedra at a random displacement.
     pub fn cube(degree: usize, scale: f64) -> Self {
-        Self::of(&cube(2, 0.2), degree, scale)
+        let mut case = Self::of(&cube(2, 0.2), degree, scale);
+        let path = [[0.1, 0.2, 1.0], [0.8, 0.35, 1.0], [0.4, 0.9, 1.0]].map(Vec3::from);
+        case.threads = [path, path.map(|p| p.zyx())].map(|path| case.thread(&path)).to_vec();
+        case
     }
 
     /// A body times `scale`, every node of which is moved by up to 0.05 of it.
@@ -40,7 +46,17 @@ impl Case {
         let u = random.numbers(n).iter().map(|u| 0.05 * scale * u).collect();
         let facets = mesh::topology::boundary(mesh).facets;
         let [contact, reaction] = [0, 1].map(|_| random.numbers(n));
-        Self { space, rest, u, contact, reaction, facets, scale }
+        Self { space, rest, u, contact, reaction, facets, scale, threads: Vec::new() }
+    }
+
+    /// A thread through points of a unit cube, with a pretension that keeps it taut, and a stiffness that varies with
+    /// strain.
+    fn thread(&self, path: &[Vec3]) -> Winding {
+        let path: Vec<Vec3> = path.iter().map(|x| x * self.scale).collect();
+        let end = |x: Vec3| x.max() > 1.0 - 1e-9;
+        let facets = self.facets_where(end);
+        let pieces = polyline(&facets, &self.rest, &path).expect("it lies on the side");
+        Winding::new(&self.space, &pieces, [40.0, 30.0, 1.0])
     }
 
     /// The facets whose middle is where `wanted` says.
@@ -51,8 +67,8 @@ impl Case {
 
     /// The state.
     pub fn at(&self) -> Equilibrium<'_> {
-        let Self { space, rest, u, contact, reaction, .. } = self;
-        Equilibrium { space, rest, u, time: 0.7, contact, reaction }
+        let Self { space, rest, u, contact, reaction, threads, .. } = self;
+        Equilibrium { space, rest, u, time: 0.7, contact, reaction, threads }
     }
 
     /// Partial derivatives of a quantity times a weight.

@@ -39,6 +39,7 @@ impl Scene {
             supports,
             times: self.times(),
             probes: BTreeMap::new(),
+            threads: self.config.winding.iter().map(|own| own.name.as_str()).collect(),
             targets,
         })
     }

@@ -109,16 +109,22 @@ impl Scene {
         Ok(())
     }
 
+    /// The helix of a thread on the body; none of a line through points.
+    ///
+    /// # Errors
+    /// As [`Self::problem`].
+    pub fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
+        helix(winding, &tagged(winding, &self.body)?, &self.body.mesh.vertices)
+    }
+
     /// The threads of a body, in the order of the scene.
     ///
     /// # Errors
     /// When a tag is missing, or a thread leaves it.
     pub(super) fn windings(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Winding>> {
         let one = |winding: &WindingConfig| {
-            let WindingConfig { on, stiffness, pretension, slack, .. } = winding;
-            let tags = on.all().iter().map(|tag| body.tagged(tag));
-            let facets = tags.collect::<Result<Vec<_>, _>>().with_context(|| winding.title())?;
-            let pieces = lay(winding, &facets.concat(), &body.mesh.vertices)?;
+            let WindingConfig { stiffness, pretension, slack, .. } = winding;
+            let pieces = lay(winding, &tagged(winding, body)?, &body.mesh.vertices)?;
             Ok(Winding::new(space, &pieces, [*stiffness, *pretension, *slack]))
         };
         self.config.winding.iter().map(one).collect()
@@ -143,10 +149,28 @@ fn lay(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Vec
             advice(&error)
         )
     };
-    let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else {
+    let Some(one) = helix(winding, facets, x)? else {
         let points: Vec<Vec3> = winding.points.iter().map(|&point| point.into()).collect();
         return Ok(energy::polyline(facets, x, &points).map_err(cannot)?);
     };
+    let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
+    if winding.double {
+        let other = Helix { pitch: -one.pitch, climb: -one.climb, ..one };
+        pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
+    }
+    Ok(pieces)
+}
+
+/// The facets of the tags that a thread is wound on.
+fn tagged(winding: &WindingConfig, body: &Body) -> Result<Vec<[usize; 3]>> {
+    let tags = winding.on.all().iter().map(|tag| body.tagged(tag));
+    let facets = tags.collect::<Result<Vec<_>, _>>().with_context(|| winding.title())?;
+    Ok(facets.concat())
+}
+
+/// The helix of a thread on facets at rest; none of a line through points.
+fn helix(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Option<Helix>> {
+    let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else { return Ok(None) };
     let axis = around.line(&winding.title())?;
     let (pitch, climb) = match climb {
         Climb::Pitch(pitch) => (pitch, 1.0),
@@ -157,13 +181,7 @@ fn lay(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Vec
     };
     let heights = winding.heights(axis.heights(facets, x), pitch)?;
     let phase = winding.phase.to_radians();
-    let one = Helix { axis, pitch, climb, heights, phase };
-    let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
-    if winding.double {
-        let other = Helix { pitch: -pitch, climb: -climb, ..one };
-        pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
-    }
-    Ok(pieces)
+    Ok(Some(Helix { axis, pitch, climb, heights, phase }))
 }
 
 /// What may be done where a thread cannot be laid.

@@ -4,7 +4,6 @@ use measure::quantity::{Equilibrium, Partials};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::ParameterId;
 use mesh::Vec3;
 use scene::Weighted;
 use scene::config::LIMIT;
@@ -42,7 +41,7 @@ impl Scenario {
         let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
-        self.add_by_laws(run, &forces, of, factor, &mut gradient);
+        self.add_by_parameters(run, &forces, of, factor, &mut gradient);
         if of.is_none_or(|name| name == LIMIT) {
             self.add_limit(run, factor, &mut gradient)?;
         }
@@ -56,8 +55,8 @@ impl Scenario {
         Ok(gradient)
     }
 
-    /// Adds the partial derivatives of terms by the laws that they are made with, in each time step.
-    fn add_by_laws(
+    /// Adds the partial derivatives of terms by the parameters that they are made with, in each time step.
+    fn add_by_parameters(
         &self,
         run: &Run,
         forces: &[Forces],
@@ -69,11 +68,12 @@ impl Scenario {
         for (n, Forces { contact, reaction }) in forces.iter().enumerate().skip(1) {
             let state = states.state(n);
             let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
-            let here = Equilibrium { space, rest, u, time, contact, reaction };
+            let threads = &run.problem.energies.windings;
+            let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
             for term in self.terms.iter().filter(|term| of.is_none_or(|name| name == term.name)) {
                 let factor = factor * term.weight * term.factor * term.factors[n];
-                for (law, by) in term.quantity.by_laws(&here, factor) {
-                    gradient.parameters.add(n - 1, ParameterId::Material(law), by);
+                for (id, by) in term.quantity.by_parameters(&here, factor) {
+                    gradient.parameters.add(n - 1, id, by);
                 }
             }
         }

@@ -31,7 +31,8 @@ pub(super) fn add_partials<'a>(
 ) {
     let (state, time) = (run.states.state(n), run.states.times[n]);
     let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
-    let here = Equilibrium { space, rest, u, time, contact, reaction };
+    let threads = &run.problem.energies.windings;
+    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
     for term in terms {
         let factor = factor * term.weight * term.factor * term.factors[n];
         if factor != 0.0 {
@@ -84,7 +85,9 @@ impl Scenario {
             let Forces { contact, reaction } = self.forces(run, n);
             let (state, time) = (states.state(n), states.times[n]);
             let (space, u) = (&*run.problem.space, &state.u[..]);
-            let at = Equilibrium { space, rest, u, time, contact: &contact, reaction: &reaction };
+            let (contact, reaction) = (&contact, &reaction);
+            let threads = &run.problem.energies.windings;
+            let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
                 if factor != 0.0 && wanted(term) {

@@ -37,6 +37,7 @@ fn probes(s: f64) -> Vec<String> {
         "kind = 'gap'\non = 'top'\nto = 'bottom'".to_owned(),
         "kind = 'curvature'\non = ['left', 'top', 'right', 'bottom']".to_owned(),
         "kind = 'volume'\non = 'top'".to_owned(),
+        "kind = 'winding-force'\nwinding = 'thread'".to_owned(),
         "kind = 'contact-force'\non = 'top'\naxis = [0, 0, 1]".to_owned(),
     ]
 }
@@ -79,6 +80,7 @@ fn on_site<T>(case: &Case, with: impl FnOnce(Site) -> T) -> T {
         supports: BTreeMap::from([("bottom".to_owned(), vec![0, 1, 2])]),
         times: vec![0.7],
         probes: BTreeMap::new(),
+        threads: vec!["other", "thread"],
         targets: Targets::default(),
     })
 }

@@ -26,6 +26,7 @@
 //!
 //! ∂L/∂u′ is w (½ EA q″/L t⊗t + N/l (I − t⊗t)) m: the Hessian by u′ times m.
 
+mod force;
 mod lay;
 
 use mesh::Vec3;
@@ -207,13 +208,17 @@ impl Point<'_> {
         0.5 * own.stiffness * self.square[1]
     }
 
+    /// ∂ε/∂D at constant u′.
+    fn strained(&self) -> Vec3 {
+        self.along / self.long - (self.stretched / self.long.powi(3)) * self.rest
+    }
+
     /// ∂L/∂D of L = w N t·m.
     fn by_rest(&self, own: &Winding, m: &Vec3) -> Vec3 {
         let along = self.along.dot(m);
         let by_strain = 0.5 * own.stiffness * self.square[2] * along;
-        let strained = self.along / self.long - (self.stretched / self.long.powi(3)) * self.rest;
         let turned = self.force(own) / self.stretched * (m - along * self.along);
-        self.weight * (by_strain * strained + turned)
+        self.weight * (by_strain * self.strained() + turned)
     }
 
     /// L̇ for the rate k of the ends.

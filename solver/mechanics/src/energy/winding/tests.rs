@@ -107,6 +107,16 @@ fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
                 let thread = thread([x[0], x[1]]);
                 dot(&weights, &case.gradient(&thread, &case.u, &case.rest))
             });
+            let at = case.at(&case.u, &case.rest);
+            let by = thread(numbers).mean_force_by_parameters(&at, 3.0);
+            let same = [40.0, 2.0, numbers[0], numbers[1]];
+            let scaled: Vec<f64> = by.iter().zip(same).map(|(by, value)| by * value).collect();
+            check_gradient(&[1.0; 4], &scaled, 2e-4, |x| {
+                let [stiffness, pretension, pitch, phase] = [0, 1, 2, 3].map(|k| same[k] * x[k]);
+                let pieces = pieces([pitch, phase]);
+                let thread = Winding::new(&case.space, &pieces, [stiffness, pretension, 0.3]);
+                thread.mean_force(&at, 3.0)
+            });
         }
     }
 }
@@ -122,7 +132,8 @@ fn a_stretched_thread_has_its_force() {
         for pretension in [0.0, 3.0] {
             let found = case.thread([40.0, pretension]).summary(&at);
             let force = 16.0 + pretension;
-            for force_found in found.force.into_iter().chain([found.mean_force]) {
+            let means = [1.0, 7.0].map(|q| case.thread([40.0, pretension]).mean_force(&at, q));
+            for force_found in found.force.into_iter().chain([found.mean_force]).chain(means) {
                 assert!((force_found / force - 1.0).abs() < 1e-12, "{degree}: {found:?}");
             }
             let legs = (0.7_f64.powi(2) + 0.15_f64.powi(2)).sqrt()
@@ -138,6 +149,22 @@ fn a_stretched_thread_has_its_force() {
     }
 }
 
+/// Means of threads that are nowhere and somewhere taut: from the mean to the largest force.
+#[test]
+fn power_means_of_the_force_tend_to_the_largest() {
+    let case = Case::new(2, 0.03);
+    let at = case.at(&case.u, &case.rest);
+    let thread = case.thread(NUMBERS);
+    let summary = thread.summary(&at);
+    assert!((thread.mean_force(&at, 1.0) / summary.mean_force - 1.0).abs() < 1e-12);
+    let mut largest = 0.0_f64;
+    for segment in &thread.segments {
+        thread.for_each_point(&at, segment, |p| largest = largest.max(p.force(&thread)));
+    }
+    let means = [1.0, 2.0, 8.0, 90.0].map(|power| thread.mean_force(&at, power));
+    assert!(means.is_sorted() && means[3] < largest && means[3] > 0.9 * largest, "{means:?}");
+}
+
 #[test]
 fn a_slack_thread_does_nothing() {
     let mut case = Case::new(2, 0.0);
@@ -147,6 +174,8 @@ fn a_slack_thread_does_nothing() {
     let at = case.at(&case.u, &case.rest);
     assert_eq!((thread.value(&at), thread.summary(&at).taut), (0.0, 0.0));
     assert!(case.gradient(&thread, &case.u, &case.rest).iter().all(|g| *g == 0.0));
+    assert_eq!(thread.mean_force(&at, 2.0), 0.0);
+    assert_eq!(thread.mean_force_by_parameters(&at, 2.0), [0.0; 4]);
 }
 
 /// A tube about z of radius 1 and height 4, facets of a number of cells around and along.

@@ -130,8 +130,9 @@ fn values(contact: &str, terms: &str) -> Result<Vec<(String, f64, Vec<f64>)>> {
     let mut pull = vec![0.0; u.len()];
     pull.chunks_exact_mut(3).for_each(|f| f[2] = 1.0);
     let rest = &scene.body.mesh.vertices;
-    let at = Equilibrium { space: &space, rest, u: &u, time: 1.0, contact: &pull, reaction: &[] };
-    let terms = builder.build(&scene, &scene.body, &space)?;
+    let (space, u, contact) = (&space, &u, &pull);
+    let at = Equilibrium { space, rest, u, time: 1.0, contact, reaction: &[], threads: &[] };
+    let terms = builder.build(&scene, &scene.body, space)?;
     let one = |t: &Weighted| {
         assert!(t.weight == 2.0);
         (t.name.clone(), t.quantity.value(&at), t.factors.clone())

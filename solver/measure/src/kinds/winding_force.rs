@@ -1,0 +1,97 @@
+//! Force of a thread.
+//!
+//! q = (∫ N^p dS / ∫ dS)^(1/p)      N along the thread, S its length at rest
+//!
+//! The mean for p = 1; the larger p, the nearer to the largest force. See [`mechanics::energy::Winding::mean_force`].
+
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::energy::{Iterate, ParameterId, Winding};
+use program::{KeyPath, misfit, unknown};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+
+/// Powers above which forces of a hundredth of the largest are rounding.
+const MOST_POWER: f64 = 100.0;
+
+pub(super) const KIND: Kind = Kind {
+    key: "winding-force",
+    formula: "(∫ N^p dS / ∫ dS)^(1/p) of the force N of a thread: the mean, or nearly the largest",
+    unit: "N",
+    example: "winding = 'thread'\npower = 3.0",
+    ..Kind::of::<Keys>(&[List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// name of the [[winding]]
+    winding: String,
+    /// p ≥ 1 (1, the mean); about 10 for the largest
+    #[serde(default = "one")]
+    power: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let power = self.power;
+        ensure!(
+            (1.0..=MOST_POWER).contains(&power),
+            misfit!(
+                KeyPath::of("power"),
+                " = {power}: must be from 1, the mean, to {MOST_POWER}; about 10 comes near the largest"
+            )
+        );
+        Ok(())
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let place = site.threads.iter().position(|name| **name == self.winding);
+        let place = place.ok_or_else(|| {
+            let known = site.threads.iter().copied();
+            let has = match site.threads.is_empty() {
+                true => "the scene has no [[winding]]".to_owned(),
+                false => format!("there are: {}", site.threads.join(", ")),
+            };
+            KeyPath::of("winding").told(unknown("unknown winding", &self.winding, known, ';', &has))
+        })?;
+        Ok(Arc::new(WindingForce { place, power: self.power }))
+    }
+}
+
+/// A mean of the force of a thread.
+struct WindingForce {
+    /// The place of the thread among all.
+    place: usize,
+    power: f64,
+}
+
+impl WindingForce {
+    fn on<'a>(&self, at: &Equilibrium<'a>) -> (&'a Winding, Iterate<'a>) {
+        (&at.threads[self.place], Iterate::new(at.space, at.rest, at.u, at.time))
+    }
+}
+
+impl Quantity for WindingForce {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let (thread, at) = self.on(at);
+        thread.mean_force(&at, self.power)
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        let (thread, at) = self.on(at);
+        thread.add_mean_force(&at, [self.power, weight], (&mut *out.u, &mut *out.rest));
+    }
+
+    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+        let (thread, at) = self.on(at);
+        let by = thread.mean_force_by_parameters(&at, self.power);
+        vec![(ParameterId::Winding(self.place), by.iter().map(|by| weight * by).collect())]
+    }
+}
