@@ -39,8 +39,7 @@ impl Model {
 
     fn energies(&self, directions: &[Direction], count: usize) -> Energies {
         let mut energies = Energies::elastic(Box::new(NeoHookean(self.lame)));
-        let all =
-            directions.iter().map(|direction| Fibres::new(self.law, direction.clone(), 0..count));
+        let all = directions.iter().map(|&direction| Fibres::new(self.law, direction, 0..count));
         energies.fibres.extend(all);
         energies
     }
@@ -126,7 +125,7 @@ fn pulled(model: &Model, angle: f64, stress: f64) -> [f64; 4] {
     let count = mesh.tets.len();
     let direction = Direction::Constant(Vec3::new(angle.cos(), angle.sin(), 0.0));
     let energies = |space: &FunctionSpace| {
-        let mut energies = model.energies(&[direction.clone()], count);
+        let mut energies = model.energies(&[direction], count);
         for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
             let pull: Schedule = format!("{} * t", sign * stress).parse().expect("a function");
             let pull = Field([pull, 0.0.into(), 0.0.into()]);

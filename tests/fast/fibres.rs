@@ -143,7 +143,7 @@ fn axial_force_is_that_of_the_segments(dir: &Workdir) {
     assert!((number("axial_force") / force - 1.0).abs() < 1e-9, "{row} {force}");
     let section = number("section_force");
     assert!((number("load_share") * section / force - 1.0).abs() < 1e-9, "{row}");
-    let pressure = dir.json("out/report.json")["chambers"][0]["pressure"].as_f64().unwrap();
+    let pressure = dir.json("out/report.json")["chambers"]["cavity"]["pressure"].as_f64().unwrap();
     let load = pressure * 4e-4;
     assert!((section / load - 1.0).abs() < 0.2, "{section} {load}");
 }
@@ -205,6 +205,9 @@ probe = "pull"
 "#;
 
 const PARAMETER: &str = r#"
+[optimizer]
+iterations = 1
+
 [[parameter]]
 name = "winding.thread.angle"
 bounds = [75, 85]
@@ -363,6 +366,16 @@ fn threads_that_cannot_be_used_are_refused() {
             &["a helix without an axis"],
         ),
         ("stiffness = 50", "stiffnes = 50", &["unknown field `stiffnes`", "`stiffness`"]),
+        (
+            "stiffness = 50\n",
+            "stiffness = 50\n[[probe]]\nname = \"f\"\nkind = \"winding-force\"\nwinding = \"tread\"\n",
+            &["unknown winding; did you mean `thread`?", "there are: thread"],
+        ),
+        (
+            "stiffness = 50\n",
+            "stiffness = 50\n[[probe]]\nname = \"f\"\nkind = \"winding-force\"\nwinding = \"thread\"\npower = 0.5\n",
+            &["power = 0.5", "from 1, the mean, to 100"],
+        ),
     ] {
         let dir = workdir(&WINDING.replace(from, to));
         let run = dir.solver("simulate p1.toml -o out");

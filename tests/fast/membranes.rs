@@ -13,6 +13,16 @@ thickness = 1e-4
 material = { kind = "sheet", young = 3e6, poisson = 0.3 }
 "#;
 
+/// Fabric on the bias, the warp around an axis below the body.
+const FABRIC: &str = r#"
+[[membrane]]
+on = "top"
+thickness = 1e-4
+material = { kind = "woven", warp = 3e6, weft = 1e6, shear = 2e5, poisson = 0.3 }
+around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }
+angle = 30
+"#;
+
 const BARS: &str = r#"
 [uncertainty]
 membrane = 0.1
@@ -122,6 +132,39 @@ fn gradients_by_shape_and_sheet_pass_their_test() {
     assert!(run.stdout.contains("membrane.top"), "{}", run.stdout);
 }
 
+/// By the shape, with which the warp turns, and by all numbers of the fabric with the angle.
+#[test]
+fn gradients_by_shape_and_fabric_pass_their_test() {
+    let dir = workdir(FABRIC);
+    let run = dir.solver("check design.toml --handles 1 --random 1");
+    run.assert_good();
+    assert!(run.stdout.contains("membrane.top"), "{}", run.stdout);
+    assert!(
+        run.stderr.contains("woven") && run.stderr.contains("30° to an axis"),
+        "{}",
+        run.stderr
+    );
+}
+
+/// A fabric that is pulled along its warp gives way less than along its weft; the number sets the angle.
+#[test]
+fn the_angle_of_a_fabric_is_set_by_its_path() {
+    let rise = |angle: f64| {
+        let dir = workdir(FABRIC);
+        let numbers = format!("\n[numbers]\n\"membrane.top.angle\" = {angle}\n");
+        dir.write("set.toml", &(dir.text("p1.toml") + &numbers));
+        dir.solver("simulate set.toml -o out").assert_good();
+        let by_hand = dir.text("p1.toml").replace("angle = 30", &format!("angle = {angle}"));
+        dir.write("hand.toml", &by_hand);
+        dir.solver("simulate hand.toml -o hand").assert_good();
+        assert_eq!(dir.probe("out", "top").to_bits(), dir.probe("hand", "top").to_bits());
+        let along = &dir.json("out/report.json")["tags"]["top"]["mean_displacement_vector"][0];
+        along.as_f64().unwrap()
+    };
+    let [along, across] = [0.0, 90.0].map(rise);
+    assert!(along < across, "{along} {across}");
+}
+
 #[test]
 fn scenarios_change_the_sheet() {
     let dir = workdir(PAPER);
@@ -175,7 +218,11 @@ fn what_cannot_be_used_is_refused() {
         ("\"top\"", "\"roof\"", &["unknown tag \"roof\"", "seat, cavity, top"][..]),
         ("1e-4", "0.0", &["[[membrane]] on \"top\": thickness = 0 m", "positive"]),
         ("1e-4", "-1e-4", &["thickness = -0.0001 m"]),
-        ("\"sheet\"", "\"paper\"", &["[[membrane]] on \"top\"", "\"paper\"", "sheet, neo-hookean"]),
+        (
+            "\"sheet\"",
+            "\"paper\"",
+            &["[[membrane]] on \"top\"", "\"paper\"", "sheet, neo-hookean, woven"],
+        ),
         ("young = 3e6, ", "", &["no \"young\"", "young [Pa]"]),
         ("poisson = 0.3", "poisson = 1.2", &["[[membrane]] on \"top\"", "bulk = "]),
         (
@@ -187,6 +234,38 @@ fn what_cannot_be_used_is_refused() {
         ("poisson = 0.3 }", "poisson = 0.3 }\ntension = 1", &["tension", "boolean"]),
     ] {
         let dir = workdir(&PAPER.replace(from, to));
+        let run = dir.solver("simulate p1.toml -o out");
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["p1.toml"]);
+    }
+    for (from, to, words) in [
+        ("angle = 30\n", "", &["[[membrane]] on \"top\": around without angle"][..]),
+        (
+            "around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }\nangle = 30\n",
+            "",
+            &["has no direction", "direction = [x, y, z]"],
+        ),
+        (
+            "around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }\nangle = 30\n",
+            "direction = [0.01, 0, 1]\n",
+            &["the warp is across the sheet at (0.0", "1.0 % of its direction", "10 %"],
+        ),
+        (
+            "around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }\nangle = 30\n",
+            "direction = [0, 0, 0]\n",
+            &["direction = [0.0, 0.0, 0.0]", "no direction"],
+        ),
+        ("angle = 30", "angle = 30\ndirection = [1, 0, 0]", &["direction beside around"]),
+        ("weft = 1e6", "weft = -1e6", &["[[membrane]] on \"top\"", "warp and weft above 0"]),
+        ("poisson = 0.3", "poisson = 1.8", &["poisson² below warp/weft"]),
+        ("shear = 2e5", "shear = 0", &["shear = 0 Pa"]),
+        (
+            "{ kind = \"woven\", warp = 3e6, weft = 1e6, shear = 2e5, poisson = 0.3 }",
+            "{ kind = \"sheet\", young = 3e6, poisson = 0.3 }",
+            &["a direction beside kind = \"sheet\"", "\"woven\""],
+        ),
+    ] {
+        let dir = workdir(&FABRIC.replace(from, to));
         let run = dir.solver("simulate p1.toml -o out");
         run.assert_refused(2, words);
         run.assert_refused(2, &["p1.toml"]);

@@ -116,8 +116,8 @@ pub(super) const MULLINS: Kind = Kind {
 };
 
 pub(super) const MEMBRANE: Kind = Kind {
-    path: "membrane.TAG.thickness or .PARAMETER",
-    meaning: "the thickness of the sheet on a tag, or a parameter of its law",
+    path: "membrane.TAG.thickness, .PARAMETER or .angle",
+    meaning: "the thickness of the sheet on a tag, a parameter of its law, or the angle of its warp to an axis",
     list: |scene| {
         let mut entries = Vec::new();
         for (i, sheet) in scene.membranes.iter().enumerate() {
@@ -126,24 +126,32 @@ pub(super) const MEMBRANE: Kind = Kind {
             let own =
                 parameters(sheet.material.law, &sheet.material.values).into_iter().enumerate();
             entries.extend(own.map(|(k, (name, unit))| (format!("{on}.{name}"), unit, [i, k + 1])));
+            let angle = [i, sheet.material.values.len() + 1];
+            entries.extend(sheet.config.angle.map(|_| (format!("{on}.angle"), "°", angle)));
         }
         entries
     },
     value: |scene, [sheet, k]| scene.membranes[sheet].numbers()[k],
     set: Setting::By(|scene, _, [sheet, k], value| {
         let sheet = &mut scene.membranes[sheet];
-        match k {
-            0 => sheet.thickness = value,
-            _ => sheet.material.values[k - 1] = value,
+        match (k, sheet.material.values.get_mut(k.wrapping_sub(1))) {
+            (0, _) => sheet.thickness = value,
+            (_, Some(parameter)) => *parameter = value,
+            (_, None) => sheet.config.angle = Some(value),
         }
         Ok(())
     }),
     check: |scene, [sheet, _]| {
         let sheet = &scene.membranes[sheet];
         positive("the thickness of a membrane", sheet.thickness)?;
+        sheet.config.leads()?;
         Ok(sheet.material.law.check(&sheet.material.values)?)
     },
-    derivative: |swept, [sheet, k]| total(swept, ParameterId::Membrane(sheet), k),
+    derivative: |swept, [sheet, k]| {
+        let by = total(swept, ParameterId::Membrane(sheet), k);
+        let angle = k > swept.scene.membranes[sheet].material.values.len();
+        if angle { by.to_radians() } else { by }
+    },
     scale: None,
 };
 

@@ -150,7 +150,7 @@ pub enum ParameterId {
     Relaxation(usize),
     /// r, m and β of the softening of a body.
     Mullins(usize),
-    /// Thickness of a sheet, then the parameters of its law.
+    /// Thickness of a sheet, then the parameters of its law, then the angle [rad] of its axes, if it has some.
     Membrane(usize),
     /// k₁, k₂, dispersion and angle [rad] of a family of fibres.
     Fibre(usize),

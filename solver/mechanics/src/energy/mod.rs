@@ -32,7 +32,9 @@ pub use energies::{
     BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId,
     RigidEnergies, Term,
 };
-pub use fibres::{Axis, Direction, FibreMean, FibreSummary, Fibres, gradients_of_potential};
+pub use fibres::{
+    Axis, Direction, Directions, FibreMean, FibreSummary, Fibres, gradients_of_potential,
+};
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolume};
 pub use held::Held;

@@ -95,9 +95,9 @@ impl AroundConfig {
     }
 }
 
-/// Where fibres lead.
+/// Where the directions of fibres come from.
 #[derive(Clone, Debug)]
-pub enum Leads {
+pub enum Source {
     /// By a formula of the place.
     Formula(Direction),
     /// Along the gradient of a harmonic function between two tags.
@@ -159,7 +159,7 @@ impl FibreConfig {
     ///
     /// # Errors
     /// When it is given in two ways, or in none.
-    pub fn leads(&self) -> Result<Leads> {
+    pub fn leads(&self) -> Result<Source> {
         let key = |key: &str| self.title().key(key);
         let ways = [
             ("direction", self.direction.is_some()),
@@ -174,17 +174,17 @@ impl FibreConfig {
             return Err(misfit!(key(way), " beside {other}: expected one of both").into());
         }
         self.check_companions()?;
-        if let Some(direction) = self.direction {
-            return Ok(Leads::Formula(Direction::Constant(unit(direction, &key("direction"))?)));
-        }
-        if let Some(around) = &self.around {
-            return Ok(Leads::Formula(self.about(around)?));
+        if self.direction.is_some() || self.around.is_some() {
+            let Self { direction, around, angle, radial, .. } = self;
+            let (direction, around) = (*direction, around.as_ref());
+            let leads = Leads { direction, around, angle: *angle, radial: *radial };
+            return Ok(Source::Formula(leads.field(&self.title())?));
         }
         if let Some(tags) = &self.between {
-            return Ok(Leads::Between(tags.clone()));
+            return Ok(Source::Between(tags.clone()));
         }
         if let Some(file) = &self.file {
-            return Ok(Leads::File(file.clone()));
+            return Ok(Source::File(file.clone()));
         }
         ensure!(
             way.is_some(),
@@ -204,7 +204,7 @@ impl FibreConfig {
                 points.len()
             )
         );
-        Ok(Leads::Curve(points))
+        Ok(Source::Curve(points))
     }
 
     /// Refuses keys that belong to another way to give the direction.
@@ -224,30 +224,6 @@ impl FibreConfig {
             misfit!(key("field"), " without a file: add file = \"directions.vtu\"")
         );
         Ok(())
-    }
-
-    /// A direction about an axis.
-    fn about(&self, around: &AroundConfig) -> Result<Direction> {
-        let key = |key: &str| self.title().key(key);
-        let axis = around.line(&self.title())?;
-        match (self.angle, self.radial) {
-            (Some(angle), false) => {
-                ensure!(
-                    angle.is_finite() && angle.abs() <= 360.0,
-                    misfit!(key("angle"), " = {angle}°: must be from -360 to 360")
-                );
-                Ok(Direction::Helical(axis, angle.to_radians()))
-            }
-            (None, true) => Ok(Direction::Radial(axis)),
-            (Some(_), true) => {
-                Err(misfit!(key("radial"), " beside angle: expected one of both").into())
-            }
-            (None, false) => Err(misfit!(
-                key("around"),
-                " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
-            )
-            .into()),
-        }
     }
 
     /// Whether the numbers of the law are admissible.
@@ -285,6 +261,74 @@ impl FibreConfig {
             misfit!(key("slack"), " beside compression = true: such fibres are never slack")
         );
         Ok(())
+    }
+}
+
+/// Keys of a direction field.
+pub(super) struct Leads<'a> {
+    /// The same direction everywhere.
+    pub direction: Option<[f64; 3]>,
+    /// An axis.
+    pub around: Option<&'a AroundConfig>,
+    /// Angle to it [°].
+    pub angle: Option<f64>,
+    /// Whether it leads away from it.
+    pub radial: bool,
+}
+
+impl Leads<'_> {
+    /// Whether any of them is given.
+    pub fn any(&self) -> bool {
+        let Self { direction, around, angle, radial } = self;
+        direction.is_some() || around.is_some() || angle.is_some() || *radial
+    }
+
+    /// The field.
+    ///
+    /// # Errors
+    /// When it is given in two ways, or in none.
+    pub fn field(&self, title: &KeyPath) -> Result<Direction> {
+        let key = |key: &str| title.clone().key(key);
+        match (self.direction, self.around) {
+            (Some(direction), None) => {
+                ensure!(
+                    self.angle.is_none(),
+                    misfit!(key("angle"), " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}")
+                );
+                ensure!(!self.radial, misfit!(key("radial"), " without an axis: expected around, not direction"));
+                Ok(Direction::Constant(unit(direction, &key("direction"))?))
+            }
+            (None, Some(around)) => {
+                let axis = around.line(title)?;
+                match (self.angle, self.radial) {
+                    (Some(angle), false) => {
+                        ensure!(
+                            angle.is_finite() && angle.abs() <= 360.0,
+                            misfit!(key("angle"), " = {angle}°: must be from -360 to 360")
+                        );
+                        Ok(Direction::Helical(axis, angle.to_radians()))
+                    }
+                    (None, true) => Ok(Direction::Radial(axis)),
+                    (Some(_), true) => Err(misfit!(key("radial"), " beside angle: expected one of both").into()),
+                    (None, false) => Err(misfit!(
+                        key("around"),
+                        " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
+                    )
+                    .into()),
+                }
+            }
+            (Some(_), Some(_)) => Err(misfit!(key("direction"), " beside around: expected one of both").into()),
+            (None, None) if self.angle.is_some() => Err(misfit!(
+                key("angle"),
+                " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
+            )
+            .into()),
+            (None, None) => Err(misfit!(
+                title.clone(),
+                " has no direction: expected direction = [x, y, z], or around = {{ point = …, axis = … }} with angle"
+            )
+            .into()),
+        }
     }
 }
 

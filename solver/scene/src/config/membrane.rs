@@ -8,9 +8,11 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
+use mechanics::energy::Direction;
 use mechanics::material::sheet::{LAWS, Specification};
 
 use super::SimConfig;
+use super::fibre::{AroundConfig, Leads};
 
 /// A sheet bonded to facets, on the boundary or inside.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -26,6 +28,19 @@ pub struct MembraneConfig {
     /// Whether it wrinkles rather than carry compression.
     #[serde(default)]
     pub tension: bool,
+    /// Of a law with a warp, the direction of that: a vector of any length, of which the part in the sheet counts; or
+    /// `around`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// An axis, with `angle` or `radial`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub around: Option<AroundConfig>,
+    /// Angle between warp and axis [°]: 0 along it, 90 around it; positive for a right-handed screw.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Whether the warp leads away from the axis.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub radial: bool,
 }
 
 fn laws(_: &mut SchemaGenerator) -> Schema {
@@ -37,6 +52,30 @@ impl MembraneConfig {
     #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("membrane").on(&self.on)
+    }
+
+    /// Along the warp, where the law has one.
+    ///
+    /// # Errors
+    /// When it is given in two ways, in none although the law needs it, or beside an isotropic law.
+    pub fn leads(&self) -> Result<Option<Direction>> {
+        let Self { direction, around, angle, radial, .. } = self;
+        let (direction, around) = (*direction, around.as_ref());
+        let leads = Leads { direction, around, angle: *angle, radial: *radial };
+        let law = self.specification()?;
+        if law.build(false).has_axes() {
+            return leads.field(&self.title()).map(Some);
+        }
+        ensure!(
+            !leads.any(),
+            misfit!(
+                self.title(),
+                ": a direction beside kind = \"{}\", which is the same along all; expected kind = \"woven\", or no \
+                 direction, around, angle and radial",
+                law.law.key
+            )
+        );
+        Ok(None)
     }
 
     /// The law with its parameters.
@@ -69,7 +108,7 @@ impl SimConfig {
                      for paper"
                 )
             );
-            membrane.specification()?;
+            membrane.leads()?;
             ensure!(
                 self.cuts().iter().flatten().all(|cut| cut != on),
                 misfit!(

@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
-pub use fibre::{AroundConfig, FibreConfig, Leads};
+pub use fibre::{AroundConfig, FibreConfig, Source};
 pub use limit::{LIMIT, LimitConfig, LimitGoal};
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::objective::{ObjectiveConfig, Weight};

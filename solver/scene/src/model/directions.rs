@@ -5,14 +5,14 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
-use mechanics::energy::{Direction, gradients_of_potential};
+use mechanics::energy::{Directions, gradients_of_potential};
 use mesh::Vec3;
 use mesh::io::npy::read_f64;
 use mesh::io::vtu::{Field, Grid, read_vtu};
 use program::misfit;
 
 use super::Scene;
-use crate::config::{FibreConfig, Leads, beside};
+use crate::config::{FibreConfig, Source, beside};
 
 /// Gradient of a potential, relative to one over the size of the volume, that is none.
 const NO_GRADIENT: f64 = 1e-9;
@@ -22,22 +22,22 @@ impl Scene {
     ///
     /// # Errors
     /// When a tag is missing, a file does not fit to the mesh, or an element has no direction.
-    pub(super) fn direction_of(
+    pub(super) fn directions_of(
         &self,
         fibre: &FibreConfig,
         body: &Body,
         elements: Range<usize>,
-    ) -> Result<Direction> {
+    ) -> Result<Directions> {
         let key = |key: &str| fibre.title().key(key);
         let tets = &body.mesh.tets[elements.clone()];
         let (vectors, key) = match fibre.leads()? {
-            Leads::Formula(direction) => return Ok(direction),
-            Leads::Curve(points) => {
+            Source::Formula(direction) => return Ok(direction.into()),
+            Source::Curve(points) => {
                 let along = |tet: &[usize; 4]| nearest_leg(&points, centre(body, tet));
                 (tets.iter().map(along).collect(), key("along"))
             }
-            Leads::Between(tags) => (between(fibre, body, tets, &tags)?, key("between")),
-            Leads::File(file) => {
+            Source::Between(tags) => (between(fibre, body, tets, &tags)?, key("between")),
+            Source::File(file) => {
                 let path = beside(&self.path, &file);
                 let vectors = read(&path, fibre.field.as_deref(), body, elements.clone());
                 (vectors.with_context(|| key("file"))?, key("file"))
@@ -59,7 +59,7 @@ impl Scene {
             Ok(vector / length)
         };
         let units: Result<Vec<Vec3>> = vectors.into_iter().zip(tets).map(unit).collect();
-        Ok(Direction::Elements(units?.into()))
+        Ok(Directions::Elements(units?.into()))
     }
 }
 

@@ -3,12 +3,18 @@
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::Membrane;
+use mechanics::energy::{Direction, Membrane};
 use mechanics::material::sheet::Specification;
+use mechanics::symmetry::Plane;
+use mesh::Vec3;
 use program::misfit;
 
 use super::Scene;
+use super::reinforcement::is_image;
 use crate::config::MembraneConfig;
+
+/// Part of the direction of a warp that lies in its sheet, at least [1].
+const LEAST_PART: f64 = 0.1;
 
 /// A sheet as its scene describes it.
 #[derive(Clone)]
@@ -31,10 +37,12 @@ impl SceneMembrane {
         Ok(Self { config: config.clone(), thickness: config.thickness, material })
     }
 
-    /// The numbers that its energy is made with: the thickness, then those of the law.
+    /// The numbers that its energy is made with: the thickness, those of the law, and the angle of its warp [°], if it
+    /// has one.
     #[must_use]
     pub fn numbers(&self) -> Vec<f64> {
-        [self.thickness].into_iter().chain(self.material.values.iter().copied()).collect()
+        let numbers = [self.thickness].into_iter().chain(self.material.values.iter().copied());
+        numbers.chain(self.config.angle).collect()
     }
 
     /// What reports and messages call it.
@@ -46,11 +54,14 @@ impl SceneMembrane {
             unit => format!("{} {:.3e} {unit}", p.name, v[0]),
         });
         format!(
-            "membrane on {}: {:.3} mm, {} ({}){}",
+            "membrane on {}: {:.3} mm, {} ({}){}{}",
             self.config.on,
             1e3 * self.thickness,
             self.material.law.key,
             numbers.collect::<Vec<_>>().join(", "),
+            self.config
+                .angle
+                .map_or_else(String::new, |angle| format!(", warp at {angle}° to an axis")),
             if self.config.tension { ", in tension only" } else { "" }
         )
     }
@@ -79,8 +90,52 @@ impl Scene {
                     )
                 );
             }
-            Ok(Membrane::new(space, &facets, *thickness, material.build(config.tension)))
+            let sheet = Membrane::new(space, &facets, *thickness, material.build(config.tension));
+            let Some(direction) = config.leads()? else { return Ok(sheet) };
+            check_warp(config, &direction, &facets, body)?;
+            Ok(sheet.along(direction))
         };
         self.membranes.iter().map(one).collect()
     }
+}
+
+/// Refuses a warp that is nearly across its sheet somewhere, or that is no mirror image of itself in a symmetric body.
+fn check_warp(
+    membrane: &MembraneConfig,
+    direction: &Direction,
+    facets: &[[usize; 3]],
+    body: &Body,
+) -> Result<()> {
+    for facet in facets {
+        let [a, b, c] = facet.map(|v| body.mesh.vertices[v]);
+        let centre = (a + b + c) / 3.0;
+        let normal = (b - a).cross(&(c - a)).normalize();
+        // where it is undefined, on an axis, none of it counts
+        let part = |x: Vec3| direction.at(x).cross(&normal).norm();
+        let parts = [a, b, c, centre].map(part).into_iter();
+        let least = parts.map(|p| if p.is_nan() { 0.0 } else { p }).fold(f64::INFINITY, f64::min);
+        ensure!(
+            least >= LEAST_PART,
+            misfit!(
+                membrane.title(),
+                ": the warp is across the sheet at ({:.6}, {:.6}, {:.6}) m, where {:.1} % of its direction lie in \
+                 the sheet; expected {:.0} % or more, so another direction, or a tag without these facets",
+                centre.x,
+                centre.y,
+                centre.z,
+                100.0 * least,
+                100.0 * LEAST_PART
+            )
+        );
+        let mirrored = |plane: &Plane| is_image(direction, direction, plane, centre);
+        ensure!(
+            body.planes.iter().all(mirrored),
+            misfit!(
+                membrane.title(),
+                ": the warp is not its own mirror image in the plane of symmetry, so the body is not symmetric; \
+                 expected a warp along the plane or across it, or the whole body (solver mirror)"
+            )
+        );
+    }
+    Ok(())
 }

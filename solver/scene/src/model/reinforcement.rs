@@ -6,7 +6,7 @@ use std::ops::Range;
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{self, Direction, Fibres, Helix, LayError, Piece, Winding};
+use mechanics::energy::{self, Direction, Directions, Fibres, Helix, LayError, Piece, Winding};
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
 use program::{misfit, unknown};
@@ -28,31 +28,11 @@ impl Scene {
     pub(super) fn fibres(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Fibres>> {
         let one = |fibre: &FibreConfig| {
             let elements = self.elements_of(fibre, body)?;
-            let direction = self.direction_of(fibre, body, elements.clone())?;
-            let inside = direction
-                .axis()
-                .and_then(|axis| axis.point_inside(space, &body.mesh.vertices, elements.clone()));
-            if let Some(place) = inside {
-                return Err(misfit!(
-                    fibre.title().key("around"),
-                    ": the axis passes through the material at ({:.6}, {:.6}, {:.6}) m, where fibres have no \
-                     direction; expected an axis in a hole or outside, or a volume without it",
-                    place.x,
-                    place.y,
-                    place.z
-                )
-                .into());
+            let directions = self.directions_of(fibre, body, elements.clone())?;
+            if let Directions::Formula(direction) = &directions {
+                check_defined(fibre, direction, body, (space, elements.clone()))?;
             }
-            let mut vertices = body.mesh.tets[elements.clone()].iter().flatten();
-            let defined = |v: &usize| direction.at(0, body.mesh.vertices[*v]).norm_squared() < 2.0;
-            ensure!(
-                vertices.all(defined),
-                misfit!(
-                    fibre.title().key("around"),
-                    ": fibres have no direction at some vertex; expected an axis near the body"
-                )
-            );
-            Ok(Fibres::new(fibre.law(), direction, elements).named(&fibre.name))
+            Ok(Fibres::new(fibre.law(), directions, elements).named(&fibre.name))
         };
         let fibres = self.config.fibre.iter().map(one).collect::<Result<Vec<_>>>()?;
         for plane in &body.planes {
@@ -82,18 +62,18 @@ impl Scene {
 
     /// Whether the mirror images of all fibres in a plane are fibres.
     fn check_mirrored(&self, fibres: &[Fibres], plane: &Plane, body: &Body) -> Result<()> {
-        // directions of elements are those of their mirror images, too
-        let by_formula =
-            |(_, own): &(&FibreConfig, &Fibres)| !matches!(own.direction, Direction::Elements(_));
-        for (fibre, own) in self.config.fibre.iter().zip(fibres).filter(by_formula) {
+        for (fibre, own) in self.config.fibre.iter().zip(fibres) {
+            // directions of elements are those of their mirror images, too
+            let Directions::Formula(direction) = &own.directions else { continue };
             let tets = &body.mesh.tets[own.elements()];
             let step = tets.len().div_ceil(TESTED).max(1);
             let places = tets.iter().step_by(step).map(|t| body.mesh.vertices[t[0]]);
             let places: Vec<Vec3> = places.collect();
             let mirrors = |other: &&Fibres| {
+                let Directions::Formula(image) = &other.directions else { return false };
                 other.law == own.law
                     && other.elements() == own.elements()
-                    && places.iter().all(|&x| is_image(&own.direction, &other.direction, plane, x))
+                    && places.iter().all(|&x| is_image(direction, image, plane, x))
             };
             ensure!(
                 fibres.iter().any(|other| mirrors(&other)),
@@ -131,12 +111,44 @@ impl Scene {
     }
 }
 
+/// Refuses a formula that is undefined in some elements, or at one of their vertices.
+fn check_defined(
+    fibre: &FibreConfig,
+    direction: &Direction,
+    body: &Body,
+    (space, elements): (&FunctionSpace, Range<usize>),
+) -> Result<()> {
+    let vertices = &body.mesh.vertices;
+    let axis = direction.axis();
+    if let Some(place) = axis.and_then(|axis| axis.point_inside(space, vertices, elements.clone()))
+    {
+        return Err(misfit!(
+            fibre.title().key("around"),
+            ": the axis passes through the material at ({:.6}, {:.6}, {:.6}) m, where fibres have no \
+             direction; expected an axis in a hole or outside, or a volume without it",
+            place.x,
+            place.y,
+            place.z
+        )
+        .into());
+    }
+    let mut corners = body.mesh.tets[elements].iter().flatten();
+    ensure!(
+        corners.all(|&v| direction.at(vertices[v]).norm_squared() < 2.0),
+        misfit!(
+            fibre.title().key("around"),
+            ": fibres have no direction at some vertex; expected an axis near the body"
+        )
+    );
+    Ok(())
+}
+
 /// Whether fibres at the mirror image of a point lead along the mirror image of others.
-fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
-    let (mut place, mut along) = (x, own.at(0, x));
+pub(super) fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
+    let (mut place, mut along) = (x, own.at(x));
     place[plane.axis] = 2.0 * plane.level - x[plane.axis];
     along[plane.axis] = -along[plane.axis];
-    along.cross(&other.at(0, place)).norm() < PARALLEL
+    along.cross(&other.at(place)).norm() < PARALLEL
 }
 
 /// The pieces of a thread on facets at rest.

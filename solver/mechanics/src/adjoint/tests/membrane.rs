@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::energy::Isobaric;
-use crate::energy::Membrane;
+use crate::energy::{Axis, Direction, Membrane};
 use crate::material::sheet::{LAWS, Sheet, TensionField};
 use crate::material::{Lame, NeoHookean};
 
@@ -44,7 +44,12 @@ impl Sheets {
         let law = (row.build)(&values);
         let law: Box<dyn Sheet> = if self.tension { Box::new(TensionField(law)) } else { law };
         let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(5e4, 0.4))));
-        energies.membranes.push(Membrane::new(&space, &sheets, 2e-3 * factors[0], law));
+        let has_axes = law.has_axes();
+        let sheet = Membrane::new(&space, &sheets, 2e-3 * factors[0], law);
+        let angle = 0.5 * factors.last().copied().unwrap_or(1.0);
+        let axis = Axis { point: Vec3::new(0.005, -0.01, 0.0), along: Vec3::x() };
+        let warp = Direction::Helical(axis, angle);
+        energies.membranes.push(if has_axes { sheet.along(warp) } else { sheet });
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
         energies =
@@ -62,7 +67,10 @@ impl Sheets {
     }
 
     fn check(&self) {
-        let numbers = 1 + LAWS[self.law].sample.len();
+        let row = &LAWS[self.law];
+        let mut values: Vec<f64> = [2e-3].iter().chain(row.sample).copied().collect();
+        values.extend((row.build)(row.sample).has_axes().then_some(0.5));
+        let numbers = values.len();
         let rest = Self::mesh().vertices;
         let run = |factors: &[f64], rest: &[Vec3]| to_equilibrium(self.problem(factors), rest);
         let same = vec![1.0; numbers];
@@ -76,7 +84,6 @@ impl Sheets {
         });
         let by = gradient.parameters.total(ParameterId::Membrane(0));
         assert_eq!(by.len(), numbers);
-        let values = [2e-3].iter().chain(LAWS[self.law].sample);
         let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
         check_gradient(&same, &by, 1e-3, |factors| {
             let (problem, _, run) = run(factors, &rest);
@@ -100,7 +107,7 @@ pub(super) fn to_equilibrium(
 
 #[test]
 fn bodies_with_sheets_have_their_gradient() {
-    for law in [0, 1] {
+    for law in 0..LAWS.len() {
         for degree in [1, 2] {
             // blown up, pressed together, and the same without compression
             for (tension, pressure) in [(false, 4e3), (false, -4e3), (true, 4e3)] {

@@ -113,7 +113,7 @@ impl Fibres {
         iterate: &'a Iterate<'a>,
     ) -> impl Iterator<Item = (usize, f64)> + use<'a, N> {
         let weights = &iterate.space.volume_table().weights;
-        let constant = N == 4 && self.direction.is_constant();
+        let constant = N == 4 && self.directions.is_constant();
         let all = weights.iter().copied().enumerate().filter(move |_| !constant);
         points::<N>(iterate).filter(move |_| constant).chain(all)
     }

@@ -1,4 +1,4 @@
-//! Directions of fibres: unit vectors a₀(X) by a formula of the rest position, or one for each element.
+//! Directions of fibres: unit vectors a₀(X) by a formula of the rest position.
 //!
 //! About an axis through p along the unit vector k, with the part r of X − p across it, ρ = |r|:
 //!
@@ -6,11 +6,9 @@
 //! ∂e_r/∂X = e_θ ⊗ e_θ/ρ              ∂a₀/∂X = −sin α e_r ⊗ e_θ/ρ
 //!
 //! α = 0 is along the axis, 90° around it; a positive α is a right-handed screw. The formula is in space: a
-//! designed rest shape moves through it, and derivatives by the rest shape have ∂a₀/∂X. The vector of an element
-//! stays as it is while that moves: ∂a₀/∂X = 0.
+//! designed rest shape moves through it, and derivatives by the rest shape have ∂a₀/∂X.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use mesh::Vec3;
 
@@ -30,7 +28,7 @@ pub struct Axis {
 }
 
 /// A direction field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Direction {
     /// One unit vector everywhere.
     Constant(Vec3),
@@ -38,8 +36,6 @@ pub enum Direction {
     Helical(Axis, f64),
     /// Away from an axis.
     Radial(Axis),
-    /// A unit vector in each element of a family, in their order.
-    Elements(Arc<[Vec3]>),
 }
 
 /// What lies around an axis at a point: e_r, e_θ and ρ [m].
@@ -87,9 +83,9 @@ impl Axis {
 }
 
 impl Direction {
-    /// a₀ at a rest position in an element, which is given by its place in the family; not a number on the axis.
+    /// a₀ at a rest position; not a number on the axis.
     #[must_use]
-    pub fn at(&self, element: usize, x: Vec3) -> Vec3 {
+    pub fn at(&self, x: Vec3) -> Vec3 {
         match self {
             Self::Constant(along) => *along,
             Self::Helical(axis, angle) if *angle == 0.0 => axis.along,
@@ -97,7 +93,6 @@ impl Direction {
                 angle.cos() * axis.along + angle.sin() * axis.around(x).hoop
             }
             Self::Radial(axis) => axis.around(x).radial,
-            Self::Elements(along) => along[element],
         }
     }
 
@@ -105,7 +100,7 @@ impl Direction {
     #[must_use]
     pub fn gradient(&self, x: Vec3) -> Mat3 {
         match self {
-            Self::Constant(_) | Self::Elements(_) => Mat3::zeros(),
+            Self::Constant(_) => Mat3::zeros(),
             Self::Helical(_, angle) if *angle == 0.0 => Mat3::zeros(),
             Self::Helical(axis, angle) => {
                 let Around { radial, hoop, distance } = axis.around(x);
@@ -129,13 +124,13 @@ impl Direction {
     #[must_use]
     pub fn axis(&self) -> Option<&Axis> {
         match self {
-            Self::Constant(_) | Self::Elements(_) => None,
+            Self::Constant(_) => None,
             Self::Helical(_, angle) if *angle == 0.0 => None,
             Self::Helical(axis, _) | Self::Radial(axis) => Some(axis),
         }
     }
 
-    /// Whether it is the same everywhere in an element.
+    /// Whether it is the same everywhere.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.axis().is_none()
@@ -155,15 +150,15 @@ mod tests {
     fn directions_are_unit_vectors_with_their_derivatives() {
         let x = Vec3::new(0.9, 0.4, -0.6);
         for direction in [Direction::Helical(axis(), 0.7), Direction::Radial(axis())] {
-            assert!((direction.at(0, x).norm() - 1.0).abs() < 1e-15);
+            assert!((direction.at(x).norm() - 1.0).abs() < 1e-15);
             let gradient = direction.gradient(x);
             for k in 0..3 {
                 let step = 1e-6 * Vec3::ith(k, 1.0);
-                let slope = (direction.at(0, x + step) - direction.at(0, x - step)) / 2e-6;
+                let slope = (direction.at(x + step) - direction.at(x - step)) / 2e-6;
                 assert!((slope - gradient.column(k)).norm() < 1e-9, "{direction:?}");
             }
         }
-        let at = |angle: f64| Direction::Helical(axis(), angle).at(0, x);
+        let at = |angle: f64| Direction::Helical(axis(), angle).at(x);
         let slope = (at(0.7 + 1e-6) - at(0.7 - 1e-6)) / 2e-6;
         assert!((slope - Direction::Helical(axis(), 0.7).by_angle(x)).norm() < 1e-9);
     }
@@ -172,11 +167,11 @@ mod tests {
     #[test]
     fn angles_are_from_the_axis_and_right_handed() {
         let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
-        let at = |degrees: f64| Direction::Helical(axis, degrees.to_radians()).at(0, Vec3::x());
+        let at = |degrees: f64| Direction::Helical(axis, degrees.to_radians()).at(Vec3::x());
         assert_eq!(at(0.0), Vec3::z());
         assert!((at(90.0) - Vec3::y()).norm() < 1e-15);
         assert!((at(30.0) - Vec3::new(0.0, 0.5, 0.75_f64.sqrt())).norm() < 1e-15);
-        assert_eq!(Direction::Radial(axis).at(0, 2.0 * Vec3::y()), Vec3::y());
+        assert_eq!(Direction::Radial(axis).at(2.0 * Vec3::y()), Vec3::y());
     }
 
     #[test]

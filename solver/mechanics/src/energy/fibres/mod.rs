@@ -4,7 +4,7 @@
 //! P = 2ψ′ F H              ∂P/∂F : δF = 4ψ″ (F H : δF) F H + 2ψ′ δF H
 //!
 //! G  Green–Lagrange strain ½ (FᵀF − I), formed from ∇u
-//! a₀ direction at the rest position of a quadrature point, [`Direction`]
+//! a₀ direction at a quadrature point, [`Directions`]
 //! ψ  law of the family, [`Fibre`]
 //!
 //! The Hessian of a node pair is 4ψ″ (F H ∇φ_a) ⊗ (F H ∇φ_b) + 2ψ′ (∇φ_a · H ∇φ_b) I. H and ψ″ are positive
@@ -24,6 +24,8 @@ mod harmonic;
 
 use std::ops::Range;
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 
 use super::Iterate;
@@ -42,6 +44,55 @@ mod tests;
 /// Number of its parameters.
 const PARAMETERS: usize = 4;
 
+/// Where the fibres of a family lead.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Directions {
+    /// By a formula of the rest position.
+    Formula(Direction),
+    /// Along a unit vector in each element, in their order, which stays as it is while the rest shape moves.
+    Elements(Arc<[Vec3]>),
+}
+
+impl From<Direction> for Directions {
+    fn from(direction: Direction) -> Self {
+        Self::Formula(direction)
+    }
+}
+
+impl Directions {
+    /// a₀ at a rest position in an element, which is given by its place in the family.
+    fn at(&self, element: usize, x: Vec3) -> Vec3 {
+        match self {
+            Self::Formula(direction) => direction.at(x),
+            Self::Elements(along) => along[element],
+        }
+    }
+
+    /// ∂a₀/∂X [1/m].
+    fn gradient(&self, x: Vec3) -> Mat3 {
+        match self {
+            Self::Formula(direction) => direction.gradient(x),
+            Self::Elements(_) => Mat3::zeros(),
+        }
+    }
+
+    /// ∂a₀/∂α [1/rad]; zero where there is no angle.
+    fn by_angle(&self, x: Vec3) -> Vec3 {
+        match self {
+            Self::Formula(direction) => direction.by_angle(x),
+            Self::Elements(_) => Vec3::zeros(),
+        }
+    }
+
+    /// Whether they are the same everywhere in an element.
+    fn is_constant(&self) -> bool {
+        match self {
+            Self::Formula(direction) => direction.is_constant(),
+            Self::Elements(_) => true,
+        }
+    }
+}
+
 /// A family of fibres in consecutive elements.
 #[derive(Clone, Debug)]
 pub struct Fibres {
@@ -50,7 +101,7 @@ pub struct Fibres {
     /// The law.
     pub law: Fibre,
     /// Where they lead.
-    pub direction: Direction,
+    pub directions: Directions,
     elements: Range<usize>,
 }
 
@@ -130,8 +181,8 @@ fn gradient(nodes: &[usize], gradients: &[Vec3], w: &[f64]) -> Mat3 {
 impl Fibres {
     /// A family in consecutive elements.
     #[must_use]
-    pub fn new(law: Fibre, direction: Direction, elements: Range<usize>) -> Self {
-        Self { name: String::new(), law, direction, elements }
+    pub fn new(law: Fibre, directions: impl Into<Directions>, elements: Range<usize>) -> Self {
+        Self { name: String::new(), law, directions: directions.into(), elements }
     }
 
     /// This family with a name.
@@ -148,7 +199,7 @@ impl Fibres {
 
     /// a₀ at a rest position in an element.
     fn along(&self, e: usize, x: Vec3) -> Vec3 {
-        self.direction.at(e - self.elements.start, x)
+        self.directions.at(e - self.elements.start, x)
     }
 
     /// H at a direction.
@@ -234,7 +285,7 @@ impl Fibres {
             sum[1] += by_k2 * along;
             let fan = Mat3::identity() - 3.0 * p.along * p.along.transpose();
             sum[2] += by_structure.dot(&fan);
-            let turned = self.direction.by_angle(p.place);
+            let turned = self.directions.by_angle(p.place);
             sum[3] += 2.0 * own * turned.dot(&(by_structure * p.along));
         });
         sum
@@ -256,7 +307,7 @@ impl Fibres {
                 - grad_l.transpose() * stress;
             let own = 2.0 * (1.0 - 3.0 * self.law.dispersion);
             let by_place = own
-                * self.direction.gradient(p.place).transpose()
+                * self.directions.gradient(p.place).transpose()
                 * (p.by_structure(&grad_l) * p.along);
             for ((out, c), lambda) in out.iter_mut().zip(&corner).zip(p.lambda) {
                 *out += p.weight * (m * c + lambda * by_place);

@@ -21,15 +21,17 @@ impl Case {
         let law = Fibre { k1: 2e5, k2: 3.0, dispersion: 0.1, slack: Some(0.2) };
         let elements = 5..self.space.tets().len();
         let along = Vec3::new(1.0, 2.0, -2.0) / 3.0;
-        let new = |law: Fibre, direction: Direction| Fibres::new(law, direction, elements.clone());
-        let turned = |e: usize| Direction::Helical(axis, 0.1 * e as f64).at(0, Vec3::zeros());
+        let new = |law: Fibre, direction| {
+            Fibres::new(law, Directions::Formula(direction), elements.clone())
+        };
+        let turned = |e: usize| Direction::Helical(axis, 0.1 * e as f64).at(Vec3::zeros());
         let by_element = elements.clone().map(turned).collect();
         vec![
             new(law, Direction::Constant(along)),
             new(Fibre { slack: None, ..law }, Direction::Helical(axis, 0.6)),
             new(Fibre { k2: 0.0, dispersion: 0.0, ..law }, Direction::Helical(axis, -1.0)),
             new(Fibre { dispersion: 0.25, ..law }, Direction::Radial(axis)),
-            new(law, Direction::Elements(by_element)),
+            Fibres::new(law, Directions::Elements(by_element), elements.clone()),
         ]
     }
 }
@@ -57,14 +59,16 @@ fn parameters_have_their_derivatives() {
                 dispersion: dispersion + x[2],
                 slack,
             };
-            let direction = match &family.direction {
-                Direction::Helical(axis, angle) => Direction::Helical(*axis, angle + x[3]),
+            let direction = match &family.directions {
+                Directions::Formula(Direction::Helical(axis, angle)) => {
+                    Direction::Helical(*axis, angle + x[3]).into()
+                }
                 other => other.clone(),
             };
             Fibres::new(law, direction, family.elements())
         };
         check_gradient(&[0.0; 4], &by, 1e-2, |x| dot(&weights, &case.gradient(&with(x), u, rest)));
-        let turns = matches!(family.direction, Direction::Helical(..));
+        let turns = matches!(family.directions, Directions::Formula(Direction::Helical(..)));
         assert_eq!(by[3] != 0.0, turns, "{by:?}");
     }
 }
@@ -109,7 +113,7 @@ fn energy_is_objective_and_of_full_dispersion_isotropic() {
         assert!((other / value - 1.0).abs() < 1e-11, "{value} {other}");
         family.law.dispersion = 1.0 / 3.0;
         let value = family.value(&case.at(&case.u, &case.rest));
-        family.direction = Direction::Constant(Vec3::z());
+        family.directions = Direction::Constant(Vec3::z()).into();
         let other = family.value(&case.at(&case.u, &case.rest));
         assert!((other / value - 1.0).abs() < 1e-12, "{value} {other}");
     }

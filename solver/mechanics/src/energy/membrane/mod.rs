@@ -20,7 +20,15 @@
 //! δL = t ∫ [Y + Q Z] : H dA      Y = F T + Λ S      T = D : sym(FᵀΛ)      P = F S
 //! Z = sym[(P : Λ) I − FᵀY − ΛᵀP]
 //!
-//! Its parameters are t, then those of the law.
+//! A law with axes takes q₁ along the part a of a direction d in the facet, at each quadrature point. To what is above
+//! comes the turn of these axes against those that are carried along. With n = q₁ × q₂, |p| = d · q₁ and L by the turn ω
+//! of the axes in the plane,
+//!
+//! δω = [(n · H e₂)(n · d) + q₂ · δd]/|p| − ½ (q₂ · H e₁ − q₁ · H e₂)      ∂L/∂ω = τ(FᵀΛ) · S + T · τ(E)
+//!
+//! τ(E) = [2 E₁₂, −2 E₁₂, 2 (E₂₂ − E₁₁)], and δd by the rest position as [`Direction`] has it.
+//!
+//! Its parameters are t, then those of the law, then the angle α [rad] of a direction, if it has one.
 //!
 //! Source: Gruttmann and Taylor 1992, "Theory and finite element formulation of rubberlike
 //! membrane shells using principal stretches", doi:10.1002/nme.1620350511.
@@ -30,7 +38,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::{Matrix2, Matrix3x2, SMatrix, Vector2};
 
-use super::{Energy, Hessian, Iterate};
+use super::{Direction, Energy, Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::sheet::{self, Sheet, State, Strain, Stress};
 use crate::math::sparse::BlockMatrix;
@@ -54,6 +62,8 @@ pub struct Membrane {
     /// The law.
     pub sheet: Arc<dyn Sheet>,
     facets: Vec<Facet>,
+    /// Along the first axis of the law, where that has axes.
+    direction: Option<Direction>,
 }
 
 /// A facet of the sheet as vertices and nodes.
@@ -64,6 +74,7 @@ struct Facet {
 }
 
 /// A flat facet at rest.
+#[derive(Clone, Copy)]
 struct Rest {
     /// q₁ and q₂.
     basis: Matrix3x2<f64>,
@@ -75,7 +86,9 @@ struct Rest {
 
 /// One quadrature point.
 struct Point<'a> {
-    rest: &'a Rest,
+    rest: Rest,
+    /// Its barycentric coordinates, and its rest position [m].
+    place: (&'a [f64], Vec3),
     /// t times the share of the area [m³].
     volume: f64,
     /// b_a of all nodes [1/m].
@@ -122,6 +135,13 @@ impl Rest {
         }
     }
 
+    /// The same in a basis whose first vector is along the part of a direction in the facet.
+    fn along(&self, direction: Vec3) -> Self {
+        let part = (self.basis.transpose() * direction).normalize();
+        let turn = Matrix2::new(part.x, -part.y, part.y, part.x);
+        Self { basis: self.basis * turn, to_rest: turn.transpose() * self.to_rest, ..*self }
+    }
+
     /// Gradients of the three barycentric coordinates [1/m].
     fn corners(&self) -> [Vector2<f64>; 3] {
         let (b, c) = (self.to_rest.column(0).into_owned(), self.to_rest.column(1).into_owned());
@@ -139,7 +159,36 @@ fn matrix(s: &Stress) -> Matrix2<f64> {
     Matrix2::new(s[0], s[2], s[2], s[1])
 }
 
+/// τ(E): the derivative of components by a turn of the axes.
+fn turned(e: &Strain) -> Strain {
+    Strain::new(e[2], -e[2], 2.0 * (e[1] - e[0]))
+}
+
+/// How axes turn against those that are carried along with a facet.
+struct Turn {
+    /// By H.
+    by_gradient: Matrix3x2<f64>,
+    /// By δd [1].
+    by_direction: Vec3,
+}
+
 impl Point<'_> {
+    /// δω where the first axis is along the part of a direction.
+    fn turn(&self, direction: Vec3) -> Turn {
+        let [q1, q2] = [0, 1].map(|k| self.rest.basis.column(k).into_owned());
+        let (normal, part) = (q1.cross(&q2), direction.dot(&q1));
+        let tilt = normal.dot(&direction) / part * normal;
+        let by_gradient = Matrix3x2::from_columns(&[-0.5 * q2, tilt + 0.5 * q1]);
+        Turn { by_gradient, by_direction: q2 / part }
+    }
+
+    /// ∂L/∂ω.
+    fn by_turn(&self, law: &dyn Sheet, l: &Matrix3x2<f64>) -> f64 {
+        let bar = strain_like(&(self.f.transpose() * l));
+        let (s, t) = (law.stress(&self.strain), law.tangent(&self.strain) * bar);
+        self.volume * (turned(&bar).dot(&s) + t.dot(&turned(&self.strain)))
+    }
+
     /// ∂w/∂s of a nodal field.
     fn gradient_of(&self, nodes: &[usize], field: &[f64]) -> Matrix3x2<f64> {
         field_gradient(nodes, &self.gradients, field)
@@ -169,19 +218,23 @@ fn field_gradient(nodes: &[usize], by: &[Vector2<f64>], field: &[f64]) -> Matrix
     nodes.iter().zip(by).map(|(&node, b)| at(field, node) * b.transpose()).sum()
 }
 
-/// Calls `f` with each quadrature point of a facet.
-fn points(thickness: f64, facet: &Facet, iterate: &Iterate, mut f: impl FnMut(&Point)) {
+/// Calls `f` with each quadrature point of a facet of a sheet.
+fn points(sheet: &Membrane, facet: &Facet, iterate: &Iterate, mut f: impl FnMut(&Point)) {
     let table = iterate.space.facet_table();
-    let rest = Rest::new(facet.vertices, iterate.rest);
-    for (reference, weight) in table.gradients.iter().zip(&table.weights) {
+    let flat = Rest::new(facet.vertices, iterate.rest);
+    let rules = table.gradients.iter().zip(&table.weights).zip(&table.points);
+    for ((reference, weight), lambda) in rules {
+        let corners = facet.vertices.iter().zip(lambda);
+        let x = corners.map(|(&v, l)| *l * iterate.rest[v]).sum();
+        let rest = sheet.direction.map_or(flat, |direction| flat.along(direction.at(x)));
         let mut gradients = [Vector2::zeros(); MOST_NODES];
         for (b, [d1, d2, _]) in gradients.iter_mut().zip(reference) {
             *b = rest.to_rest * Vector2::new(*d1, *d2);
         }
         let h = field_gradient(&facet.nodes, &gradients, iterate.u);
         let strain = strain_like(&(rest.basis.transpose() * h + 0.5 * h.transpose() * h));
-        let (volume, f_here) = (thickness * weight * rest.area, rest.basis + h);
-        f(&Point { rest: &rest, volume, gradients, f: f_here, strain });
+        let (volume, f_here) = (sheet.thickness * weight * rest.area, rest.basis + h);
+        f(&Point { rest, place: (lambda, x), volume, gradients, f: f_here, strain });
     }
 }
 
@@ -198,7 +251,14 @@ impl Membrane {
         sheet: Box<dyn Sheet>,
     ) -> Self {
         let facet = |&vertices: &[usize; 3]| Facet { vertices, nodes: space.facet_nodes(vertices) };
-        Self { thickness, sheet: sheet.into(), facets: facets.iter().map(facet).collect() }
+        let facets = facets.iter().map(facet).collect();
+        Self { thickness, sheet: sheet.into(), facets, direction: None }
+    }
+
+    /// The same with the first axis of its law along the part of a direction in the sheet.
+    #[must_use]
+    pub fn along(self, direction: Direction) -> Self {
+        Self { direction: Some(direction), ..self }
     }
 
     /// Calls `of_point` with each facet's nodes and points, in parallel, which changes a value
@@ -211,7 +271,7 @@ impl Membrane {
     ) {
         let one = |facet: &Facet| {
             let mut value = T::default();
-            points(self.thickness, facet, iterate, |p| of_point(&facet.nodes, p, &mut value));
+            points(self, facet, iterate, |p| of_point(&facet.nodes, p, &mut value));
             value
         };
         map_merge(
@@ -229,7 +289,7 @@ impl Membrane {
         let mut all = MembraneSummary { stretch: [f64::INFINITY, 0.0], ..Default::default() };
         let mut volumes = [0.0; 3];
         for facet in &self.facets {
-            points(self.thickness, facet, iterate, |p| {
+            points(self, facet, iterate, |p| {
                 let [first, second] = sheet::principal(&p.strain);
                 let stretch = |e: f64| (1.0 + 2.0 * e).max(0.0).sqrt();
                 all.stretch[0] = all.stretch[0].min(stretch(second));
@@ -238,7 +298,7 @@ impl Membrane {
                 let largest = 0.5 * (s[0] + s[1] + (s[0] - s[1]).hypot(2.0 * s[2]));
                 all.tension = all.tension.max(self.thickness * largest);
                 all.energy += p.volume * self.sheet.energy_density(&p.strain);
-                volumes[sheet::state(&*self.sheet, &p.strain) as usize] += p.volume;
+                volumes[self.sheet.state(&p.strain) as usize] += p.volume;
             });
         }
         let sum: f64 = volumes.iter().sum();
@@ -318,7 +378,15 @@ impl Energy for Membrane {
                 let z = Matrix2::from_diagonal_element(first.dot(&l))
                     - p.f.transpose() * y
                     - l.transpose() * first;
-                let by = p.volume * (y + p.rest.basis * (0.5 * (z + z.transpose())));
+                let mut by = p.volume * (y + p.rest.basis * (0.5 * (z + z.transpose())));
+                if let Some(direction) = self.direction {
+                    let (lambda, x) = p.place;
+                    let turn = p.turn(direction.at(x));
+                    let by_turn = p.by_turn(&*self.sheet, &l);
+                    by += by_turn * turn.by_gradient;
+                    let by_place = by_turn * direction.gradient(x).transpose() * turn.by_direction;
+                    forces.iter_mut().zip(lambda).for_each(|(force, l)| *force += *l * by_place);
+                }
                 forces.iter_mut().zip(p.rest.corners()).for_each(|(force, c)| *force += by * c);
             },
             |facet, forces| {
@@ -328,15 +396,22 @@ impl Energy for Membrane {
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; 1 + self.sheet.parameter_count()];
+        let count = 1 + self.sheet.parameter_count();
+        let angles = usize::from(self.direction.is_some());
+        let mut sum = vec![0.0; count + angles];
         self.for_each_facet(
             iterate,
             |nodes, p, by: &mut Vec<f64>| {
-                by.resize(1 + self.sheet.parameter_count(), 0.0);
+                by.resize(count + angles, 0.0);
                 let l = p.gradient_of(nodes, lambda);
                 let bar = p.volume * strain_like(&(p.f.transpose() * l));
                 by[0] += self.sheet.stress(&p.strain).dot(&bar) / self.thickness;
-                self.sheet.add_parameter_vjp(&p.strain, &bar, &mut by[1..]);
+                self.sheet.add_parameter_vjp(&p.strain, &bar, &mut by[1..count]);
+                if let Some(direction) = self.direction {
+                    let turn = p.turn(direction.at(p.place.1)).by_direction;
+                    by[count] +=
+                        p.by_turn(&*self.sheet, &l) * turn.dot(&direction.by_angle(p.place.1));
+                }
             },
             |_, part| sum.iter_mut().zip(&part).for_each(|(s, p)| *s += p),
         );

@@ -27,6 +27,8 @@
 //! as S ⪰ 0. FᵀF is convex in F in the order of ⪰. So ψᵣ is convex in F, and its Hessian is
 //! positive semidefinite in any state: a sheet in tension never needs projecting.
 //!
+//! Laws with axes have other strips, for which see [`Woven`](super::Woven); the rest is the same.
+//!
 //! No stiffness is left where the sheet is slack, and none across wrinkles: what it is bonded to
 //! carries all of the load. A bare sheet has no unique equilibrium there.
 //!
@@ -58,11 +60,9 @@ pub fn principal(e: &Strain) -> [f64; 2] {
     [mean + radius, mean - radius]
 }
 
-/// What a sheet of a law does at a strain.
-#[must_use]
-pub fn state(law: &dyn Sheet, e: &Strain) -> State {
-    let [first, second] = principal(e);
-    if first >= 0.0 && second >= law.natural_width(first) {
+/// What a sheet of an isotropic law does at principal strains, by its natural width.
+pub(super) fn state([first, second]: [f64; 2], natural_width: impl Fn(f64) -> f64) -> State {
+    if first >= 0.0 && second >= natural_width(first) {
         State::Taut
     } else if first > 0.0 {
         State::Wrinkled
@@ -71,58 +71,59 @@ pub fn state(law: &dyn Sheet, e: &Strain) -> State {
     }
 }
 
-/// A strip in tension at its natural width.
-struct Strip {
-    /// E₁, e(E₁).
-    at: Strain,
-    /// D₁₂/D₂₂ there: −e′.
-    narrowing: f64,
+/// The strips that carry all of a wrinkled sheet, at their natural width:
+/// D = slope N⊗N + turning M⊗M.
+pub struct Strip {
+    /// Strain of the law in them: of isotropic ones E₁ and e(E₁).
+    pub at: Strain,
     /// σ [Pa].
-    stress: f64,
+    pub stress: f64,
     /// σ′ [Pa].
-    slope: f64,
+    pub slope: f64,
     /// N.
-    along: Stress,
+    pub along: Stress,
     /// M.
-    shear: Stress,
+    pub shear: Stress,
     /// 2σ/(E₁ − E₂) [Pa].
-    turning: f64,
+    pub turning: f64,
+    /// The derivative of `at` by E, as a sum of dyads; what leaves S alone is left out.
+    pub parts: [(Strain, Stress); 2],
 }
 
-impl TensionField {
-    fn strip(&self, e: &Strain) -> Strip {
+impl Strip {
+    /// Those of an isotropic law at a strain, which are at `at`, with their stress and tangent there.
+    pub(super) fn isotropic(e: &Strain, at: Strain, stress: f64, d: &Mat3) -> Self {
         let [first, second] = principal(e);
-        let at = Strain::new(first, self.0.natural_width(first), 0.0);
-        let (stress, d) = (self.0.stress(&at)[0], self.0.tangent(&at));
         let narrowing = d[(0, 1)] / d[(1, 1)];
         // cosine and sine of twice the angle of n
         let (cos, sin) = ((e[0] - e[1]) / (first - second), e[2] / (first - second));
-        Strip {
+        let along = 0.5 * Stress::new(1.0 + cos, 1.0 - cos, sin);
+        Self {
             at,
-            narrowing,
             stress,
             slope: d[(0, 0)] - narrowing * d[(0, 1)],
-            along: 0.5 * Stress::new(1.0 + cos, 1.0 - cos, sin),
+            along,
             shear: 0.5 * Stress::new(-sin, sin, cos),
             turning: 2.0 * stress / (first - second),
+            parts: [(Strain::new(1.0, -narrowing, 0.0), along), (Strain::zeros(), Stress::zeros())],
         }
     }
 }
 
 impl Sheet for TensionField {
     fn energy_density(&self, e: &Strain) -> f64 {
-        match state(&*self.0, e) {
+        match self.0.state(e) {
             State::Taut => self.0.energy_density(e),
-            State::Wrinkled => self.0.energy_density(&self.strip(e).at),
+            State::Wrinkled => self.0.energy_density(&self.0.strip(e).at),
             State::Slack => 0.0,
         }
     }
 
     fn stress(&self, e: &Strain) -> Stress {
-        match state(&*self.0, e) {
+        match self.0.state(e) {
             State::Taut => self.0.stress(e),
             State::Wrinkled => {
-                let strip = self.strip(e);
+                let strip = self.0.strip(e);
                 strip.stress * strip.along
             }
             State::Slack => Stress::zeros(),
@@ -130,10 +131,10 @@ impl Sheet for TensionField {
     }
 
     fn tangent(&self, e: &Strain) -> Mat3 {
-        match state(&*self.0, e) {
+        match self.0.state(e) {
             State::Taut => self.0.tangent(e),
             State::Wrinkled => {
-                let Strip { slope, along, shear, turning, .. } = self.strip(e);
+                let Strip { slope, along, shear, turning, .. } = self.0.strip(e);
                 slope * along * along.transpose() + turning * shear * shear.transpose()
             }
             State::Slack => Mat3::zeros(),
@@ -144,13 +145,14 @@ impl Sheet for TensionField {
         self.0.parameter_count()
     }
 
-    /// The strip has ∂σ/∂p = ∂S₁/∂p − D₁₂/D₂₂ ∂S₂/∂p at the same strains.
+    /// ∂ψᵣ/∂p is ∂ψ/∂p in the strip, so that ∂S/∂p is ∂S/∂p there times the derivative of its strain by E: of
+    /// isotropic laws ∂σ/∂p = ∂S₁/∂p − D₁₂/D₂₂ ∂S₂/∂p.
     fn add_parameter_vjp(&self, e: &Strain, s_bar: &Strain, out: &mut [f64]) {
-        match state(&*self.0, e) {
+        match self.0.state(e) {
             State::Taut => self.0.add_parameter_vjp(e, s_bar, out),
             State::Wrinkled => {
-                let strip = self.strip(e);
-                let bar = Strain::new(1.0, -strip.narrowing, 0.0) * strip.along.dot(s_bar);
+                let strip = self.0.strip(e);
+                let bar = strip.parts.iter().map(|(by, of)| by * of.dot(s_bar)).sum();
                 self.0.add_parameter_vjp(&strip.at, &bar, out);
             }
             State::Slack => {}
@@ -159,5 +161,17 @@ impl Sheet for TensionField {
 
     fn natural_width(&self, stretched: f64) -> f64 {
         self.0.natural_width(stretched)
+    }
+
+    fn has_axes(&self) -> bool {
+        self.0.has_axes()
+    }
+
+    fn state(&self, e: &Strain) -> State {
+        self.0.state(e)
+    }
+
+    fn strip(&self, e: &Strain) -> Strip {
+        self.0.strip(e)
     }
 }
