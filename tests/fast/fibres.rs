@@ -286,6 +286,31 @@ fn angle_and_stiffness_of_a_family_are_designed() {
     assert!((angle - 48.0).abs() < 1e-9, "{angle}");
 }
 
+/// A pitch is found again from the volume and the force that it made, from 20 mm. Threshold, set before: 1e-3 of it.
+#[test]
+fn the_pitch_of_a_thread_is_designed() {
+    let dir = workdir(&(WINDING.to_owned() + "slack = 0.1\nphase = 10\n" + PULL));
+    let wanted = dir.text("p1.toml") + "\n[numbers]\n\"winding.thread.pitch\" = 0.0163\n";
+    dir.write("wanted.toml", &wanted);
+    dir.solver("simulate wanted.toml -o wanted").assert_good();
+    let objective = |name: &str, scale: f64| {
+        let target = dir.probe("wanted", name);
+        format!(
+            "\n[[objective]]\nkind = \"probe\"\nname = \"{name}\"\nweight = 1\nprobe = \"{name}\"\n\
+             target = {target:e}\nscale = {scale:e}\n"
+        )
+    };
+    let design = "scene = \"p1.toml\"\n\n[optimizer]\nmethod = \"gauss-newton\"\niterations = 15\n\n\
+                  [[parameter]]\nname = \"winding.thread.pitch\"\nbounds = [0.01, 0.03]\n";
+    let design = design.to_owned() + &objective("air", 1e-8) + &objective("pull", 1e-2);
+    dir.write("design.toml", &design);
+    dir.solver("optimize design.toml -o out").assert_good();
+    let text = dir.text("out/history.jsonl");
+    let last: serde_json::Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    let pitch = last["parameters"]["winding.thread.pitch"].as_f64().unwrap();
+    assert!((pitch / 0.0163 - 1.0).abs() < 1e-3, "{pitch}");
+}
+
 #[test]
 fn numbers_are_set_by_their_paths() {
     let dir = workdir(&(FIBRE.to_owned() + WINDING));
