@@ -132,18 +132,21 @@ fn gradients_by_shape_and_sheet_pass_their_test() {
     assert!(run.stdout.contains("membrane.top"), "{}", run.stdout);
 }
 
-/// By the shape, with which the warp turns, and by all numbers of the fabric with the angle.
+/// By the shape of the fabric itself, with which the warp turns, and by all numbers of it with the angle.
 #[test]
 fn gradients_by_shape_and_fabric_pass_their_test() {
-    let dir = workdir(FABRIC);
-    let run = dir.solver("check design.toml --handles 1 --random 1");
-    run.assert_good();
-    assert!(run.stdout.contains("membrane.top"), "{}", run.stdout);
-    assert!(
-        run.stderr.contains("woven") && run.stderr.contains("30° to an axis"),
-        "{}",
-        run.stderr
-    );
+    for tension in ["", "tension = true\n"] {
+        let dir = workdir(&(FABRIC.to_owned() + tension));
+        let design = "scene = \"p1.toml\"\n\n[shape]\non = \"top\"\n\n[[shape.level]]\nhandles = 2\n\
+                      iterations = 1\n\n[[objective]]\nkind = \"volume\"\nname = \"air\"\nweight = 1e6\n\
+                      on = \"cavity\"\nvolume = 2e-5\nmeasure = \"deformed\"\n";
+        dir.write("design.toml", design);
+        let run = dir.solver("check design.toml --random 1");
+        run.assert_good();
+        for path in ["shape", "membrane.top"] {
+            assert_eq!(run.stdout.matches(&format!("by {path}, ")).count(), 2, "{}", run.stdout);
+        }
+    }
 }
 
 /// A fabric that is pulled along its warp gives way less than along its weft; the number sets the angle.
@@ -153,7 +156,9 @@ fn the_angle_of_a_fabric_is_set_by_its_path() {
         let dir = workdir(FABRIC);
         let numbers = format!("\n[numbers]\n\"membrane.top.angle\" = {angle}\n");
         dir.write("set.toml", &(dir.text("p1.toml") + &numbers));
-        dir.solver("simulate set.toml -o out").assert_good();
+        let run = dir.solver("simulate set.toml -o out");
+        run.assert_good();
+        assert!(run.stderr.contains("woven (warp 3.000e6 Pa") && run.stderr.contains("to an axis"));
         let by_hand = dir.text("p1.toml").replace("angle = 30", &format!("angle = {angle}"));
         dir.write("hand.toml", &by_hand);
         dir.solver("simulate hand.toml -o hand").assert_good();
