@@ -20,7 +20,7 @@
 
 use std::f64::consts::{FRAC_2_SQRT_PI, PI};
 
-use crate::math::error_function::erf;
+use libm::erf;
 
 /// Numbers of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]

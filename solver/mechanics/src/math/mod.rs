@@ -1,6 +1,5 @@
 //! Small dense and sparse algebra.
 
-pub mod error_function;
 mod followers;
 pub mod lanczos;
 pub mod lanes;
