@@ -136,7 +136,9 @@ fn gradients_by_shape_and_sheet_pass_their_test() {
 #[test]
 fn gradients_by_shape_and_fabric_pass_their_test() {
     for tension in ["", "tension = true\n"] {
-        let dir = workdir(&(FABRIC.to_owned() + tension));
+        // numbers of the fabric change little: states are as accurate as their remainders need
+        let tolerance = "\n[solver]\nrelative_tolerance = 1e-12\nabsolute_tolerance = 1e-14\n";
+        let dir = workdir(&(FABRIC.to_owned() + tension + tolerance));
         let design = "scene = \"p1.toml\"\n\n[shape]\non = \"top\"\n\n[[shape.level]]\nhandles = 2\n\
                       iterations = 1\n\n[[objective]]\nkind = \"volume\"\nname = \"air\"\nweight = 1e6\n\
                       on = \"cavity\"\nvolume = 2e-5\nmeasure = \"deformed\"\n";
