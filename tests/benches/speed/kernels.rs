@@ -169,34 +169,37 @@ impl<'a> Kernels<'a> {
         let hessian = p.hessian(1.0);
         let force = p.force();
         let nearby = p.hessian(1.01);
-        let linear = p.workspace.linear_mut();
-        let cost = linear.cost();
-        let flops = Work::Flops(cost.flops);
-        // the factor in single precision forwards and backwards, and values and
-        // row indices of the matrix
-        let entries = (cost.entries, hessian.lower.len());
-        let bytes = Work::Bytes((2 * 4 * entries.0 + (8 + 8) * entries.1) as f64);
-        let stable = "a swollen body is stable";
-        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        let matrix = || hessian.clone();
-        self.time_with(&double.of(flops), matrix, |matrix| {
-            linear.factor_positive(matrix, Precision::Double).map(drop).expect(stable);
-        })?;
-        self.time_with(&factor_1.of(flops), matrix, |matrix| {
-            one.install(|| linear.factor_positive(matrix, Precision::Single).map(drop))
-                .expect(stable);
-        })?;
-        self.time_with(&factor.of(flops), matrix, |matrix| {
-            linear.factor_positive(matrix, Precision::Single).map(drop).expect(stable);
-        })?;
-        let factored = linear.factor_positive(matrix(), Precision::Single).expect(stable);
-        let vector = || force.clone();
-        // any accuracy will do: one step
-        self.time_with(&once.of(bytes), vector, |mut x| factored.solve_to(&mut x, f64::INFINITY))?;
-        self.time_with(&solve, vector, |mut x| factored.solve_to(&mut x, ACCURATE))?;
-        self.time(&near, || {
-            let near = factored.solve_near(&nearby, &force, FORCING);
-            near.solved().expect("one percent more is near")
+        p.workspace.factor(|linear| {
+            let cost = linear.cost();
+            let flops = Work::Flops(cost.flops);
+            // the factor in single precision forwards and backwards, and values and
+            // row indices of the matrix
+            let entries = (cost.entries, hessian.lower.len());
+            let bytes = Work::Bytes((2 * 4 * entries.0 + (8 + 8) * entries.1) as f64);
+            let stable = "a swollen body is stable";
+            let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+            let matrix = || hessian.clone();
+            self.time_with(&double.of(flops), matrix, |matrix| {
+                linear.factor_positive(matrix, Precision::Double).map(drop).expect(stable);
+            })?;
+            self.time_with(&factor_1.of(flops), matrix, |matrix| {
+                one.install(|| linear.factor_positive(matrix, Precision::Single).map(drop))
+                    .expect(stable);
+            })?;
+            self.time_with(&factor.of(flops), matrix, |matrix| {
+                linear.factor_positive(matrix, Precision::Single).map(drop).expect(stable);
+            })?;
+            let factored = linear.factor_positive(matrix(), Precision::Single).expect(stable);
+            let vector = || force.clone();
+            // any accuracy will do: one step
+            self.time_with(&once.of(bytes), vector, |mut x| {
+                factored.solve_to(&mut x, f64::INFINITY)
+            })?;
+            self.time_with(&solve, vector, |mut x| factored.solve_to(&mut x, ACCURATE))?;
+            self.time(&near, || {
+                let near = linear.solve_near(&nearby, &force, FORCING);
+                near.solved().expect("one percent more is near")
+            })
         })
     }
 

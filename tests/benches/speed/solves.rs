@@ -94,8 +94,7 @@ pub fn child(name: &str) -> Result<()> {
     let assembly_once_s = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     workspace
-        .linear_mut()
-        .factor_positive(hessian, Precision::Single)
+        .factor(|linear| linear.factor_positive(hessian, Precision::Single).map(drop))
         .context("the equilibrium is not stable")?;
     let factor_once_s = clock.elapsed().as_secs_f64();
     let cost = workspace.linear().cost();

@@ -157,7 +157,7 @@ fn of_grid(path: &Path, grid: &Grid, name: Option<&str>) -> Result<Vec<Vec3>> {
     let is_vector = |field: &&Field| field.components == 3;
     let find = |fields: &[Field]| {
         let mut vectors = fields.iter().filter(is_vector);
-        vectors.find(|field| Some(field.name.as_str()) == name).map(|field| vectors_of(field))
+        vectors.find(|field| Some(field.name.as_str()) == name).map(vectors_of)
     };
     if let Some(cells) = find(&grid.cell_fields) {
         return Ok(cells);
