@@ -116,7 +116,7 @@ impl System {
             start.push(entries.len());
         }
         let order = one_by_one(&nested_dissection(&adjacency));
-        let solver = SparseSolver::new(start, &entries, order);
+        let solver = SparseSolver::new(start, &entries, &order);
         let factored = solver.positive(Symmetric::sparse(values), Precision::Double)?;
         Ok(Self { interior, coupling, factored })
     }

@@ -135,7 +135,7 @@ fn the_smallest_pivot_is_that_of_a_dense_factor() {
         start.push(rows.len());
     }
     let order: Vec<usize> = (0..n).collect();
-    let solver = SparseSolver::new(start, &rows, one_by_one(&order));
+    let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     let factored = solver.positive(Symmetric::sparse(values), Precision::Double).unwrap();
     // Gaussian elimination without exchanges
     let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();

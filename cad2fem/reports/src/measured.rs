@@ -108,7 +108,7 @@ pub struct Winding {
     /// Mean force of a helix along its axis, across sections of the body in the middle third of its height [N].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_force: Option<f64>,
-    /// The same force of all that is elastic there: bodies, sheets, fibres and all threads [N].
+    /// Mean axial force of all elastic parts there: bodies, sheets, fibres and all threads [N].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub section_force: Option<f64>,
     /// The thread's share of it [1].

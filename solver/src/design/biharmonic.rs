@@ -151,7 +151,7 @@ impl Problem {
         };
         let adjacency: Vec<Vec<usize>> = self.free.iter().map(neighbours).collect();
         let (start, rows, values) = self.triangle(|row, column| row >= column);
-        let solver = SparseSolver::new(start, &rows, one_by_one(&nested_dissection(&adjacency)));
+        let solver = SparseSolver::new(start, &rows, &one_by_one(&nested_dissection(&adjacency)));
         let factored = solver.positive(Symmetric::sparse(values), Precision::Double)?;
         let solve = |ones: &Vec<usize>| {
             let mut w: Vec<f64> = self.linear_term(ones).iter().map(|q| -q).collect();

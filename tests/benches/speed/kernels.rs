@@ -197,7 +197,7 @@ impl<'a> Kernels<'a> {
             })?;
             self.time_with(&solve, vector, |mut x| factored.solve_to(&mut x, ACCURATE))?;
             self.time(&near, || {
-                let near = linear.solve_near(&nearby, &force, FORCING);
+                let near = factored.solve_near(&nearby, &force, FORCING);
                 near.solved().expect("one percent more is near")
             })
         })

@@ -11,7 +11,7 @@
 //! A peak between two ends of steps is not seen. E has a kink in its second derivative at W = W_m, and W_m one in
 //! its first: derivatives of a run hold where no point ends a step exactly there, as one would whose load is held.
 //!
-//! Its parameters are those of the law, then r, m and β. Points are evaluated one after the other, without lanes;
+//! Its parameters are, in this order, the parameters of the law, r, m and β. Points are evaluated one after the other, without lanes;
 //! before the first step has ended nothing is.
 //!
 //! Source: see [`OgdenRoxburgh`]; the potential of a step is ours.
@@ -125,7 +125,7 @@ impl Mullins {
         self.states(at).chunks_exact(QuadraturePoints::each(at.space)).map(mean).collect()
     }
 
-    /// Of each point the volume that it stands for [m³], W_m [J/m³], η, and η at rest.
+    /// Four numbers of each point: the volume that it stands for [m³], W_m [J/m³], η, and η at rest.
     fn states(&self, at: &Iterate) -> Vec<[f64; 4]> {
         let numbers = self.points.numbers(at, |point| {
             let (w, before) = (self.law.energy_density(&point.k), self.before(at.step, point));

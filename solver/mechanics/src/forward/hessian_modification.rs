@@ -68,7 +68,8 @@ pub fn direction(
     let mut force = problem.restrict(point.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
     let at = &point.at;
-    let blind = from == Modification::Near && !workspace.linear().has_preconditioner();
+    let has_factor = workspace.linear().last().is_some_and(Factorization::is_positive);
+    let blind = from == Modification::Near && !has_factor;
     let found = if blind && is_under_pressure(problem, at) {
         first(problem, workspace, at, &force, forcing)
     } else if from <= Modification::Exact {
@@ -176,7 +177,8 @@ fn exact(
 /// Conjugate gradients with an earlier factor.
 fn near(workspace: &mut Workspace, matrix: &Symmetric, force: &[f64], forcing: f64) -> Outcome {
     let clock = Clock::start();
-    let outcome = workspace.linear().solve_near(matrix, force, forcing);
+    let last = workspace.linear().last();
+    let outcome = last.map_or(Outcome::Inaccurate, |f| f.solve_near(matrix, force, forcing));
     workspace.timings.solve += clock.elapsed();
     outcome
 }

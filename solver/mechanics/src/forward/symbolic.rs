@@ -1,4 +1,4 @@
-//! Sparsity pattern of a Hessian, and its order of elimination.
+//! Sparsity pattern, ordering and symbolic factorisation of a Hessian.
 //!
 //! The graph of the mesh vertices is ordered by nested dissection, not that of all nodes,
 //! which at degree 2 has seven times as many: every other node is eliminated with the
@@ -13,29 +13,20 @@ use mesh::topology::{tet_edges, vertex_neighbours};
 
 use super::dirichlet::Dirichlet;
 use crate::element::FunctionSpace;
-use crate::math::linear::Triangle;
+use crate::math::linear::{MakeDirectSolver, Memory, SparseSolver, Triangle};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{Followers, FreeTriangle, Pattern};
 
-/// What the Hessian is assembled and factored in.
-pub(super) struct Parts {
-    /// Where the blocks of all nodes are.
-    pub pattern: Pattern,
-    /// The part of it on the unknowns.
-    pub free: FreeTriangle,
-    /// The pattern of that part.
-    pub triangle: Triangle,
-    /// The unknowns of each node, in the order of elimination.
-    pub groups: Vec<Range<usize>>,
-}
-
 /// The sparsity pattern of the Hessian with the given couplings of nodes that share no
-/// element, its part on the unknowns of the conditions, and the order of elimination of that.
+/// element, its part on the unknowns of the conditions, and the symbolic factorisation of
+/// that.
 pub(super) fn symbolic(
     space: &FunctionSpace,
     dirichlet: &Dirichlet,
     couplings: &[[usize; 2]],
-) -> Parts {
+    make: MakeDirectSolver,
+    memory: Memory,
+) -> (Pattern, FreeTriangle, SparseSolver) {
     let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
     let followers = dirichlet.followers();
     let couplings = &with_images(couplings, followers, |couplings| {
@@ -50,8 +41,9 @@ pub(super) fn symbolic(
         },
     );
     let groups = groups_of_unknowns(&nodes, &free, space.node_count());
-    let triangle = Triangle { column_start, rows };
-    Parts { pattern, free, triangle, groups }
+    let triangle = Triangle::new(column_start, &rows);
+    let linear = SparseSolver::with(triangle, &groups, make, memory);
+    (pattern, free, linear)
 }
 
 /// Couplings with those of the masters that nodes follow.

@@ -267,8 +267,8 @@ fn solve_all(
     sides: &[Vec<f64>],
 ) -> Option<Vec<Vec<f64>>> {
     let clock = Clock::start();
-    let linear = workspace.linear();
-    let near = |side: &Vec<f64>| linear.solve_near(hessian, side, LINEAR).solved();
+    let last = workspace.linear().last();
+    let near = |side: &Vec<f64>| last?.solve_near(hessian, side, LINEAR).solved();
     let near: Option<Vec<_>> = sides.iter().map(near).collect();
     workspace.timings.solve += clock.elapsed();
     if near.is_some() {

@@ -11,7 +11,7 @@ use mesh::Vec3;
 
 use super::Problem;
 use super::dirichlet::Dirichlet;
-use super::symbolic::{Parts, symbolic};
+use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
@@ -39,6 +39,8 @@ pub struct Workspace {
     pub watch: Option<Watch>,
     /// How many more times Newton's method is taken to begin with an indefinite Hessian.
     pub indefinite_starts: usize,
+    /// What makes the direct solver of a pattern.
+    make: MakeDirectSolver,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
     /// Which factorisation of an exact Hessian is in `linear`, if it is one.
@@ -87,15 +89,14 @@ impl Workspace {
     #[must_use]
     pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
-        let Parts { pattern, free, triangle, groups } =
-            symbolic(&problem.space, &problem.dirichlet, &[]);
-        let linear = SparseSolver::with(triangle, groups, make, Memory::default());
-        linear.prepare();
+        let (pattern, free, linear) =
+            symbolic(&problem.space, &problem.dirichlet, &[], make, Memory::default());
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
             watch: None,
             indefinite_starts: 0,
+            make,
             linear,
             linearization: None,
             linearizations: 0,
@@ -119,7 +120,6 @@ impl Workspace {
     fn extend_pattern(&mut self, problem: &Problem, at: &Iterate) {
         if !Arc::ptr_eq(&self.dirichlet, &problem.dirichlet) {
             self.dirichlet = Arc::clone(&problem.dirichlet);
-            self.forget();
             self.symbolic(problem);
         }
         let clock = Clock::start();
@@ -134,7 +134,7 @@ impl Workspace {
     }
 
     /// Replaces the pairs of nodes that are coupled although they share no
-    /// element. Conjugate gradients go on with the factor; that of the new pattern is prepared when it is needed.
+    /// element. The factor is forgotten.
     pub fn set_couplings(&mut self, problem: &Problem, mut pairs: Vec<[usize; 2]>) {
         pairs.sort_unstable();
         pairs.dedup();
@@ -146,13 +146,13 @@ impl Workspace {
         self.symbolic(problem);
     }
 
-    /// Pattern for the couplings and fixed degrees of freedom.
+    /// Pattern and factorisation for the couplings and fixed degrees of freedom.
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
-        self.linearization = None;
-        let parts = symbolic(&problem.space, &self.dirichlet, &self.couplings);
-        self.linear = self.linear.for_pattern(parts.triangle, parts.groups);
-        (self.pattern, self.free) = (parts.pattern, parts.free);
+        self.forget();
+        let (make, memory) = (self.make, self.linear.memory());
+        (self.pattern, self.free, self.linear) =
+            symbolic(&problem.space, &self.dirichlet, &self.couplings, make, memory);
         self.timings.ordering += clock.elapsed();
     }
 
@@ -177,9 +177,6 @@ impl Workspace {
     /// Lets the solver of linear systems factor, timed: no linearisation is kept.
     pub fn factor<T>(&mut self, by: impl FnOnce(&mut SparseSolver) -> T) -> T {
         self.linearization = None;
-        let clock = Clock::start();
-        self.linear.prepare();
-        self.timings.ordering += clock.elapsed();
         let clock = Clock::start();
         let factored = by(&mut self.linear);
         self.timings.factor += clock.elapsed();

@@ -358,49 +358,37 @@ pub struct FreeTriangle {
     pub dof: Vec<usize>,
 }
 
-/// Columns of a [`FreeTriangle`] that one task fills.
-const COLUMNS: usize = 1 << 10;
-
 impl FreeTriangle {
     /// The part of a pattern on the degrees of freedom where `fixed` is false, with the
     /// first entry of each of its columns and the row of each entry.
-    ///
-    /// # Panics
-    /// When there are 2³² entries or more.
     #[must_use]
-    pub fn new(pattern: &Pattern, fixed: &[bool]) -> (Self, Vec<usize>, Vec<u32>) {
-        let narrow = |i: usize| u32::try_from(i).expect("< 2^32 entries");
+    pub fn new(pattern: &Pattern, fixed: &[bool]) -> (Self, Vec<usize>, Vec<usize>) {
         let dof: Vec<usize> = (0..fixed.len()).filter(|&d| !fixed[d]).collect();
         let mut index = vec![None; fixed.len()];
-        dof.iter().enumerate().for_each(|(i, &d)| index[d] = Some(narrow(i)));
-        // row and source of each entry of a column
-        let entries = |own: usize| {
-            let (column, j, index) = (own / 3, own % 3, &index);
-            let blocks = pattern.column_start[column]..pattern.column_start[column + 1];
-            blocks.flat_map(move |k| {
-                let one = move |i: usize| {
-                    let d = 3 * pattern.rows[k] + i;
-                    let row = index[d].filter(|_| d >= own)?;
-                    Some((row, narrow(9 * k + 3 * i + j)))
-                };
-                (0..3).filter_map(one)
-            })
-        };
-        let counts: Vec<usize> = dof.par_iter().map(|&own| entries(own).count()).collect();
-        let mut column_start = vec![0];
-        for count in counts {
-            column_start.push(column_start[column_start.len() - 1] + count);
+        for (i, &d) in dof.iter().enumerate() {
+            index[d] = Some(i);
         }
-        let (mut rows, mut source) = (zeros(&column_start), zeros(&column_start));
-        let parts =
-            columns_of(&column_start, &mut rows).zip(columns_of(&column_start, &mut source));
-        dof.chunks(COLUMNS).zip(parts).par_bridge().for_each(|(dof, (rows, source))| {
-            let found = dof.iter().flat_map(|&own| entries(own));
-            for ((row, source), found) in rows.iter_mut().zip(source).zip(found) {
-                (*row, *source) = found;
+        let most = 9 * pattern.block_count();
+        let (mut rows, mut sources) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        let mut column_start = vec![0];
+        for &own in &dof {
+            let (column, j) = (own / 3, own % 3);
+            for k in pattern.column_start[column]..pattern.column_start[column + 1] {
+                let row = pattern.rows[k];
+                for i in 0..3 {
+                    let d = 3 * row + i;
+                    if d >= own
+                        && let Some(r) = index[d]
+                    {
+                        rows.push(r);
+                        let source = u32::try_from(9 * k + 3 * i + j);
+                        sources.push(source.expect("< 2^32 entries"));
+                    }
+                }
             }
-        });
-        (Self { source, dof }, column_start, rows)
+            column_start.push(rows.len());
+        }
+        (Self { source: sources, dof }, column_start, rows)
     }
 
     /// The values of a matrix in the order of the entries, written to a vector of any
@@ -410,26 +398,4 @@ impl FreeTriangle {
         let gathered = self.source.par_iter().with_min_len(1 << 14).map(|&s| flat[s as usize]);
         gathered.collect_into_vec(values);
     }
-}
-
-/// A zero for every entry of some columns: pages of new memory are cleared in parallel.
-fn zeros(column_start: &[usize]) -> Vec<u32> {
-    let mut values = Vec::new();
-    let zeros = rayon::iter::repeat_n(0, column_start.last().copied().unwrap_or(0));
-    zeros.with_min_len(1 << 16).collect_into_vec(&mut values);
-    values
-}
-
-/// The entries of every [`COLUMNS`] columns.
-fn columns_of<'a>(
-    column_start: &'a [usize],
-    mut values: &'a mut [u32],
-) -> impl Iterator<Item = &'a mut [u32]> + Send {
-    let last = column_start.len() - 1;
-    (0..last).step_by(COLUMNS).map(move |first| {
-        let len = column_start[(first + COLUMNS).min(last)] - column_start[first];
-        let (own, others) = std::mem::take(&mut values).split_at_mut(len);
-        values = others;
-        own
-    })
 }

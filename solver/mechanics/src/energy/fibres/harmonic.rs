@@ -92,7 +92,7 @@ fn solve(
         }
         start.push(rows.len());
     }
-    let solver = SparseSolver::new(start, &rows, one_by_one(&nested_dissection(&adjacency)));
+    let solver = SparseSolver::new(start, &rows, &one_by_one(&nested_dissection(&adjacency)));
     let factored = solver.positive(Symmetric::sparse(values), Precision::Double)?;
     factored.solve(&mut b);
     Ok(b)

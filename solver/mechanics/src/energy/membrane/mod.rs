@@ -28,7 +28,7 @@
 //!
 //! τ(E) = [2 E₁₂, −2 E₁₂, 2 (E₂₂ − E₁₁)], and δd by the rest position as [`Direction`] has it.
 //!
-//! Its parameters are t, then those of the law, then the angle α [rad] of a direction, if it has one.
+//! Its parameters are, in this order, t, the parameters of the law, and the angle α [rad] if a direction has one.
 //!
 //! Source: Gruttmann and Taylor 1992, "Theory and finite element formulation of rubberlike
 //! membrane shells using principal stretches", doi:10.1002/nme.1620350511.
@@ -87,7 +87,7 @@ struct Rest {
 /// One quadrature point.
 struct Point<'a> {
     rest: Rest,
-    /// Its barycentric coordinates, and its rest position [m].
+    /// Barycentric coordinates and rest position [m].
     place: (&'a [f64], Vec3),
     /// t times the share of the area [m³].
     volume: f64,
@@ -135,7 +135,7 @@ impl Rest {
         }
     }
 
-    /// The same in a basis whose first vector is along the part of a direction in the facet.
+    /// This rest facet in another basis: its first vector is the direction, projected on the facet.
     fn along(&self, direction: Vec3) -> Self {
         let part = (self.basis.transpose() * direction).normalize();
         let turn = Matrix2::new(part.x, -part.y, part.y, part.x);
@@ -255,7 +255,7 @@ impl Membrane {
         Self { thickness, sheet: sheet.into(), facets, direction: None }
     }
 
-    /// The same with the first axis of its law along the part of a direction in the sheet.
+    /// This membrane with an orthotropic law: its first axis is the direction, projected on the sheet.
     #[must_use]
     pub fn along(self, direction: Direction) -> Self {
         Self { direction: Some(direction), ..self }

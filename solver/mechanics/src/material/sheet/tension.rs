@@ -91,7 +91,7 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// Those of an isotropic law at a strain, which are at `at`, with their stress and tangent there.
+    /// The strips of an isotropic law at the strain `e`; `at` is their own strain, with its stress and tangent.
     pub(super) fn isotropic(e: &Strain, at: Strain, stress: f64, d: &Mat3) -> Self {
         let [first, second] = principal(e);
         let narrowing = d[(0, 1)] / d[(1, 1)];

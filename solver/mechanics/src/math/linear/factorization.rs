@@ -14,7 +14,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::conjugate_gradients::{Gradients, Outcome, Stop, conjugate_gradients};
-use super::direct::{Cost, Factor, Pivot, Precision};
+use super::direct::{Factor, Pivot, Precision};
 use super::matrix::{Symmetric, Triangle, dot, norm};
 
 /// Relative residual of a solution that has come to rounding.
@@ -23,13 +23,9 @@ const SMALLEST_RESIDUAL: f64 = 1e-14;
 /// Refinement steps of a solution, at most.
 const REFINEMENTS: usize = 40;
 
-/// Operations of a factorisation in the time in which a solution reads a byte. Measured with the frog: 115 GFLOP/s and
-/// 14.4 GB/s. A constant, and not measured in a run, so that results are the same on every machine.
-const FLOPS_PER_BYTE: f64 = 8.0;
-/// Steps of conjugate gradients with a factor of the matrix itself.
-const OWN_STEPS: f64 = 3.0;
-/// Steps with the factor of another matrix that are made even where a factorisation costs less than a step.
-const NEAR_STEPS: f64 = 12.0;
+/// Conjugate-gradient steps with the factor of another matrix that cost less than a factor of its own: the gripper is
+/// factored at 209 GFLOP/s and solved at 14.4 GB/s, so that a factorisation takes as long as 9 steps, and 3 follow it.
+const NEAR_STEPS: usize = 12;
 
 /// A matrix and its factor.
 pub struct Factorization {
@@ -39,9 +35,6 @@ pub struct Factorization {
     /// The precision of L Lᵀ; none of the factor of a matrix that is not positive definite.
     pub(super) positive: Option<Precision>,
     dense: Option<Dense>,
-    /// Steps of conjugate gradients for another matrix that take as long as a factorisation of that and the steps
-    /// with it.
-    near_steps: usize,
 }
 
 /// What the formula of Woodbury needs besides the factor of A.
@@ -61,11 +54,9 @@ impl Factorization {
         matrix: Symmetric,
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
-        cost: Cost,
     ) -> Self {
         let dense = dense(&*factor, &matrix.updates);
-        let near_steps = near_steps(cost, pattern);
-        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense, near_steps }
+        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense }
     }
 
     /// The matrix; the factor is gone.
@@ -114,8 +105,7 @@ impl Factorization {
     pub fn solve_to(&self, rhs: &mut [f64], tolerance: f64) -> f64 {
         let (x, residual) = if self.is_positive() {
             let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-            let Gradients { x, residual, .. } =
-                self.gradients((&self.pattern, &self.matrix), rhs, &stop);
+            let Gradients { x, residual, .. } = self.gradients(&self.matrix, rhs, &stop);
             (x, residual)
         } else {
             self.refine(rhs, tolerance)
@@ -130,29 +120,24 @@ impl Factorization {
     #[must_use]
     pub fn solve_modified(&self, b: &[f64], tolerance: f64) -> Outcome {
         let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
-        self.gradients((&self.pattern, &self.matrix), b, &stop).outcome(tolerance)
+        self.gradients(&self.matrix, b, &stop).outcome(tolerance)
     }
 
-    /// Solves for another matrix of a pattern: [`super::SparseSolver::solve_near`].
-    pub(super) fn solve_near(
-        &self,
-        pattern: &Triangle,
-        matrix: &Symmetric,
-        b: &[f64],
-        tolerance: f64,
-    ) -> Outcome {
-        let stop = Stop { tolerance, steps: self.near_steps, near: true };
-        self.gradients((pattern, matrix), b, &stop).outcome(tolerance)
+    /// Solves for another matrix by conjugate gradients, preconditioned with this factor, to
+    /// ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where a factorisation is likely to be
+    /// cheaper, or this one is not that of a positive definite matrix.
+    #[must_use]
+    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
+        if !self.is_positive() {
+            return Outcome::Inaccurate;
+        }
+        let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
+        self.gradients(matrix, b, &stop).outcome(tolerance)
     }
 
-    /// Conjugate gradients preconditioned with the factor, for a matrix of a pattern.
-    fn gradients(
-        &self,
-        (pattern, matrix): (&Triangle, &Symmetric),
-        b: &[f64],
-        stop: &Stop,
-    ) -> Gradients {
-        let multiply = |x: &[f64]| pattern.multiply(matrix, x);
+    /// Conjugate gradients preconditioned with the factor.
+    fn gradients(&self, matrix: &Symmetric, b: &[f64], stop: &Stop) -> Gradients {
+        let multiply = |x: &[f64]| self.pattern.multiply(matrix, x);
         conjugate_gradients(multiply, |x| self.inverse_times(x), b, stop)
     }
 
@@ -199,14 +184,6 @@ impl Factorization {
         }
         x
     }
-}
-
-/// A step applies the factor forwards and backwards, in single precision, and multiplies with the lower triangle.
-fn near_steps(cost: Cost, pattern: &Triangle) -> usize {
-    let factor = 2 * size_of::<f32>() * cost.entries;
-    let matrix = (size_of::<f64>() + size_of::<u32>()) * pattern.rows.len();
-    let factorization = cost.flops / (FLOPS_PER_BYTE * (factor + matrix) as f64);
-    (factorization + OWN_STEPS).max(NEAR_STEPS) as usize
 }
 
 fn dense(factor: &dyn Factor, updates: &[(f64, Vec<f64>)]) -> Option<Dense> {

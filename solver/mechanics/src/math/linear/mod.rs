@@ -30,7 +30,7 @@ mod tests;
 mod trapezoid;
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 pub use cholesky::Multifrontal;
 pub use conjugate_gradients::Outcome;
@@ -52,27 +52,24 @@ pub struct NotPositive {
     pub size: usize,
 }
 
-/// A direct solver that is set up once per sparsity pattern, where it is needed first, and the last factorisation.
+/// A direct solver that is set up once per sparsity pattern, and the last factorisation.
 pub struct SparseSolver {
     pattern: Arc<Triangle>,
-    groups: Vec<Range<usize>>,
-    make: MakeDirectSolver,
-    direct: OnceLock<Box<dyn DirectSolver>>,
+    direct: Box<dyn DirectSolver>,
     memory: Memory,
     last: Option<Factorization>,
-    /// The last factorisation of an earlier pattern, for [`Self::solve_near`].
-    earlier: Option<Factorization>,
 }
 
 impl SparseSolver {
-    /// A solver for a lower triangle in compressed columns. The unknowns are
+    /// Symbolic factorisation of a lower triangle in compressed columns. The unknowns are
     /// eliminated group by group in the given order, up to changes that leave the fill alone;
     /// those of a group are coupled with each other and with the same others.
     ///
-    /// [`Self::prepare`] panics when the groups are not all unknowns, each once, when unknowns of a group have
-    /// different neighbours, or when memory runs out; so does what needs it.
+    /// # Panics
+    /// When the groups are not all unknowns, each once, when unknowns of a group have different
+    /// neighbours, or when memory runs out.
     #[must_use]
-    pub fn new(column_start: Vec<usize>, rows: &[usize], groups: Vec<Range<usize>>) -> Self {
+    pub fn new(column_start: Vec<usize>, rows: &[usize], groups: &[Range<usize>]) -> Self {
         Self::with(
             Triangle::new(column_start, rows),
             groups,
@@ -82,34 +79,19 @@ impl SparseSolver {
     }
 
     /// A solver whose factors another direct solver makes, with the memory of an earlier one.
+    ///
+    /// # Panics
+    /// As [`Self::new`] does, or as the direct solver does.
     #[must_use]
     pub fn with(
         pattern: Triangle,
-        groups: Vec<Range<usize>>,
+        groups: &[Range<usize>],
         make: MakeDirectSolver,
         memory: Memory,
     ) -> Self {
-        let (pattern, direct) = (Arc::new(pattern), OnceLock::new());
-        Self { pattern, groups, make, direct, memory, last: None, earlier: None }
-    }
-
-    /// A solver for another pattern of the same unknowns. Conjugate gradients go on with the last factorisation
-    /// ([`Self::solve_near`]); there is no other use of it.
-    #[must_use]
-    pub fn for_pattern(&mut self, pattern: Triangle, groups: Vec<Range<usize>>) -> Self {
-        let earlier = self.last.take().or_else(|| self.earlier.take());
-        let earlier = earlier.filter(|factor| factor.size() == pattern.size());
-        Self { earlier, ..Self::with(pattern, groups, self.make, self.memory.clone()) }
-    }
-
-    /// Factors the pattern symbolically, if that is still to be done.
-    pub fn prepare(&self) {
-        self.direct();
-    }
-
-    fn direct(&self) -> &dyn DirectSolver {
-        let Self { pattern, groups, memory, .. } = self;
-        &**self.direct.get_or_init(|| (self.make)(&Structure { pattern, groups, memory }))
+        let pattern = Arc::new(pattern);
+        let direct = make(&Structure { pattern: &pattern, groups, memory: &memory });
+        Self { pattern, direct, memory, last: None }
     }
 
     /// Number of unknowns.
@@ -139,7 +121,7 @@ impl SparseSolver {
     /// What a factorisation takes.
     #[must_use]
     pub fn cost(&self) -> Cost {
-        self.direct().cost()
+        self.direct.cost()
     }
 
     /// The last factorisation; none before the first, and after one that failed.
@@ -173,7 +155,7 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<Factorization, NotPositive> {
         let (factor, precision) = self.cholesky(&matrix.lower, precision)?;
-        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision), self.cost()))
+        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision)))
     }
 
     /// L Lᵀ, and the precision that it has.
@@ -183,7 +165,7 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<(Box<dyn Factor>, Precision), NotPositive> {
         let factor = |precision| {
-            let factored = self.direct().factor_positive(lower, precision, BadPivots::Refuse);
+            let factored = self.direct.factor_positive(lower, precision, BadPivots::Refuse);
             factored.map(|(factor, _)| (factor, precision))
         };
         let factored = match factor(precision) {
@@ -209,7 +191,7 @@ impl SparseSolver {
     ) -> Result<(&Factorization, usize), NotPositive> {
         self.forget();
         let (precision, few) = (Precision::Single, BadPivots::ReplaceFew);
-        let factored = self.direct().factor_positive(&matrix.lower, precision, few);
+        let factored = self.direct.factor_positive(&matrix.lower, precision, few);
         let (factor, replaced) = factored.map_err(|pivot| self.not_positive(pivot))?;
         Ok((self.keep(matrix, factor, Some(precision)), replaced))
     }
@@ -226,7 +208,7 @@ impl SparseSolver {
     /// Factors a symmetric matrix as one that is not positive definite.
     pub fn factor_indefinite(&mut self, matrix: Symmetric) -> &Factorization {
         self.forget();
-        let factor = self.direct().factor_indefinite(&matrix.lower);
+        let factor = self.direct.factor_indefinite(&matrix.lower);
         self.keep(matrix, factor, None)
     }
 
@@ -243,35 +225,12 @@ impl SparseSolver {
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
     ) -> &Factorization {
-        let cost = self.cost();
-        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive, cost))
+        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive))
     }
 
-    /// Forgets the factorisations; the symbolic part and the memory stay.
+    /// Forgets the factorisation; the symbolic part and the memory stay.
     pub fn forget(&mut self) {
-        (self.last, self.earlier) = (None, None);
-    }
-
-    /// What conjugate gradients can be preconditioned with: the last factorisation, or that of an earlier pattern, of
-    /// a positive definite matrix.
-    fn preconditioner(&self) -> Option<&Factorization> {
-        self.last.as_ref().or(self.earlier.as_ref()).filter(|factor| factor.is_positive())
-    }
-
-    /// Whether there is a factor for [`Self::solve_near`].
-    #[must_use]
-    pub fn has_preconditioner(&self) -> bool {
-        self.preconditioner().is_some()
-    }
-
-    /// Solves for a matrix by conjugate gradients, preconditioned with the factor of another one, to
-    /// ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where the steps that this takes, foreseen by the rate so far,
-    /// cost more than a factorisation and the steps with its factor, or no factor of a positive definite matrix is at
-    /// hand.
-    #[must_use]
-    pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
-        let near = |factor: &Factorization| factor.solve_near(&self.pattern, matrix, b, tolerance);
-        self.preconditioner().map_or(Outcome::Inaccurate, near)
+        self.last = None;
     }
 
     /// The memory that its factorisations use again, for the solver of another pattern.

@@ -213,27 +213,21 @@ impl Fronts {
 
 /// Finds the place of every row of an update in the parent's front.
 fn place_updates(supernodes: &mut [Supernode]) {
-    let of_parent = |parent: &Supernode| -> Vec<(usize, Vec<u32>)> {
-        let one = |&child: &usize| (child, places_in(parent, &supernodes[child].pattern));
-        parent.children.iter().map(one).collect()
-    };
-    let places: Vec<_> = supernodes.par_iter().flat_map_iter(of_parent).collect();
-    for (child, places) in places {
-        supernodes[child].places = places;
-    }
-}
-
-/// The places of ascending rows in a front that holds them.
-fn places_in(front: &Supernode, rows: &[usize]) -> Vec<u32> {
-    let mut below = front.pattern.iter().enumerate();
-    let place = |&row: &usize| {
-        if row < front.columns.end {
-            return narrow(row - front.columns.start);
+    for parent in 0..supernodes.len() {
+        for child in supernodes[parent].children.clone() {
+            let front = &supernodes[parent];
+            let mut below = front.pattern.iter().enumerate();
+            let place = |&row: &usize| {
+                if row < front.columns.end {
+                    return narrow(row - front.columns.start);
+                }
+                let (i, _) =
+                    below.find(|p| *p.1 == row).expect("a front holds the rows of its children");
+                narrow(front.width() + i)
+            };
+            supernodes[child].places = supernodes[child].pattern.iter().map(place).collect();
         }
-        let (i, _) = below.find(|p| *p.1 == row).expect("a front holds the rows of its children");
-        narrow(front.width() + i)
-    };
-    rows.iter().map(place).collect()
+    }
 }
 
 /// Sorts the entries of A by supernode and finds their places.
@@ -271,18 +265,18 @@ fn place_entries(
         sorted[*slot] = (narrow(k), narrow(row), narrow(column));
         *slot += 1;
     }
-    let of_one = |place: &mut Vec<usize>, s: &Supernode| -> Vec<(u32, u32)> {
+    let mut place = vec![0; n];
+    let mut entries = Vec::with_capacity(sorted.len());
+    for s in supernodes {
         for (i, row) in s.columns.clone().chain(s.pattern.iter().copied()).enumerate() {
             place[row] = i;
         }
-        let entry = |&(k, row, column): &(u32, u32, u32)| {
+        for &(k, row, column) in &sorted[s.entries.clone()] {
             let column = column as usize - s.columns.start;
-            (k, narrow(column * s.height() + place[row as usize]))
-        };
-        sorted[s.entries.clone()].iter().map(entry).collect()
-    };
-    let found = supernodes.par_iter().map_init(|| vec![0; n], of_one);
-    found.flatten_iter().collect()
+            entries.push((k, narrow(column * s.height() + place[row as usize])));
+        }
+    }
+    entries
 }
 
 /// One factorisation.

@@ -22,15 +22,14 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
     let n = 300;
     let (start, rows, values) = laplacian(n, 0.0);
     let order: Vec<usize> = (0..n).rev().collect();
-    let mut solver = SparseSolver::new(start, &rows, one_by_one(&order));
+    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     // each unknown has one neighbour among those that follow it
     assert!((solver.cost().chain_flops / solver.cost().flops - 1.0).abs() < 1e-12);
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
 
     for precision in [Precision::Single, Precision::Double] {
         let matrix = Symmetric::sparse(values.clone());
-        let factored = solver.factor_positive(matrix, precision);
-        let factored = factored.expect("eigenvalues are 2 - 2 cos > 0");
+        let factored = solver.positive(matrix, precision).expect("eigenvalues are 2 - 2 cos > 0");
         // eliminated one by one from the end, the pivots are (k + 1)/k
         let pivot = factored.smallest_pivot().expect("a positive factor");
         let expected = (n as f64 + 1.0) / n as f64;
@@ -40,12 +39,12 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
         assert!(factored.solve(&mut b.clone()) < 1e-11);
         let (_, _, near) = laplacian(n, 1e-6);
         let near = Symmetric::sparse(near);
-        let x = solver.solve_near(&near, &b, 1e-11).solved().expect("a shift of 1e-6 is near");
+        let x = factored.solve_near(&near, &b, 1e-11).solved().expect("a shift of 1e-6 is near");
         let error: Vec<f64> =
             solver.pattern.multiply(&near, &x).iter().zip(&b).map(|(a, b)| a - b).collect();
         assert!(norm(&error) < 1e-10 * norm(&b));
         let far = Symmetric::sparse(laplacian(n, 100.0).2);
-        assert_eq!(solver.solve_near(&far, &b, 1e-11), Outcome::Inaccurate);
+        assert_eq!(factored.solve_near(&far, &b, 1e-11), Outcome::Inaccurate);
     }
 
     // not -1: its second leading minor is zero, where pivoting within one
@@ -54,35 +53,6 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
     let failed = solver.factor_positive(shifted.clone(), Precision::Single);
     assert!(failed.is_err_and(|e| e.pivot < n && e.size == n) && solver.last().is_none());
     assert!(solver.factor_indefinite(shifted).solve(&mut b.clone()) < 1e-11);
-}
-
-/// A spring from the first to the last of a row.
-#[test]
-fn a_factor_of_an_earlier_pattern_is_a_preconditioner() {
-    let n = 300;
-    let (start, rows, values) = laplacian(n, 0.1);
-    let order: Vec<usize> = (0..n).collect();
-    let mut solver = SparseSolver::new(start.clone(), &rows, one_by_one(&order));
-    solver.factor_positive(Symmetric::sparse(values.clone()), Precision::Single).expect("a shift");
-    let (mut rows, mut values) = (rows, values);
-    rows.insert(start[1], n - 1);
-    values.insert(start[1], -2.0);
-    values[0] += 2.0;
-    *values.last_mut().expect("the last diagonal entry") += 2.0;
-    let start: Vec<usize> = (0..=n).map(|c| start[c] + usize::from(c > 0)).collect();
-    let mut joined = solver.for_pattern(Triangle::new(start.clone(), &rows), one_by_one(&order));
-    assert!(joined.has_preconditioner() && joined.last().is_none());
-    let matrix = Symmetric::sparse(values);
-    let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
-    let x = joined.solve_near(&matrix, &b, 1e-9).solved().expect("one spring is near");
-    let product = joined.multiply(&matrix, &x);
-    let error: Vec<f64> = product.iter().zip(&b).map(|(a, b)| a - b).collect();
-    assert!(norm(&error) < 1e-9 * norm(&b));
-    assert!(joined.factor_positive(matrix, Precision::Double).is_ok());
-    // another number of unknowns
-    let (start, rows, _) = laplacian(n - 1, 0.1);
-    let fewer = joined.for_pattern(Triangle::new(start, &rows), one_by_one(&order[..n - 1]));
-    assert!(!fewer.has_preconditioner());
 }
 
 /// The Laplacian of a cube of m³ points, ordered by nested dissection.
@@ -105,7 +75,7 @@ fn many_threads_give_the_bits_of_one() {
         start.push(rows.len());
     }
     let order = crate::math::ordering::nested_dissection(&adjacency);
-    let solver = SparseSolver::new(start, &rows, one_by_one(&order));
+    let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     // enough for several tasks
     let cost = solver.cost();
     assert!(cost.flops > 2e8, "{cost:?}");
@@ -148,7 +118,7 @@ fn dense_columns_enter_without_being_assembled() {
             assembled += *scale * &u * u.transpose();
         }
         let expected = assembled.lu().solve(&DVector::from_column_slice(&b)).expect("regular");
-        let mut solver = SparseSolver::new(start, &rows, one_by_one(&order));
+        let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
         let matrix = Symmetric { lower, updates: updates.clone() };
         let mut x = b.clone();
         assert!(solver.factor(matrix, Precision::Single).solve(&mut x) < 1e-9);
@@ -164,7 +134,7 @@ fn a_factor_is_sharpened_once() {
     let order: Vec<usize> = (0..n).rev().collect();
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
     let (start, rows, values) = laplacian(n, 0.0);
-    let mut solver = SparseSolver::new(start, &rows, one_by_one(&order));
+    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     assert!(solver.sharpen().is_none());
     let unrefined = |factored: &Factorization| {
         norm(&factored.residual(&b, &factored.inverse_times(&b))) / norm(&b)
@@ -184,7 +154,7 @@ fn double_precision_decides_where_single_cannot() {
     let order: Vec<usize> = (0..n).rev().collect();
     for (left, positive) in [(1e-9, true), (-1e-9, false), (-1e-2, false)] {
         let (start, rows, values) = laplacian(n, left - smallest);
-        let solver = SparseSolver::new(start, &rows, one_by_one(&order));
+        let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
         let done = solver.positive(Symmetric::sparse(values), Precision::Single);
         assert_eq!(done.is_ok(), positive, "{left}");
     }
@@ -197,7 +167,7 @@ fn negative_eigenvalues_are_counted_with_the_dense_part() {
     let n = 60;
     let order: Vec<usize> = (0..n).rev().collect();
     let (start, rows, _) = laplacian(n, 0.0);
-    let mut solver = SparseSolver::new(start, &rows, one_by_one(&order));
+    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     let angle = |k: usize| std::f64::consts::PI * (k as f64) / (n as f64 + 1.0);
     for shift in [0.0, 0.03, 0.7, 1.9, 3.1] {
         let below = (1..=n).filter(|&k| 2.0 - 2.0 * angle(k).cos() < shift).count();
