@@ -26,6 +26,8 @@ pub struct Thread {
     pub name: String,
     /// Tag that it is wound on.
     pub on: String,
+    /// How far below the tag it is in the finished body [mm].
+    pub depth: Option<f64>,
     /// Length, of both if there are two [mm].
     pub length: f64,
     /// Turns of a helix, those of both if there are two.
@@ -108,6 +110,7 @@ impl Thread {
         Self {
             name: thread.name.clone(),
             on: thread.on.clone(),
+            depth: number("depth").map(|depth| depth * MM),
             length: thread.length * MM,
             turns: thread.turns,
             pitch: number("pitch").map(|pitch| pitch * MM),
@@ -133,10 +136,15 @@ impl Thread {
     /// What to do.
     #[must_use]
     pub fn in_words(&self) -> String {
-        let Self { name, on, length, .. } = self;
+        let Self { name, length, .. } = self;
+        let place = |word: &str| match self.depth {
+            None => format!("{word} `{}`", self.on),
+            Some(depth) => format!("{depth:.2} mm below `{}` of the finished body", self.on),
+        };
         let Some(turns) = self.turns else {
             return format!(
-                "Lay the thread `{name}` on `{on}` along the line of the scene, {length:.0} mm, without slack. {}",
+                "Lay the thread `{name}` {} along the line of the scene, {length:.0} mm, without slack. {}",
+                place("on"),
                 self.bonded()
             );
         };
@@ -160,8 +168,9 @@ impl Thread {
             false => String::new(),
         };
         format!(
-            "Tie the thread `{name}` around `{on}` at its start with two half hitches. Wind it as a {} screw, {each:.1} turns{climb}{way}, \
+            "Tie the thread `{name}` {} at its start with two half hitches. Wind it as a {} screw, {each:.1} turns{climb}{way}, \
              taut but without cutting into the silicone, and tie it at its end.{second} That is {:.2} m in all. {}",
+            place("around"),
             hand(left),
             length / 1e3,
             self.bonded()
@@ -185,6 +194,7 @@ mod tests {
         Thread {
             name: "thread".into(),
             on: "skin".into(),
+            depth: None,
             length: 2994.0,
             turns: Some(39.0),
             pitch,
@@ -208,6 +218,11 @@ mod tests {
         ] {
             assert!(words.contains(part), "{part}: {words}");
         }
+        let below = Thread { depth: Some(1.5), ..helix(Some(4.0), None, false) }.in_words();
+        assert!(
+            below.starts_with("Tie the thread `thread` 1.50 mm below `skin` of the"),
+            "{below}"
+        );
         let words = helix(None, Some(-75.0), false).in_words();
         assert!(words.contains("a left-handed screw, 39.0 turns, 75° to the axis"), "{words}");
         assert!(!words.contains("second"), "{words}");

@@ -7,7 +7,7 @@ mod interpolate;
 pub mod quadrature;
 mod space;
 
-pub use basis::{EDGES, HIGHEST_DEGREE, Tabulation, nodes as node_indices, tabulate};
+pub use basis::{EDGES, HIGHEST_DEGREE, Tabulation, nodes as node_indices, tabulate, values};
 pub use bernstein::JacobianForm;
 pub use incidence::Incidence;
 pub use interpolate::{elevate, interpolate, sample, weights};

@@ -94,19 +94,21 @@ impl FunctionSpace {
             }
         }
         for tet in self.tets.clone() {
-            let nodes = self.simplex_nodes(&tet, &EDGES, &FACES);
+            let nodes = self.simplex_nodes(&tet);
             self.element_nodes.extend(nodes);
         }
         self.incidence = Incidence::new(self.node_count(), &self.element_nodes);
     }
 
-    /// Nodes of a simplex of the mesh in the order of its basis.
-    fn simplex_nodes(
-        &self,
-        corners: &[usize],
-        edges: &[[usize; 2]],
-        faces: &[[usize; 3]],
-    ) -> Vec<usize> {
+    /// Node ids of a facet or a tetrahedron in the order of its basis: its vertices, those of its edges (01, 12, 20
+    /// of a facet), and those inside its facets.
+    ///
+    /// # Panics
+    /// When it is none of the mesh, and the degree is above 1.
+    #[must_use]
+    pub fn simplex_nodes(&self, corners: &[usize]) -> Vec<usize> {
+        let (edges, faces) =
+            if corners.len() == 3 { (&EDGES[..3], &FACES[3..]) } else { (&EDGES[..], &FACES[..]) };
         let mut nodes = corners.to_vec();
         if self.degree > 1 {
             for &[a, b] in edges {
@@ -217,7 +219,7 @@ impl FunctionSpace {
     /// When `facet` is no facet of the mesh.
     #[must_use]
     pub fn facet_nodes(&self, facet: [usize; 3]) -> Vec<usize> {
-        self.simplex_nodes(&facet, &EDGES[..3], &FACES[3..])
+        self.simplex_nodes(&facet)
     }
 
     /// Values of a facet's basis at barycentric coordinates, in the order of

@@ -47,7 +47,9 @@ pub use springs::{Spring, Springs};
 pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
-pub use winding::{Helix, LayError, Piece, Strand, Winding, WindingSummary, helix, polyline};
+pub use winding::{
+    Helix, LayError, Layer, Piece, Strand, Winding, WindingSummary, helix, polyline,
+};
 
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};

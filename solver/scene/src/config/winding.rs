@@ -23,6 +23,10 @@ pub struct WindingConfig {
     /// Tag of the facets, on the boundary or inside, in one layer around the axis; or a list, such as that of a
     /// wall and of the sheet below the thread.
     pub on: Names,
+    /// How far below the tag the thread lies inside the body [m]; the tag is on the boundary then. On the tag itself if
+    /// not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth: Option<f64>,
     /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread.
     pub stiffness: f64,
     /// The axis of a helix; or `points`.
@@ -92,7 +96,11 @@ impl WindingConfig {
         };
         let double = if *double { ", double" } else { "" };
         let on = on.all().join(" and ");
-        format!("winding {name} on {on}: {course}{double}, EA {stiffness:.3e} N")
+        let where_it_is = match self.depth {
+            None => format!("on {on}"),
+            Some(depth) => format!("{:.3} mm below {on}", 1e3 * depth),
+        };
+        format!("winding {name} {where_it_is}: {course}{double}, EA {stiffness:.3e} N")
     }
 
     /// How a helix climbs; none of a line through points.
@@ -173,6 +181,14 @@ impl WindingConfig {
             misfit!(
                 key("stiffness"),
                 " = {stiffness} N: must be positive and finite; expected E π d²/4, as 212 N of E = 3e9 Pa and d = 0.3e-3 m"
+            )
+        );
+        ensure!(
+            self.depth.is_none_or(|depth| depth > 0.0 && depth.is_finite()),
+            misfit!(
+                key("depth"),
+                " = {} m: must be positive and finite; without depth the thread lies on the tag",
+                self.depth.unwrap_or_default()
             )
         );
         ensure!(

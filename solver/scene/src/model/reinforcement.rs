@@ -4,9 +4,11 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
-use mechanics::body::Body;
+use mechanics::body::{Body, Part};
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{self, Direction, Directions, Fibres, Helix, LayError, Piece, Winding};
+use mechanics::energy::{
+    self, Direction, Directions, Fibres, Helix, LayError, Layer, Piece, Winding,
+};
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
 use program::{misfit, unknown};
@@ -94,7 +96,7 @@ impl Scene {
     /// # Errors
     /// As [`Self::problem`].
     pub fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
-        helix(winding, &tagged(winding, &self.body)?, &self.body.mesh.vertices)
+        Ground::new(winding, &self.body)?.helix(winding)
     }
 
     /// The threads of a body, in the order of the scene.
@@ -104,8 +106,16 @@ impl Scene {
     pub(super) fn windings(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Winding>> {
         let one = |winding: &WindingConfig| {
             let WindingConfig { stiffness, pretension, slack, .. } = winding;
-            let pieces = lay(winding, &tagged(winding, body)?, &body.mesh.vertices)?;
-            Ok(Winding::new(space, &pieces, [*stiffness, *pretension, *slack]))
+            let ground = Ground::new(winding, body)?;
+            let (pieces, numbers) = (ground.lay(winding)?, [*stiffness, *pretension, *slack]);
+            Ok(match &ground.layer {
+                None => Winding::new(space, &pieces, numbers),
+                Some(layer) => {
+                    let inside: Vec<Piece<4>> =
+                        pieces.iter().map(|piece| layer.inside(piece)).collect();
+                    Winding::new(space, &inside, numbers)
+                }
+            })
         };
         self.config.winding.iter().map(one).collect()
     }
@@ -151,49 +161,105 @@ pub(super) fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec
     along.cross(&other.at(place)).norm() < PARALLEL
 }
 
-/// The pieces of a thread on facets at rest.
-fn lay(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Vec<Piece>> {
-    let cannot = |error: LayError| {
-        misfit!(
-            winding.title(),
-            ": the thread cannot be laid on \"{}\": {error}\n  {}",
-            winding.on.all().join("\" and \""),
-            advice(&error)
-        )
-    };
-    let Some(one) = helix(winding, facets, x)? else {
-        let points: Vec<Vec3> = winding.points.iter().map(|&point| point.into()).collect();
-        return Ok(energy::polyline(facets, x, &points).map_err(cannot)?);
-    };
-    let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
-    if winding.double {
-        let other = Helix { pitch: -one.pitch, climb: -one.climb, ..one };
-        pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
-    }
-    Ok(pieces)
+/// What a thread lies on: facets of the body, or a layer below them.
+struct Ground<'a> {
+    /// The facets of its tags.
+    tagged: Vec<[usize; 3]>,
+    /// Vertices of the body at rest [m].
+    vertices: &'a [Vec3],
+    layer: Option<Layer>,
 }
 
-/// The facets of the tags that a thread is wound on.
-fn tagged(winding: &WindingConfig, body: &Body) -> Result<Vec<[usize; 3]>> {
-    let tags = winding.on.all().iter().map(|tag| body.tagged(tag));
-    let facets = tags.collect::<Result<Vec<_>, _>>().with_context(|| winding.title())?;
-    Ok(facets.concat())
-}
-
-/// The helix of a thread on facets at rest; none of a line through points.
-fn helix(winding: &WindingConfig, facets: &[[usize; 3]], x: &[Vec3]) -> Result<Option<Helix>> {
-    let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else { return Ok(None) };
-    let axis = around.line(&winding.title())?;
-    let (pitch, climb) = match climb {
-        Climb::Pitch(pitch) => (pitch, 1.0),
-        Climb::Angle(angle) => {
-            let (round, angle) = (TAU * axis.mean_distance(facets, x), angle.to_radians());
-            (round / angle.tan(), -round / angle.sin().powi(2))
+impl<'a> Ground<'a> {
+    fn new(winding: &WindingConfig, body: &'a Body) -> Result<Self> {
+        let vertices = &body.mesh.vertices;
+        let facets = |tag: &str| match winding.depth {
+            None => body.tagged(tag),
+            Some(_) => body.facets(tag),
+        };
+        let all = winding.on.all().iter().map(|tag| facets(tag));
+        let all = all.collect::<Result<Vec<_>, _>>().with_context(|| winding.title())?;
+        let mut ground = Self { tagged: all.concat(), vertices, layer: None };
+        if let Some(depth) = winding.depth {
+            ground.layer = Some(ground.below(winding, depth, body)?);
         }
-    };
-    let heights = winding.heights(axis.heights(facets, x), pitch)?;
-    let phase = winding.phase.to_radians();
-    Ok(Some(Helix { axis, pitch, climb, heights, phase }))
+        Ok(ground)
+    }
+
+    /// The layer at a depth, in the bodies that the facets bound.
+    fn below(&self, winding: &WindingConfig, depth: f64, body: &Body) -> Result<Layer> {
+        let has_facets = |part: &&Part| self.tagged.iter().any(|f| part.vertices.contains(&f[0]));
+        let parts = body.parts.iter().filter(has_facets);
+        let tets: Vec<[usize; 4]> =
+            parts.flat_map(|part| body.mesh.tets[part.tets.clone()].to_vec()).collect();
+        let layer = Layer::below(&self.tagged, &tets, self.vertices, depth);
+        ensure!(
+            !layer.facets.is_empty(),
+            misfit!(
+                winding.title().key("depth"),
+                " = {depth} m: no point of the body is so far below \"{}\", the deepest vertex is {:.4e} m below it; \
+                 expected a smaller depth",
+                winding.on.all().join("\" and \""),
+                layer.deepest
+            )
+        );
+        Ok(layer)
+    }
+
+    /// Triangles and their corners at rest [m].
+    fn surface(&self) -> (&[[usize; 3]], &[Vec3]) {
+        match &self.layer {
+            None => (&self.tagged, self.vertices),
+            Some(layer) => (&layer.facets, &layer.points),
+        }
+    }
+
+    /// The helix of a thread; none of a line through points.
+    fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
+        let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else {
+            return Ok(None);
+        };
+        let (facets, x) = self.surface();
+        let axis = around.line(&winding.title())?;
+        let (pitch, climb) = match climb {
+            Climb::Pitch(pitch) => (pitch, 1.0),
+            Climb::Angle(angle) => {
+                let (round, angle) = (TAU * axis.mean_distance(facets, x), angle.to_radians());
+                (round / angle.tan(), -round / angle.sin().powi(2))
+            }
+        };
+        // beyond the ends of a tag inside a face, a layer leads up to the surface
+        let ([low, high], own) =
+            (axis.heights(facets, x), axis.heights(&self.tagged, self.vertices));
+        let heights = winding.heights([low.max(own[0]), high.min(own[1])], pitch)?;
+        let phase = winding.phase.to_radians();
+        Ok(Some(Helix { axis, pitch, climb, heights, phase }))
+    }
+
+    /// The pieces of a thread on the triangles.
+    fn lay(&self, winding: &WindingConfig) -> Result<Vec<Piece<3>>> {
+        let (facets, x) = self.surface();
+        let cannot = |error: LayError| {
+            let below = winding.depth.map_or(String::new(), |depth| format!("{depth} m below "));
+            misfit!(
+                winding.title(),
+                ": the thread cannot be laid {}\"{}\": {error}\n  {}",
+                if below.is_empty() { "on " } else { &below },
+                winding.on.all().join("\" and \""),
+                advice(&error)
+            )
+        };
+        let Some(one) = self.helix(winding)? else {
+            let points: Vec<Vec3> = winding.points.iter().map(|&point| point.into()).collect();
+            return Ok(energy::polyline(facets, x, &points).map_err(cannot)?);
+        };
+        let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
+        if winding.double {
+            let other = Helix { pitch: -one.pitch, climb: -one.climb, ..one };
+            pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
+        }
+        Ok(pieces)
+    }
 }
 
 /// What may be done where a thread cannot be laid.

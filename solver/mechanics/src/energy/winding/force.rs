@@ -10,7 +10,7 @@
 
 use mesh::Vec3;
 
-use super::{Point, Segment, Winding, between};
+use super::{Point, Segment, Winding};
 use crate::element::add_at;
 use crate::energy::Iterate;
 
@@ -33,8 +33,8 @@ impl Winding {
             for (&node, slope) in segment.nodes.iter().zip(p.slopes) {
                 add_at(by_u, node, &(*slope * by_slope));
             }
-            for (&vertex, share) in segment.vertices.iter().zip(between(&segment.ends)) {
-                add_at(by_rest, vertex, &(share * by_difference));
+            for (&vertex, share) in segment.vertices.iter().zip(&segment.across) {
+                add_at(by_rest, vertex, &(*share * by_difference));
             }
         });
     }

@@ -49,18 +49,18 @@ pub struct Helix {
     pub phase: f64,
 }
 
-/// A straight piece of a thread in a facet.
+/// A straight piece of a thread in a facet, with three corners, or in a tetrahedron, with four.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
-    /// The facet, as vertices.
-    pub facet: [usize; 3],
+pub struct Piece<const N: usize> {
+    /// The corners of the facet or tetrahedron.
+    pub simplex: [usize; N],
     /// Barycentric coordinates of its ends.
-    pub ends: [[f64; 3]; 2],
+    pub ends: [[f64; N]; 2],
     /// t at its ends.
     pub range: [f64; 2],
     /// Derivatives of `ends` by the number that the pitch of a helix is made of, and by its phase [1/rad]; zero
     /// for a polyline.
-    pub rates: [[[f64; 3]; 2]; 2],
+    pub rates: [[[f64; N]; 2]; 2],
 }
 
 /// Why a thread cannot be laid.
@@ -95,11 +95,11 @@ pub enum LayError {
     },
 }
 
-impl Piece {
+impl<const N: usize> Piece<N> {
     /// Where its first (0) or other (1) end is [m].
     #[must_use]
     pub fn place(&self, x: &[Vec3], end: usize) -> Vec3 {
-        self.facet.iter().zip(self.ends[end]).map(|(&v, l)| l * x[v]).sum()
+        self.simplex.iter().zip(self.ends[end]).map(|(&v, l)| l * x[v]).sum()
     }
 
     /// Where it is at t.
@@ -111,7 +111,7 @@ impl Piece {
 }
 
 /// The segment c = 0 of a facet by c and t of its corners, from a range of t.
-fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Piece> {
+fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Piece<3>> {
     // facets that are far higher than the pitch have c of many turns
     let most = corners.iter().fold(0.0_f64, |most, [c, _]| most.max(c.abs())).min(1.0);
     let c = corners.map(|[c, _]| if c.abs() < ROUNDING * most { 0.0 } else { c });
@@ -135,11 +135,11 @@ fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Pie
         ends.swap(0, 1);
         own.swap(0, 1);
     }
-    clipped(Piece { facet, ends, range: own, rates: Default::default() }, range)
+    clipped(Piece { simplex: facet, ends, range: own, rates: Default::default() }, range)
 }
 
 /// The part of a piece in a range of t; none where nothing is left.
-fn clipped(piece: Piece, [first, last]: [f64; 2]) -> Option<Piece> {
+fn clipped(piece: Piece<3>, [first, last]: [f64; 2]) -> Option<Piece<3>> {
     let ([from, to], [a, b]) = (piece.range, piece.ends);
     let own = [from.max(first), to.min(last)];
     if own[1] - own[0] <= ROUNDING * (last - first) {
@@ -165,7 +165,7 @@ fn slide(end: &[f64; 3], corners: &[[f64; 2]; 3], free: bool) -> [f64; 3] {
 
 impl Helix {
     /// The segment of a helix of so many turns in a facet, by c and t of its corners, with its rates.
-    fn piece(&self, facet: [usize; 3], corners: [[f64; 2]; 3], turns: f64) -> Option<Piece> {
+    fn piece(&self, facet: [usize; 3], corners: [[f64; 2]; 3], turns: f64) -> Option<Piece<3>> {
         let mut piece = cut(facet, corners, [0.0, turns])?;
         let hand = self.pitch.signum();
         for (k, (end, t)) in piece.ends.iter().zip(piece.range).enumerate() {
@@ -179,7 +179,7 @@ impl Helix {
 }
 
 /// Whether a piece is elsewhere than the chain is at the same t.
-fn apart(chain: &[Piece], piece: &Piece, x: &[Vec3]) -> bool {
+fn apart(chain: &[Piece<3>], piece: &Piece<3>, x: &[Vec3]) -> bool {
     let middle = f64::midpoint(piece.range[0], piece.range[1]);
     let size = (piece.place(x, 1) - piece.place(x, 0)).norm();
     let own = chain.iter().rev().find(|p| p.range[0] <= middle);
@@ -187,16 +187,20 @@ fn apart(chain: &[Piece], piece: &Piece, x: &[Vec3]) -> bool {
 }
 
 /// Pieces one after the other from one end of a range to the other.
-fn chained(mut pieces: Vec<Piece>, x: &[Vec3], range: [f64; 2]) -> Result<Vec<Piece>, LayError> {
+fn chained(
+    mut pieces: Vec<Piece<3>>,
+    x: &[Vec3],
+    range: [f64; 2],
+) -> Result<Vec<Piece<3>>, LayError> {
     pieces
         .sort_by(|a, b| a.range[0].total_cmp(&b.range[0]).then(a.range[1].total_cmp(&b.range[1])));
     if pieces.is_empty() {
         return Err(LayError::Misses);
     }
     let mean = pieces.iter().map(|p| p.range[1] - p.range[0]).sum::<f64>() / pieces.len() as f64;
-    let (tolerance, mut chain): (f64, Vec<Piece>) = (GAP * mean, Vec::new());
+    let (tolerance, mut chain): (f64, Vec<Piece<3>>) = (GAP * mean, Vec::new());
     let mut reached = range[0];
-    let leaves = |chain: &[Piece], reached: f64| {
+    let leaves = |chain: &[Piece<3>], reached: f64| {
         let Some(last) = chain.last() else { return LayError::Misses };
         let part = 100.0 * (reached - range[0]) / (range[1] - range[0]);
         LayError::Leaves { at: last.place(x, 1).into(), part }
@@ -267,7 +271,7 @@ impl Axis {
 ///
 /// # Errors
 /// [`LayError`] where it leaves the facets or meets several layers of them.
-pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece>, LayError> {
+pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece<3>>, LayError> {
     let [start, end] = own.heights;
     let turns = ((end - start) / own.pitch).abs();
     // a left-handed screw climbs as it turns backwards
@@ -317,7 +321,7 @@ pub fn polyline(
     facets: &[[usize; 3]],
     x: &[Vec3],
     points: &[Vec3],
-) -> Result<Vec<Piece>, LayError> {
+) -> Result<Vec<Piece<3>>, LayError> {
     let on = |&point: &Vec3| nearest(facets, x, point).ok_or(LayError::Misses);
     let places = points.iter().map(on).collect::<Result<Vec<_>, _>>()?;
     let mut pieces = Vec::new();
@@ -334,7 +338,7 @@ pub fn polyline(
                 let from = x[v] - a;
                 [from.dot(&beside), i as f64 + from.dot(&along) / (long * long)]
             });
-            let near = |piece: &Piece| {
+            let near = |piece: &Piece<3>| {
                 let middle = 0.5 * (piece.place(x, 0) + piece.place(x, 1));
                 (middle - a).dot(&up).abs() <= 0.5 * long
             };

@@ -9,11 +9,11 @@
 //! N₀  pretension [N]: the force of a thread that is as long as at rest
 //! q   the square of a strain that counts in tension only, [`square`]
 //!
-//! A segment lies in a facet. Its ends have fixed barycentric coordinates there: they are points of the
-//! material, which move with the surface and with a designed rest shape, and the length of the thread without
-//! force is that of the rest shape. ′ is the derivative along a segment from its first end to its other, which
-//! for the basis is a number of the facet's reference, so that D and φ′ are all that is known of the rest
-//! shape. As N ≥ 0 and q″ ≥ 0, the Hessian is positive semidefinite at any state.
+//! A segment lies in a facet, or in a tetrahedron below one ([`Layer`]). Its ends have fixed barycentric
+//! coordinates there: they are points of the material, which move with the body and with a designed rest shape,
+//! and the length of the thread without force is that of the rest shape. ′ is the derivative along a segment from
+//! its first end to its other, which for the basis is a number of the reference of that simplex, so that D and φ′
+//! are all that is known of the rest shape. As N ≥ 0 and q″ ≥ 0, the Hessian is positive semidefinite at any state.
 //!
 //! Derivative by the rest shape: λ · ∂W/∂u = Σ w N t·m, by D
 //!
@@ -28,23 +28,25 @@
 
 mod force;
 mod lay;
+mod layer;
 
 use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::element::quadrature::Rule;
-use crate::element::{FunctionSpace, add_at, at, tabulate};
+use crate::element::{FunctionSpace, add_at, at, tabulate, values};
 use crate::material::slack::square;
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
 use crate::parallel::map_merge;
 
 pub use lay::{Helix, LayError, Piece, helix, polyline};
+pub use layer::Layer;
 
 #[cfg(test)]
 mod tests;
 
-/// Threads with one stiffness on the facets of a tag.
+/// Threads with one stiffness on the facets of a tag, or below them.
 #[derive(Clone)]
 pub struct Winding {
     /// EA [N].
@@ -58,19 +60,21 @@ pub struct Winding {
     segments: Vec<Segment>,
 }
 
-/// A straight piece of a thread in a facet.
+/// A straight piece of a thread in a facet or a tetrahedron.
 #[derive(Clone)]
 struct Segment {
-    vertices: [usize; 3],
+    vertices: Vec<usize>,
     nodes: Vec<usize>,
     /// Barycentric coordinates of its ends.
-    ends: [[f64; 3]; 2],
+    ends: [Vec<f64>; 2],
+    /// δ, from one end to the other.
+    across: Vec<f64>,
     points: Vec<Place>,
     /// δ̇ by what the pitch is made of, and by the phase.
-    rates: [[f64; 3]; 2],
+    rates: [Vec<f64>; 2],
 }
 
-/// What a quadrature point of a segment has of the facet's reference.
+/// What a quadrature point of a segment has of the reference.
 #[derive(Clone)]
 struct Place {
     weight: f64,
@@ -138,25 +142,31 @@ fn rule(points: usize) -> Vec<(f64, f64)> {
 }
 
 /// From one end to the other.
-fn between(ends: &[[f64; 3]; 2]) -> [f64; 3] {
+fn between<const N: usize>(ends: &[[f64; N]; 2]) -> [f64; N] {
     std::array::from_fn(|k| ends[1][k] - ends[0][k])
 }
 
 /// The place at a part of the way between two ends.
-fn part(ends: &[[f64; 3]; 2], s: f64) -> [f64; 3] {
+fn part<const N: usize>(ends: &[[f64; N]; 2], s: f64) -> [f64; N] {
     let by = between(ends);
     std::array::from_fn(|k| ends[0][k] + s * by[k])
 }
 
-/// Derivatives of a facet's basis at barycentric coordinates along a difference of such.
-fn along(degree: usize, at: &[f64; 3], by: &[f64; 3]) -> Vec<f64> {
+/// Derivatives of a basis at barycentric coordinates along a difference of such.
+fn along<const N: usize>(degree: usize, at: &[f64; N], by: &[f64; N]) -> Vec<f64> {
     let table = tabulate(degree, &Rule { weights: vec![1.0], points: vec![at.to_vec()] });
-    table.gradients[0].iter().map(|g| g[0] * by[1] + g[1] * by[2]).collect()
+    let slope = |g: &[f64; 3]| g.iter().zip(&by[1..]).map(|(g, by)| g * by).sum();
+    table.gradients[0].iter().map(slope).collect()
 }
 
 /// φ̇′ at a part of the way, for rates of the ends. Gradients are quadratic at most, so that their central
 /// difference along λ̇ is exact.
-fn slope_rates(degree: usize, piece: &Piece, rates: &[[f64; 3]; 2], s: f64) -> Vec<f64> {
+fn slope_rates<const N: usize>(
+    degree: usize,
+    piece: &Piece<N>,
+    rates: &[[f64; N]; 2],
+    s: f64,
+) -> Vec<f64> {
     let (at, moves, by) = (part(&piece.ends, s), part(rates, s), between(&piece.ends));
     let size = moves.iter().fold(0.0_f64, |size, m| size.max(m.abs()));
     let own = along(degree, &at, &between(rates));
@@ -170,8 +180,8 @@ fn slope_rates(degree: usize, piece: &Piece, rates: &[[f64; 3]; 2], s: f64) -> V
 }
 
 impl Segment {
-    fn new(space: &FunctionSpace, piece: &Piece) -> Self {
-        let Piece { facet: vertices, ends, rates, .. } = *piece;
+    fn new<const N: usize>(space: &FunctionSpace, piece: &Piece<N>) -> Self {
+        let Piece { simplex, ends, rates, .. } = *piece;
         let (degree, by) = (space.degree(), between(&ends));
         let place = |(s, weight): (f64, f64)| Place {
             weight,
@@ -179,12 +189,18 @@ impl Segment {
             rates: rates.map(|rates| slope_rates(degree, piece, &rates, s)),
         };
         let points = rule(degree).into_iter().map(place).collect();
-        let rates = rates.map(|rates| between(&rates));
-        Self { vertices, nodes: space.facet_nodes(vertices), ends, points, rates }
+        Self {
+            vertices: simplex.to_vec(),
+            nodes: space.simplex_nodes(&simplex),
+            ends: ends.map(|end| end.to_vec()),
+            across: by.to_vec(),
+            points,
+            rates: rates.map(|rates| between(&rates).to_vec()),
+        }
     }
 
     /// Σ δ_k X_k over the corners.
-    fn corners(&self, by: &[f64; 3], rest: &[Vec3]) -> Vec3 {
+    fn corners(&self, by: &[f64], rest: &[Vec3]) -> Vec3 {
         self.vertices.iter().zip(by).map(|(&v, by)| *by * rest[v]).sum()
     }
 
@@ -240,14 +256,15 @@ impl Point<'_> {
 }
 
 impl Winding {
-    /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them.
+    /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them, or in its tetrahedra, as
+    /// a [`Layer`] has them.
     ///
     /// # Panics
-    /// When one is in no facet of the mesh and the degree is above 1.
+    /// When one is in no facet or tetrahedron of the mesh and the degree is above 1.
     #[must_use]
-    pub fn new(
+    pub fn new<const N: usize>(
         space: &FunctionSpace,
-        pieces: &[Piece],
+        pieces: &[Piece<N>],
         [stiffness, pretension, slack]: [f64; 3],
     ) -> Self {
         let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();
@@ -268,7 +285,7 @@ impl Winding {
     }
 
     fn for_each_point(&self, iterate: &Iterate, segment: &Segment, mut f: impl FnMut(&Point)) {
-        let rest = segment.corners(&between(&segment.ends), iterate.rest);
+        let rest = segment.corners(&segment.across, iterate.rest);
         let long = rest.norm();
         for Place { weight, slopes, rates } in &segment.points {
             let moved = segment.slope(slopes, iterate.u);
@@ -330,11 +347,9 @@ impl Winding {
     #[must_use]
     pub fn strands(&self, iterate: &Iterate) -> Vec<Strand> {
         let one = |segment: &Segment| {
-            let rest = segment.ends.map(|end| {
-                segment.vertices.iter().zip(end).map(|(&v, l)| l * iterate.rest[v]).sum()
-            });
-            let moved = segment.ends.map(|end| {
-                let values = iterate.space.facet_values(&end);
+            let rest = [0, 1].map(|end| segment.corners(&segment.ends[end], iterate.rest));
+            let moved = [0, 1].map(|end| {
+                let values = values(iterate.space.degree(), &segment.ends[end]);
                 segment.nodes.iter().zip(values).map(|(&n, v)| v * at(iterate.u, n)).sum()
             });
             let mut force = 0.0;
@@ -417,9 +432,8 @@ impl Energy for Winding {
             iterate,
             |segment, p, by: &mut Vec3| *by += p.by_rest(self, &segment.slope(p.slopes, lambda)),
             |segment, by| {
-                let shares = between(&segment.ends);
-                for (&vertex, share) in segment.vertices.iter().zip(shares) {
-                    add_at(out, vertex, &(share * by));
+                for (&vertex, share) in segment.vertices.iter().zip(&segment.across) {
+                    add_at(out, vertex, &(*share * by));
                 }
             },
         );

@@ -7,32 +7,63 @@ use crate::math::random::Random;
 use crate::math::sparse::Pattern;
 use crate::testing::{check_gradient, cube, flat, points};
 
-/// A cube of a degree with random displacements, and a thread across its top and one of its sides.
+/// A cube of a degree with random displacements, and a thread across its top, or at a depth below it.
 struct Case {
     space: FunctionSpace,
     rest: Vec<Vec3>,
     u: Vec<f64>,
-    pieces: Vec<Piece>,
+    layer: Option<Layer>,
+    pieces: Vec<Piece<3>>,
+}
+
+/// A thread on facets, or in the layer below them.
+fn thread_in(
+    space: &FunctionSpace,
+    layer: Option<&Layer>,
+    pieces: &[Piece<3>],
+    numbers: [f64; 3],
+) -> Winding {
+    let Some(layer) = layer else { return Winding::new(space, pieces, numbers) };
+    let inside: Vec<_> = pieces.iter().map(|piece| layer.inside(piece)).collect();
+    Winding::new(space, &inside, numbers)
+}
+
+/// The layer at a depth below some facets, and its triangles and their corners; else the facets themselves.
+fn ground(
+    mesh: &mesh::TetMesh,
+    facets: Vec<[usize; 3]>,
+    depth: Option<f64>,
+) -> (Option<Layer>, Vec<[usize; 3]>, Vec<Vec3>) {
+    let Some(depth) = depth else { return (None, facets, mesh.vertices.clone()) };
+    let layer = Layer::below(&facets, &mesh.tets, &mesh.vertices, depth);
+    let (triangles, points) = (layer.facets.clone(), layer.points.clone());
+    (Some(layer), triangles, points)
 }
 
 impl Case {
     fn new(degree: usize, size: f64) -> Self {
+        Self::below(degree, size, None)
+    }
+
+    fn below(degree: usize, size: f64, depth: Option<f64>) -> Self {
         let mesh = cube(3, 0.2);
         let boundary = mesh::topology::boundary(&mesh).facets;
         let top = |f: &[usize; 3]| f.iter().all(|&v| mesh.vertices[v].z > 1.0 - 1e-9);
         let facets: Vec<_> = boundary.into_iter().filter(top).collect();
         let path = [[0.1, 0.2, 1.0], [0.8, 0.35, 1.1], [0.4, 0.9, 1.0]].map(Vec3::from);
-        let pieces = polyline(&facets, &mesh.vertices, &path).expect("it lies on the top");
+        let (layer, facets, points) = ground(&mesh, facets, depth);
+        let pieces = polyline(&facets, &points, &path).expect("it lies on the top or below");
         let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
         let numbers = Random::new(43).numbers(3 * space.node_count());
         let u = numbers.iter().map(|x| size * x).collect();
-        Self { space, rest: mesh.vertices, u, pieces }
+        Self { space, rest: mesh.vertices, u, layer, pieces }
     }
 
     /// A thread of which a part is slack; the slack is wide, so that its curvature is seen by steps of the
     /// Taylor test.
     fn thread(&self, [stiffness, pretension]: [f64; 2]) -> Winding {
-        Winding::new(&self.space, &self.pieces, [stiffness, pretension, 0.3])
+        let numbers = [stiffness, pretension, 0.3];
+        thread_in(&self.space, self.layer.as_ref(), &self.pieces, numbers)
     }
 
     fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
@@ -50,8 +81,8 @@ const NUMBERS: [f64; 2] = [40.0, 2.0];
 
 #[test]
 fn derivatives_pass_the_taylor_test() {
-    for degree in [1, 2, 3] {
-        let case = Case::new(degree, 0.03);
+    for (degree, depth) in [1, 2, 3].into_iter().flat_map(|p| [(p, None), (p, Some(0.4))]) {
+        let case = Case::below(degree, 0.03, depth);
         let (u, rest) = (&case.u, &case.rest);
         let weights = Random::new(33).numbers(u.len());
         let thread = case.thread(NUMBERS);
@@ -75,12 +106,12 @@ fn derivatives_pass_the_taylor_test() {
     }
 }
 
-/// Helices of both hands around the side faces of the cube, by their pitch and phase: steps are so short that no
-/// piece appears or vanishes.
+/// Helices of both hands around the side faces of the cube, on them and below, by their pitch and phase: steps are so
+/// short that no piece appears or vanishes.
 #[test]
 fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
     for degree in [1, 2, 3] {
-        for sign in [1.0, -1.0] {
+        for (sign, depth) in [(1.0, None), (-1.0, None), (1.0, Some(0.2)), (-1.0, Some(0.2))] {
             let case = Case::new(degree, 0.03);
             let mesh = cube(3, 0.2);
             let is_side = |f: &[usize; 3]| {
@@ -89,16 +120,19 @@ fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
             };
             let boundary = mesh::topology::boundary(&mesh).facets;
             let sides: Vec<_> = boundary.into_iter().filter(is_side).collect();
+            let (layer, sides, points) = ground(&mesh, sides, depth);
             let axis = Axis { point: Vec3::new(0.5, 0.45, 0.0), along: Vec3::z() };
             let numbers = [0.53 * sign, 0.3];
             let pieces = |[pitch, phase]: [f64; 2]| {
                 let own = Helix { axis, pitch, climb: 1.0, heights: [0.1, 0.85], phase };
-                helix(&sides, &case.rest, &own).expect("it lies on the sides")
+                helix(&sides, &points, &own).expect("it lies on the sides")
             };
             let facets = |numbers: [f64; 2]| -> Vec<_> {
-                pieces(numbers).iter().map(|piece| piece.facet).collect()
+                pieces(numbers).iter().map(|piece| piece.simplex).collect()
             };
-            let thread = |numbers| Winding::new(&case.space, &pieces(numbers), [40.0, 2.0, 0.3]);
+            let thread = |numbers| {
+                thread_in(&case.space, layer.as_ref(), &pieces(numbers), [40.0, 2.0, 0.3])
+            };
             let weights = Random::new(33).numbers(case.u.len());
             let by = thread(numbers).parameter_vjp(&case.at(&case.u, &case.rest), &weights);
             let here = facets(numbers);
@@ -114,8 +148,8 @@ fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
             check_gradient(&[1.0; 4], &scaled, 2e-4, |x| {
                 let [stiffness, pretension, pitch, phase] = [0, 1, 2, 3].map(|k| same[k] * x[k]);
                 let pieces = pieces([pitch, phase]);
-                let thread = Winding::new(&case.space, &pieces, [stiffness, pretension, 0.3]);
-                thread.mean_force(&at, 3.0)
+                let numbers = [stiffness, pretension, 0.3];
+                thread_in(&case.space, layer.as_ref(), &pieces, numbers).mean_force(&at, 3.0)
             });
         }
     }
@@ -124,8 +158,8 @@ fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
 /// Pulled by λ in all directions, a thread has the force EA (λ − 1), and with pretension as much more.
 #[test]
 fn a_stretched_thread_has_its_force() {
-    for degree in [1, 2, 3] {
-        let mut case = Case::new(degree, 0.0);
+    for (degree, depth) in [1, 2, 3].into_iter().flat_map(|p| [(p, None), (p, Some(0.4))]) {
+        let mut case = Case::below(degree, 0.0, depth);
         let places = case.space.node_positions(&case.rest);
         case.u = places.iter().flat_map(|x| [0.4 * x.x, 0.4 * x.y, 0.4 * x.z]).collect();
         let at = case.at(&case.u, &case.rest);
@@ -198,7 +232,7 @@ fn screw(pitch: f64, phase: f64) -> Helix {
     Helix { axis, pitch, climb: 1.0, heights: [0.5, 3.5], phase }
 }
 
-fn length(pieces: &[Piece], x: &[Vec3]) -> f64 {
+fn length<const N: usize>(pieces: &[Piece<N>], x: &[Vec3]) -> f64 {
     pieces.iter().map(|p| (p.place(x, 1) - p.place(x, 0)).norm()).sum()
 }
 
