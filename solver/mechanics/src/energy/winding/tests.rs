@@ -93,10 +93,10 @@ fn derivatives_pass_the_taylor_test() {
         let mut hessian = BlockMatrix::zeros(&pattern);
         thread.add_hessian(&case.at(u, rest), Hessian::Exact, &mut hessian);
         let weighed = |u: &[f64], rest: &[Vec3]| dot(&weights, &case.gradient(&thread, u, rest));
-        check_gradient(u, &hessian.multiply(&weights), 3e-4, |u| weighed(u, rest));
+        check_gradient(u, &hessian.multiply(&weights), 5e-5, |u| weighed(u, rest));
         let mut mixed = vec![0.0; 3 * rest.len()];
         thread.add_mixed_vjp(&case.at(u, rest), &weights, &mut mixed);
-        check_gradient(&flat(rest), &mixed, 3e-4, |x| weighed(u, &points(x)));
+        check_gradient(&flat(rest), &mixed, 5e-5, |x| weighed(u, &points(x)));
         let by = thread.parameter_vjp(&case.at(u, rest), &weights);
         let scaled: Vec<f64> = by.iter().zip(NUMBERS).map(|(by, value)| by * value).collect();
         check_gradient(&[1.0; 2], &scaled, 1e-2, |x| {
