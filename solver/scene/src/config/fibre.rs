@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use mechanics::energy::{Axis, Direction};
+use mechanics::energy::Direction;
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
 use mesh::Vec3;
@@ -12,6 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
+use super::line::{AroundConfig, unit};
 
 /// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
 /// beside that of the law. Several tables make several families. Stresses of result files are those of the law.
@@ -66,35 +67,6 @@ pub struct FibreConfig {
     pub slack: Option<f64>,
 }
 
-/// A line in space.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AroundConfig {
-    /// A point on it [m].
-    pub point: [f64; 3],
-    /// A vector along it, of any length.
-    pub axis: [f64; 3],
-}
-
-impl AroundConfig {
-    /// The line.
-    ///
-    /// # Errors
-    /// When it has no direction.
-    pub fn line(&self, title: &KeyPath) -> Result<Axis> {
-        let along = unit(self.axis, &title.clone().key("around").key("axis"))?;
-        ensure!(
-            self.point.iter().all(|x| x.is_finite()),
-            misfit!(
-                title.clone().key("around").key("point"),
-                " = {:?} m: must be finite",
-                self.point
-            )
-        );
-        Ok(Axis { point: self.point.into(), along })
-    }
-}
-
 /// Where the directions of fibres come from.
 #[derive(Clone, Debug)]
 pub enum Source {
@@ -106,19 +78,6 @@ pub enum Source {
     Curve(Vec<Vec3>),
     /// As a file says.
     File(PathBuf),
-}
-
-/// The unit vector along a vector.
-fn unit(vector: [f64; 3], key: &KeyPath) -> Result<Vec3> {
-    let length = Vec3::from(vector).norm();
-    ensure!(
-        length > 0.0 && length.is_finite(),
-        misfit!(
-            key.clone(),
-            " = {vector:?}: no direction; expected a vector of a positive, finite length"
-        )
-    );
-    Ok(Vec3::from(vector) / length)
 }
 
 impl FibreConfig {

@@ -12,7 +12,8 @@ use mechanics::energy::Direction;
 use mechanics::material::sheet::{LAWS, Specification};
 
 use super::SimConfig;
-use super::fibre::{AroundConfig, Leads};
+use super::fibre::Leads;
+use super::line::AroundConfig;
 
 /// A sheet bonded to facets, on the boundary or inside.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -10,6 +10,7 @@ mod fibre;
 mod gas;
 mod level;
 mod limit;
+mod line;
 mod material;
 mod membrane;
 mod mullins;
@@ -32,8 +33,9 @@ use serde::{Deserialize, Serialize};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
-pub use fibre::{AroundConfig, FibreConfig, Source};
+pub use fibre::{FibreConfig, Source};
 pub use limit::{LIMIT, LimitConfig, LimitGoal};
+pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;

@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
-use super::fibre::{AroundConfig, check_names};
+use super::fibre::check_names;
+use super::line::AroundConfig;
 
 /// Most turns of a helix.
 const MOST_TURNS: f64 = 10_000.0;
