@@ -140,6 +140,8 @@ mod symmetry;
 mod terminal;
 #[path = "fast/thin_walls.rs"]
 mod thin_walls;
+#[path = "fast/thread_depth.rs"]
+mod thread_depth;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

@@ -32,10 +32,11 @@ pub struct Thread {
     pub length: f64,
     /// Turns of a helix, those of both if there are two.
     pub turns: Option<f64>,
-    /// Height that a turn climbs [mm]; negative for a left-handed screw.
-    pub pitch: Option<f64>,
+    /// Height that a turn climbs [mm]; negative for a left-handed screw. Two numbers where it changes along the axis:
+    /// the smallest and the largest.
+    pub pitch: Option<Range>,
     /// Angle to the axis, where the scene has that in place of the pitch [°].
-    pub angle: Option<f64>,
+    pub angle: Option<Range>,
     /// Where it starts along the axis, from the point of the scene [mm].
     pub start: Option<f64>,
     /// Where it ends [mm].
@@ -46,6 +47,48 @@ pub struct Thread {
     pub force: f64,
     /// The break force over that, if it is known [1].
     pub margin: Option<f64>,
+}
+
+/// A number, or the smallest and the largest of a number that changes along an axis.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Range {
+    /// The same everywhere.
+    Same(f64),
+    /// From the smallest to the largest.
+    Between([f64; 2]),
+}
+
+impl Range {
+    /// What a scene has, a number or a table of values along an axis, times a factor.
+    fn read(written: &Value, factor: f64) -> Option<Self> {
+        if let Some(number) = written.as_f64() {
+            return Some(Self::Same(number * factor));
+        }
+        let values = written["values"].as_array()?.iter().filter_map(Value::as_f64);
+        let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
+            [least.min(value * factor), most.max(value * factor)]
+        });
+        Some(Self::Between(range))
+    }
+
+    /// Whether it is negative: of a left-handed screw.
+    fn is_negative(self) -> bool {
+        match self {
+            Self::Same(number) | Self::Between([number, _]) => number < 0.0,
+        }
+    }
+
+    /// Its sizes, with so many decimals.
+    fn in_words(self, decimals: usize) -> String {
+        match self {
+            Self::Same(number) => format!("{:.decimals$}", number.abs()),
+            Self::Between([a, b]) => {
+                let (low, high) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+                format!("{low:.decimals$} to {high:.decimals$}")
+            }
+        }
+    }
 }
 
 impl Thread {
@@ -113,8 +156,8 @@ impl Thread {
             depth: number("depth").map(|depth| depth * MM),
             length: thread.length * MM,
             turns: thread.turns,
-            pitch: number("pitch").map(|pitch| pitch * MM),
-            angle: number("angle"),
+            pitch: Range::read(&written["pitch"], MM),
+            angle: Range::read(&written["angle"], 1.0),
             start: number("start").map(|start| start * MM),
             end: number("end").map(|end| end * MM),
             double: written["double"] == true,
@@ -150,15 +193,15 @@ impl Thread {
         };
         let each = turns / if self.double { 2.0 } else { 1.0 };
         let climb = match (self.pitch, self.angle) {
-            (Some(pitch), _) => format!(", {:.2} mm apart", pitch.abs()),
-            (None, Some(angle)) => format!(", {:.0}° to the axis", angle.abs()),
+            (Some(pitch), _) => format!(", {} mm apart", pitch.in_words(2)),
+            (None, Some(angle)) => format!(", {}° to the axis", angle.in_words(0)),
             (None, None) => String::new(),
         };
         let way = match (self.start, self.end) {
             (Some(start), Some(end)) => format!(" from {start:.1} to {end:.1} mm along the axis"),
             _ => String::new(),
         };
-        let left = self.pitch.or(self.angle).is_some_and(|climb| climb < 0.0);
+        let left = self.pitch.or(self.angle).is_some_and(Range::is_negative);
         let hand = |left: bool| if left { "left-handed" } else { "right-handed" };
         let second = match self.double {
             true => format!(
@@ -197,8 +240,8 @@ mod tests {
             depth: None,
             length: 2994.0,
             turns: Some(39.0),
-            pitch,
-            angle,
+            pitch: pitch.map(Range::Same),
+            angle: angle.map(Range::Same),
             start: Some(2.0),
             end: Some(80.0),
             double,
@@ -218,6 +261,14 @@ mod tests {
         ] {
             assert!(words.contains(part), "{part}: {words}");
         }
+        let written =
+            serde_json::json!({ "values": [-2.5e-3, -4e-3, -3e-3], "start": 0, "end": 0.08 });
+        let pitch = Range::read(&written, MM);
+        let words = Thread { pitch, ..helix(None, None, false) }.in_words();
+        assert!(
+            words.contains("a left-handed screw, 39.0 turns, 2.50 to 4.00 mm apart"),
+            "{words}"
+        );
         let below = Thread { depth: Some(1.5), ..helix(Some(4.0), None, false) }.in_words();
         assert!(
             below.starts_with("Tie the thread `thread` 1.50 mm below `skin` of the"),

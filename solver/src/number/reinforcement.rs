@@ -1,7 +1,7 @@
 //! Numbers of fibres and threads.
 
 use mechanics::energy::ParameterId;
-use scene::config::WindingConfig;
+use scene::config::{Along, WindingConfig};
 
 use super::laws::total;
 use super::{Entry, Kind, Setting};
@@ -44,22 +44,27 @@ pub(super) const FIBRE: Kind = Kind {
 
 pub(super) const WINDING: Kind = Kind {
     path: "winding.NAME.stiffness or .pretension",
-    meaning: "the stiffness EA or the pretension of a [[winding]]",
+    meaning: "the stiffness EA or the pretension of a [[winding]]; of a table along the axis, with its place, as in winding.NAME.stiffness.2",
     list: |scene| {
         let mut entries: Vec<Entry> = Vec::new();
         for (i, winding) in scene.config.winding.iter().enumerate() {
-            let keys = ["stiffness", "pretension"].into_iter().enumerate();
-            entries.extend(keys.map(|(k, key)| (format!("{}.{key}", winding.name), "N", [i, k])));
+            let name = |key: &str| format!("{}.{key}", winding.name);
+            let stiffness = names(&name("stiffness"), &winding.stiffness).into_iter().enumerate();
+            entries.extend(stiffness.map(|(k, name)| (name, "N", [i, k])));
+            entries.push((name("pretension"), "N", [i, pretension(winding)]));
         }
         entries
     },
     value: |scene, [thread, k]| {
         let winding = &scene.config.winding[thread];
-        [winding.stiffness, winding.pretension][k]
+        winding.stiffness.values().get(k).copied().unwrap_or(winding.pretension)
     },
     set: Setting::By(|scene, _, [thread, k], value| {
         let winding = &mut scene.config.winding[thread];
-        *[&mut winding.stiffness, &mut winding.pretension][k] = value;
+        match winding.stiffness.values_mut().get_mut(k) {
+            Some(stiffness) => *stiffness = value,
+            None => winding.pretension = value,
+        }
         Ok(())
     }),
     check: |scene, _| scene.config.check_windings(),
@@ -67,33 +72,31 @@ pub(super) const WINDING: Kind = Kind {
     scale: None,
 };
 
-/// The places of what a helix climbs by, and of its phase, among the numbers of a winding.
-const CLIMB: usize = 2;
-const PHASE: usize = 3;
-
 pub(super) const COURSE: Kind = Kind {
     path: "winding.NAME.pitch, .angle or .phase",
-    meaning: "the pitch or the angle of a [[winding]] around an axis, as the scene has it, and its phase",
+    meaning: "the pitch or the angle of a [[winding]] around an axis, as the scene has it, with its place in a table, and its phase",
     list: |scene| {
         let mut entries: Vec<Entry> = Vec::new();
         for (i, winding) in scene.config.winding.iter().enumerate() {
-            let name = |key: &str| format!("{}.{key}", winding.name);
-            entries.extend(winding.pitch.map(|_| (name("pitch"), "m", [i, CLIMB])));
-            entries.extend(winding.angle.map(|_| (name("angle"), "°", [i, CLIMB])));
-            entries.extend(winding.around.as_ref().map(|_| (name("phase"), "°", [i, PHASE])));
+            let Some((key, along, unit)) = course(winding) else { continue };
+            let all = names(&format!("{}.{key}", winding.name), along).into_iter().enumerate();
+            let first = pretension(winding) + 1;
+            entries.extend(all.map(|(k, name)| (name, unit, [i, first + k])));
+            entries.push((format!("{}.phase", winding.name), "°", [i, phase(winding)]));
         }
         entries
     },
     value: |scene, [thread, k]| {
         let winding = &scene.config.winding[thread];
-        if k == PHASE { winding.phase } else { climb(winding) }
+        climb(winding, k).unwrap_or(winding.phase)
     },
     set: Setting::By(|scene, _, [thread, k], value| {
         let winding = &mut scene.config.winding[thread];
-        match (k, winding.pitch) {
-            (PHASE, _) => winding.phase = value,
-            (_, Some(_)) => winding.pitch = Some(value),
-            (_, None) => winding.angle = Some(value),
+        let first = pretension(winding) + 1;
+        let along = winding.pitch.as_mut().or(winding.angle.as_mut());
+        match along.and_then(|along| along.values_mut().get_mut(k - first)) {
+            Some(climb) => *climb = value,
+            None => winding.phase = value,
         }
         Ok(())
     }),
@@ -101,18 +104,42 @@ pub(super) const COURSE: Kind = Kind {
     derivative: |swept, [thread, k]| {
         let by = total(swept, ParameterId::Winding(thread), k);
         let winding = &swept.scene.config.winding[thread];
-        if k == PHASE || winding.pitch.is_none() { by.to_radians() } else { by }
+        if k == phase(winding) || winding.pitch.is_none() { by.to_radians() } else { by }
     },
-    scale: Some(|scene, [thread, k]| match k {
-        PHASE => RADIAN,
-        _ => climb(&scene.config.winding[thread]),
-    }),
+    scale: Some(|scene, [thread, k]| climb(&scene.config.winding[thread], k).unwrap_or(RADIAN)),
 };
 
 /// A radian [°].
 const RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
-/// The pitch [m] or the angle [°] of a helix.
-fn climb(winding: &WindingConfig) -> f64 {
-    winding.pitch.or(winding.angle).unwrap_or_default()
+/// The names of a number, or of the values of a table, counted from 1.
+fn names(path: &str, along: &Along) -> Vec<String> {
+    match along {
+        Along::Number(_) => vec![path.to_owned()],
+        Along::Profile(profile) => {
+            (1..=profile.values.len()).map(|i| format!("{path}.{i}")).collect()
+        }
+    }
+}
+
+/// The key that says how a helix climbs, with its value and unit; none of a line through points.
+fn course(winding: &WindingConfig) -> Option<(&'static str, &Along, &'static str)> {
+    let pitch = winding.pitch.as_ref().map(|pitch| ("pitch", pitch, "m"));
+    pitch.or_else(|| winding.angle.as_ref().map(|angle| ("angle", angle, "°")))
+}
+
+/// The place of the pretension among the numbers of a winding, behind its stiffness and before its course.
+fn pretension(winding: &WindingConfig) -> usize {
+    winding.stiffness.values().len()
+}
+
+/// The place of the phase, the last.
+fn phase(winding: &WindingConfig) -> usize {
+    pretension(winding) + 1 + course(winding).map_or(0, |(_, along, _)| along.values().len())
+}
+
+/// A pitch [m] or an angle [°] of a helix by its place; none at that of the phase.
+fn climb(winding: &WindingConfig, k: usize) -> Option<f64> {
+    let (_, along, _) = course(winding)?;
+    along.values().get(k - pretension(winding) - 1).copied()
 }

@@ -104,7 +104,7 @@ fn conical(dimension: usize, degree: usize) -> Rule {
 /// Nodes in (0, 1) and weights of sum 1 for the weight function (1 − s)^a:
 /// eigenvalues and squared first components of the Jacobi matrix of the
 /// orthogonal polynomials.
-fn gauss_jacobi(points: usize, a: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_jacobi(points: usize, a: usize) -> Vec<(f64, f64)> {
     let a = a as f64;
     let mut jacobi = DMatrix::zeros(points, points);
     for k in 0..points {

@@ -50,7 +50,7 @@ pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
 pub use winding::{
-    Helix, LayError, Layer, Piece, Strand, Winding, WindingSummary, helix, polyline,
+    Along, Climb, Helix, LayError, Layer, Piece, Strand, Winding, WindingSummary, helix, polyline,
 };
 
 use mesh::Vec3;

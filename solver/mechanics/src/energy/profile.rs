@@ -73,6 +73,13 @@ impl Profile {
         self.heights
     }
 
+    /// The heights between which it is a polynomial, from its start to its end [m].
+    #[must_use]
+    pub fn knots(&self) -> Vec<f64> {
+        let ([start, end], spans) = (self.heights, self.spans());
+        (0..=spans).map(|i| start + (end - start) * i as f64 / spans as f64).collect()
+    }
+
     /// The control values.
     #[must_use]
     pub fn values(&self) -> &[f64] {

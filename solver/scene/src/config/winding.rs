@@ -2,6 +2,7 @@
 
 use anyhow::{Result, ensure};
 use measure::written::Names;
+use mechanics::energy::Profile;
 use mechanics::material::slack::DEFAULT_SLACK;
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::SimConfig;
 use super::fibre::check_names;
 use super::line::AroundConfig;
+use super::profile::Along;
 
 /// Most turns of a helix.
 const MOST_TURNS: f64 = 10_000.0;
@@ -28,18 +30,19 @@ pub struct WindingConfig {
     /// not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<f64>,
-    /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread.
-    pub stiffness: f64,
+    /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread. It may change along the
+    /// axis, as `pitch` and `angle` may.
+    pub stiffness: Along,
     /// The axis of a helix; or `points`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub around: Option<AroundConfig>,
     /// Height that a turn climbs along the axis [m]; negative for a left-handed screw.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub pitch: Option<f64>,
+    pub pitch: Option<Along>,
     /// Angle between the thread and the axis [°], in place of `pitch`, at the mean distance of the tag from the
     /// axis; negative for a left-handed screw.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub angle: Option<f64>,
+    pub angle: Option<Along>,
     /// Height of the start along the axis, from its point [m]; if not given, the lowest vertex of the tag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<f64>,
@@ -72,11 +75,11 @@ fn default_slack() -> f64 {
 
 /// How a helix climbs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Climb {
+pub enum Climb<'a> {
     /// By a height a turn [m].
-    Pitch(f64),
+    Pitch(&'a Along),
     /// At an angle to the axis [°].
-    Angle(f64),
+    Angle(&'a Along),
 }
 
 impl WindingConfig {
@@ -91,8 +94,15 @@ impl WindingConfig {
     pub fn in_words(&self) -> String {
         let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
         let course = match (pitch, angle) {
-            (Some(pitch), _) => format!("helix of pitch {:.3} mm", 1e3 * pitch),
-            (None, Some(angle)) => format!("helix at {angle}°"),
+            (Some(pitch), _) => {
+                format!(
+                    "helix of pitch {} mm",
+                    pitch.in_words(|pitch| format!("{:.3}", 1e3 * pitch))
+                )
+            }
+            (None, Some(angle)) => {
+                format!("helix at {}°", angle.in_words(|angle| angle.to_string()))
+            }
             (None, None) => format!("line through {} points", points.len()),
         };
         let double = if *double { ", double" } else { "" };
@@ -101,41 +111,32 @@ impl WindingConfig {
             None => format!("on {on}"),
             Some(depth) => format!("{:.3} mm below {on}", 1e3 * depth),
         };
-        format!("winding {name} {where_it_is}: {course}{double}, EA {stiffness:.3e} N")
+        format!(
+            "winding {name} {where_it_is}: {course}{double}, EA {} N",
+            stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
+        )
     }
 
     /// How a helix climbs; none of a line through points.
     ///
     /// # Errors
     /// When it is given in two ways, or in none.
-    pub fn climb(&self) -> Result<Option<Climb>> {
-        let key = |key: &str| self.title().key(key);
+    pub fn climb(&self) -> Result<Option<Climb<'_>>> {
         if !self.points.is_empty() {
             return Ok(None);
         }
-        match (self.pitch, self.angle) {
+        match (&self.pitch, &self.angle) {
             (Some(pitch), None) => {
-                ensure!(
-                    pitch != 0.0 && pitch.is_finite(),
-                    misfit!(
-                        key("pitch"),
-                        " = {pitch} m: must be finite and not 0, such as 3e-3; negative for a left-handed screw"
-                    )
-                );
+                self.check_pitch(pitch)?;
                 Ok(Some(Climb::Pitch(pitch)))
             }
             (None, Some(angle)) => {
-                ensure!(
-                    angle.abs() > 0.0 && angle.abs() < 90.0,
-                    misfit!(
-                        key("angle"),
-                        " = {angle}°: a helix is between 0 (along the axis) and 90 (around it), or their negatives; expected pitch for a narrow one"
-                    )
-                );
+                self.check_angle(angle)?;
                 Ok(Some(Climb::Angle(angle)))
             }
             (Some(_), Some(_)) => {
-                Err(misfit!(key("angle"), " beside pitch: expected one of both").into())
+                let key = self.title().key("angle");
+                Err(misfit!(key, " beside pitch: expected one of both").into())
             }
             (None, None) => Err(misfit!(
                 self.title(),
@@ -145,31 +146,68 @@ impl WindingConfig {
         }
     }
 
+    fn check_pitch(&self, pitch: &Along) -> Result<()> {
+        let key = self.title().key("pitch");
+        for pitch in pitch.values() {
+            ensure!(
+                *pitch != 0.0 && pitch.is_finite(),
+                misfit!(
+                    key.clone(),
+                    " = {pitch} m: must be finite and not 0, such as 3e-3; negative for a left-handed screw"
+                )
+            );
+        }
+        check_hand(&key, pitch, "m")
+    }
+
+    fn check_angle(&self, angle: &Along) -> Result<()> {
+        let key = self.title().key("angle");
+        for angle in angle.values() {
+            ensure!(
+                angle.abs() > 0.0 && angle.abs() < 90.0,
+                misfit!(
+                    key.clone(),
+                    " = {angle}°: a helix is between 0 (along the axis) and 90 (around it), or their negatives; expected pitch for a narrow one"
+                )
+            );
+        }
+        check_hand(&key, angle, "°")
+    }
+
     /// Heights of the ends of a helix, on a tag between two heights [m].
     ///
     /// # Errors
-    /// When it ends below its start, or has too many turns of a pitch [m].
-    pub fn heights(&self, [low, high]: [f64; 2], pitch: f64) -> Result<[f64; 2]> {
+    /// When it ends below its start.
+    pub fn heights(&self, [low, high]: [f64; 2]) -> Result<[f64; 2]> {
         let (start, end) = (self.start.unwrap_or(low), self.end.unwrap_or(high));
         ensure!(
             end > start && (end - start).is_finite(),
             misfit!(self.title().key("end"), " = {end} m: must be above start = {start} m")
         );
-        let turns = (end - start) / pitch.abs();
+        Ok([start, end])
+    }
+
+    /// Refuses a helix of too many turns.
+    ///
+    /// # Errors
+    /// When it has.
+    pub fn check_turns(&self, turns: f64) -> Result<()> {
+        let course = self.pitch.as_ref().map(|pitch| ("pitch", pitch, "m"));
+        let course = course.or(self.angle.as_ref().map(|angle| ("angle", angle, "°")));
+        let course = course.map_or(String::new(), |(key, along, unit)| {
+            format!(": {key} = {} {unit}", along.in_words(|value| value.to_string()))
+        });
         ensure!(
             turns <= MOST_TURNS,
-            misfit!(
-                self.title(),
-                ": a pitch of {pitch} m makes {turns:.0} turns; expected at most {MOST_TURNS}"
-            )
+            misfit!(self.title(), "{course} makes {turns:.0} turns; expected at most {MOST_TURNS}")
         );
-        Ok([start, end])
+        Ok(())
     }
 
     /// Whether its numbers are admissible.
     fn check(&self) -> Result<()> {
         let key = |key: &str| self.title().key(key);
-        let Self { stiffness, pretension, slack, phase, .. } = *self;
+        let Self { pretension, slack, phase, .. } = *self;
         ensure!(
             !self.on.all().is_empty(),
             misfit!(
@@ -177,13 +215,15 @@ impl WindingConfig {
                 " = []: no tag; expected one that the thread is wound on, or several"
             )
         );
-        ensure!(
-            stiffness > 0.0 && stiffness.is_finite(),
-            misfit!(
-                key("stiffness"),
-                " = {stiffness} N: must be positive and finite; expected E π d²/4, as 212 N of E = 3e9 Pa and d = 0.3e-3 m"
-            )
-        );
+        for stiffness in self.stiffness.values() {
+            ensure!(
+                *stiffness > 0.0 && stiffness.is_finite(),
+                misfit!(
+                    key("stiffness"),
+                    " = {stiffness} N: must be positive and finite; expected E π d²/4, as 212 N of E = 3e9 Pa and d = 0.3e-3 m"
+                )
+            );
+        }
         ensure!(
             self.depth.is_none_or(|depth| depth > 0.0 && depth.is_finite()),
             misfit!(
@@ -222,7 +262,13 @@ impl WindingConfig {
                 ": a helix without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
             )
         })?;
-        around.line(&self.title())?;
+        let axis = around.line(&self.title())?;
+        for (name, along) in [("pitch", &self.pitch), ("angle", &self.angle)] {
+            if let Some(profile) = along.as_ref().and_then(Along::profile) {
+                profile.build(&key(name), Some(axis))?;
+            }
+        }
+        self.stiffness_profile()?;
         let ends = [("start", self.start), ("end", self.end)];
         for (end, height) in ends {
             ensure!(
@@ -233,7 +279,18 @@ impl WindingConfig {
         Ok(())
     }
 
+    /// The stiffness by the height, if it changes: along the axis of a helix, or the line of its table.
+    ///
+    /// # Errors
+    /// As [`super::ProfileConfig::build`].
+    pub fn stiffness_profile(&self) -> Result<Option<Profile>> {
+        let Some(profile) = self.stiffness.profile() else { return Ok(None) };
+        let axis = self.around.as_ref().map(|around| around.line(&self.title())).transpose()?;
+        profile.build(&self.title().key("stiffness"), axis).map(Some)
+    }
+
     fn check_points(&self) -> Result<()> {
+        self.stiffness_profile()?;
         let key = |key: &str| self.title().key(key);
         let keys = [
             ("around", self.around.is_some()),
@@ -263,6 +320,20 @@ impl WindingConfig {
         );
         Ok(())
     }
+}
+
+/// Refuses values of both hands: somewhere between them a thread would not climb.
+fn check_hand(key: &KeyPath, along: &Along, unit: &str) -> Result<()> {
+    let values = along.values();
+    ensure!(
+        values.iter().all(|value| value.signum() == values[0].signum()),
+        misfit!(
+            key.clone(),
+            ".values = {values:?} {unit}: positive and negative; a thread cannot change its hand, expected two windings \
+             that meet, with the end of one as the start of the other"
+        )
+    );
+    Ok(())
 }
 
 impl SimConfig {

@@ -1,20 +1,19 @@
 //! The fibres and threads of a scene, on a body.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::{Body, Part};
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    self, Direction, Directions, Fibres, Helix, LayError, Layer, Piece, Winding,
+    self, Axis, Direction, Directions, Fibres, Helix, LayError, Layer, Piece, Winding,
 };
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
-use program::{misfit, unknown};
+use program::{KeyPath, misfit, unknown};
 
 use super::{Scene, SceneLaw};
-use crate::config::{Climb, FibreConfig, WindingConfig};
+use crate::config::{Along, Climb, FibreConfig, WindingConfig};
 
 /// Vertices at which it is tested whether fibres are symmetric, at most.
 const TESTED: usize = 200;
@@ -107,14 +106,19 @@ impl Scene {
         let one = |winding: &WindingConfig| {
             let WindingConfig { stiffness, pretension, slack, .. } = winding;
             let ground = Ground::new(winding, body)?;
-            let (pieces, numbers) = (ground.lay(winding)?, [*stiffness, *pretension, *slack]);
-            Ok(match &ground.layer {
+            let pieces = ground.lay(winding)?;
+            let numbers = [stiffness.values()[0], *pretension, *slack];
+            let thread = match &ground.layer {
                 None => Winding::new(space, &pieces, numbers),
                 Some(layer) => {
                     let inside: Vec<Piece<4>> =
                         pieces.iter().map(|piece| layer.inside(piece)).collect();
                     Winding::new(space, &inside, numbers)
                 }
+            };
+            Ok(match winding.stiffness_profile()? {
+                None => thread,
+                Some(profile) => thread.with_stiffness(&profile, &body.mesh.vertices),
             })
         };
         self.config.winding.iter().map(one).collect()
@@ -221,19 +225,22 @@ impl<'a> Ground<'a> {
         };
         let (facets, x) = self.surface();
         let axis = around.line(&winding.title())?;
-        let (pitch, climb) = match climb {
-            Climb::Pitch(pitch) => (pitch, 1.0),
-            Climb::Angle(angle) => {
-                let (round, angle) = (TAU * axis.mean_distance(facets, x), angle.to_radians());
-                (round / angle.tan(), -round / angle.sin().powi(2))
+        let climb = match climb {
+            Climb::Pitch(pitch) => {
+                energy::Climb::Pitch(along(pitch, &winding.title().key("pitch"), axis, 1.0)?)
             }
+            Climb::Angle(angle) => energy::Climb::Angle(
+                along(angle, &winding.title().key("angle"), axis, 1.0_f64.to_radians())?,
+                axis.mean_distance(facets, x),
+            ),
         };
         // beyond the ends of a tag inside a face, a layer leads up to the surface
         let ([low, high], own) =
             (axis.heights(facets, x), axis.heights(&self.tagged, self.vertices));
-        let heights = winding.heights([low.max(own[0]), high.min(own[1])], pitch)?;
-        let phase = winding.phase.to_radians();
-        Ok(Some(Helix { axis, pitch, climb, heights, phase }))
+        let heights = winding.heights([low.max(own[0]), high.min(own[1])])?;
+        let helix = Helix::new(axis, climb, heights, winding.phase.to_radians());
+        winding.check_turns(helix.turns())?;
+        Ok(Some(helix))
     }
 
     /// The pieces of a thread on the triangles.
@@ -255,11 +262,20 @@ impl<'a> Ground<'a> {
         };
         let mut pieces = energy::helix(facets, x, &one).map_err(cannot)?;
         if winding.double {
-            let other = Helix { pitch: -one.pitch, climb: -one.climb, ..one };
-            pieces.extend(energy::helix(facets, x, &other).map_err(cannot)?);
+            pieces.extend(energy::helix(facets, x, &one.opposite()).map_err(cannot)?);
         }
         Ok(pieces)
     }
+}
+
+/// A number of a thread in other units, which may change along its axis.
+fn along(number: &Along, key: &KeyPath, axis: Axis, factor: f64) -> Result<energy::Along> {
+    Ok(match number {
+        Along::Number(value) => energy::Along::Number(value * factor),
+        Along::Profile(profile) => {
+            energy::Along::Profile(profile.build(key, Some(axis))?.times(factor))
+        }
+    })
 }
 
 /// What may be done where a thread cannot be laid.

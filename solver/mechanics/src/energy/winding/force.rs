@@ -29,7 +29,7 @@ impl Winding {
         (by_u, by_rest): (&mut [f64], &mut [f64]),
     ) {
         self.for_each_share(at, power, |segment, p, shares| {
-            let [by_slope, by_difference] = p.force_by(self, shares).map(|by| weight * by);
+            let [by_slope, by_difference] = p.force_by(shares).map(|by| weight * by);
             for (&node, slope) in segment.nodes.iter().zip(p.slopes) {
                 add_at(by_u, node, &(*slope * by_slope));
             }
@@ -42,14 +42,15 @@ impl Winding {
     /// Derivatives of [`Self::mean_force`] by the parameters of the thread.
     #[must_use]
     pub fn mean_force_by_parameters(&self, at: &Iterate, power: f64) -> Vec<f64> {
-        let mut by = vec![0.0; 4];
+        let (mut by, own) = (vec![0.0; self.parameters()], self.own_parameters());
         self.for_each_share(at, power, |segment, p, shares| {
-            let [_, first, second] = p.square;
-            by[0] += 0.5 * shares[0] * (first - self.pretension / self.stiffness * second);
-            by[1] += 0.5 * shares[0] * second;
-            let [by_slope, by_difference] = p.force_by(self, shares);
-            for (k, by) in by[2..].iter_mut().enumerate() {
-                *by += by_slope.dot(&segment.slope(&p.rates[k], at.u))
+            let [by_stiffness, by_pretension] = p.force_by_law(self.pretension);
+            p.shares.iter().for_each(|(i, share)| by[*i] += share * shares[0] * by_stiffness);
+            by[own - 1] += shares[0] * by_pretension;
+            let [by_slope, by_difference] = p.force_by(shares);
+            for (k, by) in by[own..].iter_mut().enumerate() {
+                *by += shares[0] * by_stiffness * p.stiffness_rates[k]
+                    + by_slope.dot(&segment.slope(&p.rates[k], at.u))
                     + by_difference.dot(&segment.corners(&segment.rates[k], at.rest));
             }
         });
@@ -62,7 +63,7 @@ impl Winding {
         let mut all = Vec::new();
         for segment in &self.segments {
             self.for_each_point(at, segment, |p| {
-                let (force, share) = (p.force(self), p.weight * p.long);
+                let (force, share) = (p.force(), p.weight * p.long);
                 (length, largest) = (length + share, largest.max(force));
                 all.push((force, share));
             });
@@ -87,7 +88,7 @@ impl Winding {
         }
         for segment in &self.segments {
             self.for_each_point(at, segment, |p| {
-                let ratio = p.force(self) / mean;
+                let ratio = p.force() / mean;
                 let root = ratio.powf(power - 1.0);
                 let part = p.weight / length;
                 f(segment, p, [part * root * p.long, part * (root * ratio - 1.0) * mean / power]);
@@ -98,8 +99,8 @@ impl Winding {
 
 impl Point<'_> {
     /// From ∂M/∂N and ∂M/∂L, ∂M/∂u′ and ∂M/∂D.
-    fn force_by(&self, own: &Winding, [by_force, by_length]: [f64; 2]) -> [Vec3; 2] {
-        let by_strain = 0.5 * own.stiffness * self.square[2] * by_force;
+    fn force_by(&self, [by_force, by_length]: [f64; 2]) -> [Vec3; 2] {
+        let by_strain = 0.5 * self.stiffness * self.square[2] * by_force;
         let along = by_length / self.long * self.rest;
         [by_strain / self.long * self.along, by_strain * self.strained() + along]
     }

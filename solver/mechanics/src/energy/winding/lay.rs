@@ -4,17 +4,17 @@
 //! facet, where the thread is the segment c = 0. Facets are cut one by one; the pieces, in the order of t,
 //! must follow each other without a gap and without a second layer.
 //!
-//! A helix has t = (z − z₀)/pitch, in turns, and c = θ/2π − θ₀/2π − t up to whole numbers, with the height z
-//! along the axis and the angle θ around it. Vertices lie where they are; between them the angle is linear in
-//! the facet, which for an arc of φ is off by φ³/(72 √3), 0.02° for facets of 20°. A leg of a polyline is cut
-//! by the plane through both of its ends, moved to the nearest points of the facets, and the mean of the
-//! normals there.
+//! A helix has c = θ/2π − θ₀/2π − τ(z) up to whole numbers, with the height z along the axis, the angle θ around it
+//! and its turns τ ([`Climb`]); t is the height from its start. Vertices lie where they are; between them angle and
+//! turns are linear in the facet. For an arc of φ the angle is off by φ³/(72 √3), 0.02° for facets of 20°. A leg of a
+//! polyline is cut by the plane through both of its ends, moved to the nearest points of the facets, and the mean of
+//! the normals there; t counts the legs.
 //!
 //! With other numbers of a helix, c at the corners is other by ċ, linear in the facet. An end λ of a piece stays
 //! at c = 0 and moves along d, Σ d_k = 0: along the edge that it is on, and at its height where it is an end of
 //! the thread or at a vertex. So
 //!
-//! λ̇ = −ċ(λ) d/Σ c_k d_k      ċ = t/|pitch| by |pitch|      ċ = ∓1/2π by θ₀ of a right- or left-handed screw
+//! λ̇ = −ċ(λ) d/Σ c_k d_k      ċ = −∂τ/∂v by a value v of the climb      ċ = ∓1/2π by θ₀ of a right- or left-handed screw
 //!
 //! As long as no piece appears or vanishes, that is the derivative of all ends. There, and where the thread passes
 //! a vertex, forces are continuous, with a kink.
@@ -24,6 +24,7 @@ use std::f64::consts::{PI, TAU};
 use mesh::Vec3;
 use mesh::bvh::closest_on_triangle;
 
+use super::climb::{Climb, Course, Turns};
 use crate::energy::Axis;
 
 /// What is rounding beside the numbers of a facet [1].
@@ -34,15 +35,14 @@ const GAP: f64 = 1e-6;
 const APART: f64 = 1e-3;
 
 /// A helix about an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Helix {
     /// The axis; heights are along it from its point.
     pub axis: Axis,
-    /// Height that a turn climbs [m]; negative for a left-handed screw.
-    pub pitch: f64,
-    /// Derivative of the pitch by the number that it is made of: 1 for the pitch itself, −1 for the opposite
-    /// of another one, ∂pitch/∂angle [m/rad].
-    pub climb: f64,
+    /// How it climbs.
+    pub climb: Climb,
+    /// 1 for a right-handed screw, −1 for a left-handed one.
+    pub hand: f64,
     /// Heights of its ends [m].
     pub heights: [f64; 2],
     /// Angle of its start [rad], from [`Axis::reference`].
@@ -50,17 +50,17 @@ pub struct Helix {
 }
 
 /// A straight piece of a thread in a facet, with three corners, or in a tetrahedron, with four.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Piece<const N: usize> {
     /// The corners of the facet or tetrahedron.
     pub simplex: [usize; N],
     /// Barycentric coordinates of its ends.
     pub ends: [[f64; N]; 2],
-    /// t at its ends.
+    /// How far along the thread its ends are: turns of a helix, legs of a polyline.
     pub range: [f64; 2],
-    /// Derivatives of `ends` by the number that the pitch of a helix is made of, and by its phase [1/rad]; zero
-    /// for a polyline.
-    pub rates: [[[f64; N]; 2]; 2],
+    /// Derivatives of `ends` by each value of the climb of a helix, and at last by its phase [1/rad]; none of a
+    /// polyline.
+    pub rates: Vec<[[f64; N]; 2]>,
 }
 
 /// Why a thread cannot be laid.
@@ -135,7 +135,7 @@ fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Pie
         ends.swap(0, 1);
         own.swap(0, 1);
     }
-    clipped(Piece { simplex: facet, ends, range: own, rates: Default::default() }, range)
+    clipped(Piece { simplex: facet, ends, range: own, rates: Vec::new() }, range)
 }
 
 /// The part of a piece in a range of t; none where nothing is left.
@@ -164,15 +164,45 @@ fn slide(end: &[f64; 3], corners: &[[f64; 2]; 3], free: bool) -> [f64; 3] {
 }
 
 impl Helix {
-    /// The segment of a helix of so many turns in a facet, by c and t of its corners, with its rates.
-    fn piece(&self, facet: [usize; 3], corners: [[f64; 2]; 3], turns: f64) -> Option<Piece<3>> {
-        let mut piece = cut(facet, corners, [0.0, turns])?;
-        let hand = self.pitch.signum();
+    /// A helix of the hand of its climb.
+    #[must_use]
+    pub fn new(axis: Axis, climb: Climb, heights: [f64; 2], phase: f64) -> Self {
+        let hand = climb.hand();
+        Self { axis, climb, hand, heights, phase }
+    }
+
+    /// The helix of the other hand from the same start.
+    #[must_use]
+    pub fn opposite(&self) -> Self {
+        Self { hand: -self.hand, ..self.clone() }
+    }
+
+    /// Its turns.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        let [start, end] = self.heights;
+        Course::new(&self.climb, start).turns(end).count
+    }
+
+    /// Its segment in a facet, by c and t of the corners and their turns, with its rates. The range is that of t.
+    fn piece(
+        &self,
+        facet: [usize; 3],
+        corners: [[f64; 2]; 3],
+        turns: &[Turns; 3],
+    ) -> Option<Piece<3>> {
+        let rise = self.heights[1] - self.heights[0];
+        let mut piece = cut(facet, corners, [0.0, rise])?;
+        let values = self.climb.number().values().len();
+        piece.rates = vec![[[0.0; 3]; 2]; values + 1];
         for (k, (end, t)) in piece.ends.iter().zip(piece.range).enumerate() {
-            let free = t == 0.0 || t == turns || end.contains(&1.0);
+            let free = t == 0.0 || t == rise || end.contains(&1.0);
             let slide = slide(end, &corners, free);
-            piece.rates[0][k] = slide.map(|by| by * t / self.pitch * self.climb);
-            piece.rates[1][k] = slide.map(|by| -by * hand / TAU);
+            for (i, rates) in piece.rates[..values].iter_mut().enumerate() {
+                let by: f64 = turns.iter().zip(end).map(|(turns, l)| l * turns.by[i]).sum();
+                rates[k] = slide.map(|slide| -slide * by);
+            }
+            piece.rates[values][k] = slide.map(|slide| -slide * self.hand / TAU);
         }
         Some(piece)
     }
@@ -273,9 +303,8 @@ impl Axis {
 /// [`LayError`] where it leaves the facets or meets several layers of them.
 pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece<3>>, LayError> {
     let [start, end] = own.heights;
-    let turns = ((end - start) / own.pitch).abs();
-    // a left-handed screw climbs as it turns backwards
-    let hand = own.pitch.signum();
+    let course = Course::new(&own.climb, start);
+    let whole = course.turns(end).count;
     let mut pieces = Vec::new();
     for &facet in facets {
         let corners = facet.map(|v| own.axis.coordinates(x[v]));
@@ -287,19 +316,24 @@ pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece
             return Err(LayError::AxisInside { at: centre.into() });
         }
         let angles = [first, first + sides[0], first - sides[2]];
-        let beside = angles.map(|angle| hand * (angle - own.phase) / TAU);
-        let along = corners.map(|[height, _]| (height - start) / own.pitch.abs());
+        let beside = angles.map(|angle| own.hand * (angle - own.phase) / TAU);
+        let turns = corners.map(|[height, _]| course.turns(height));
+        let along = [0, 1, 2].map(|k| turns[k].count);
         let least = |values: [f64; 3]| values.into_iter().fold(f64::INFINITY, f64::min);
         let most = |values: [f64; 3]| values.into_iter().fold(f64::NEG_INFINITY, f64::max);
         // whole turns after which the thread is at the angles, and at the heights
         let first = (-most(beside)).max(least(along) - most(beside)).floor();
-        let last = (turns - least(beside)).min(most(along) - least(beside)).ceil();
-        for whole in first as i64..=last as i64 {
-            let at = |k: usize| [beside[k] + whole as f64 - along[k], along[k]];
-            pieces.extend(own.piece(facet, [at(0), at(1), at(2)], turns));
+        let last = (whole - least(beside)).min(most(along) - least(beside)).ceil();
+        for after in first as i64..=last as i64 {
+            let at = |k: usize| [beside[k] + after as f64 - along[k], corners[k][0] - start];
+            pieces.extend(own.piece(facet, [at(0), at(1), at(2)], &turns));
         }
     }
-    chained(pieces, x, [0.0, turns])
+    let mut chain = chained(pieces, x, [0.0, end - start])?;
+    for piece in &mut chain {
+        piece.range = piece.range.map(|height| course.turns(start + height).count);
+    }
+    Ok(chain)
 }
 
 /// The nearest point of some facets with the normal there.

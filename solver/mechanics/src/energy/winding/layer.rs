@@ -39,7 +39,7 @@ impl Layer {
         let part = SurfaceMesh { vertices: x.to_vec(), triangles: facets.to_vec() };
         let bvh = SurfaceBvh::new(&part);
         let deeper: Vec<f64> = x.iter().map(|x| bvh.closest(x).distance - depth).collect();
-        let deepest = deeper.iter().fold(0.0, |most, by| by.max(most)) + depth;
+        let deepest = deeper.iter().fold(-depth, |most: f64, by| most.max(*by)) + depth;
         let mut layer = Self {
             facets: Vec::new(),
             points: Vec::new(),
@@ -133,7 +133,7 @@ impl Layer {
             simplex: tet,
             ends: piece.ends.map(spread),
             range: piece.range,
-            rates: piece.rates.map(|rates| rates.map(spread)),
+            rates: piece.rates.iter().map(|rates| rates.map(spread)).collect(),
         }
     }
 }

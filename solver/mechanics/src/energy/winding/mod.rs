@@ -5,7 +5,7 @@
 //! ∂W/∂u_a = Σ w N t φ′_a
 //! ∂²W/∂u_a∂u_b = Σ w [½ EA q″/L t⊗t + N/l (I − t⊗t)] φ′_a φ′_b
 //!
-//! EA  stiffness of the thread [N]
+//! EA  stiffness of the thread [N], which may change along an axis, as a property of the thread at a point
 //! N₀  pretension [N]: the force of a thread that is as long as at rest
 //! q   the square of a strain that counts in tension only, [`square`]
 //!
@@ -19,44 +19,51 @@
 //!
 //! w [½ EA q″ (t·m) (t/L − l D/L³) + N (m − (t·m) t)/l]
 //!
-//! The parameters are EA, N₀, what the pitch of a helix is made of, and its phase [rad]. By the last two, ends of
-//! segments move at the rates of their [`Piece`]: with δ from end to end and λ a point of a segment,
+//! The parameters are the values of EA, N₀, and of a helix the values of its [`Climb`] and its phase [rad]. By the
+//! course, ends of segments move at the rates of their [`Piece`]: with δ from end to end and λ a point of a segment,
 //!
 //! Ḋ = Σ δ̇_k X_k      φ̇′ = ∇φ · δ̇ + δ · ∇∇φ λ̇      L̇ = ∂L/∂D · Ḋ + Σ_a (∂L/∂u′ · u_a + w N t · λ_a) φ̇′_a
 //!
-//! ∂L/∂u′ is w (½ EA q″/L t⊗t + N/l (I − t⊗t)) m: the Hessian by u′ times m.
+//! ∂L/∂u′ is w (½ EA q″/L t⊗t + N/l (I − t⊗t)) m: the Hessian by u′ times m. Where EA changes along an axis, each
+//! point takes that of its new height, which adds ∂L/∂EA dEA/dz ż.
 
+mod climb;
 mod force;
 mod lay;
 mod layer;
+mod measures;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, Profile};
 use crate::element::quadrature::Rule;
-use crate::element::{FunctionSpace, add_at, at, tabulate, values};
+use crate::element::{FunctionSpace, add_at, at, tabulate};
 use crate::material::slack::square;
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
 use crate::parallel::map_merge;
 
+pub use climb::{Along, Climb};
 pub use lay::{Helix, LayError, Piece, helix, polyline};
 pub use layer::Layer;
+pub use measures::{Strand, WindingSummary};
 
 #[cfg(test)]
 mod tests;
 
-/// Threads with one stiffness on the facets of a tag, or below them.
+/// Threads of one kind on the facets of a tag, or below them.
 #[derive(Clone)]
 pub struct Winding {
-    /// EA [N].
-    pub stiffness: f64,
+    /// Values of EA [N].
+    stiffness: Vec<f64>,
     /// N₀ [N].
     pub pretension: f64,
     /// Strain over which the thread becomes taut [1].
     pub slack: f64,
-    /// Sum of t over all pieces.
+    /// Sum of the ranges of all pieces.
     course: f64,
+    /// Places of the points of a segment, and their weights.
+    rule: Vec<(f64, f64)>,
     segments: Vec<Segment>,
 }
 
@@ -70,8 +77,8 @@ struct Segment {
     /// δ, from one end to the other.
     across: Vec<f64>,
     points: Vec<Place>,
-    /// δ̇ by what the pitch is made of, and by the phase.
-    rates: [Vec<f64>; 2],
+    /// δ̇ by the values of the climb, and by the phase.
+    rates: Vec<Vec<f64>>,
 }
 
 /// What a quadrature point of a segment has of the reference.
@@ -80,8 +87,14 @@ struct Place {
     weight: f64,
     /// φ′ of the nodes.
     slopes: Vec<f64>,
-    /// φ̇′ of the nodes by what the pitch is made of, and by the phase.
-    rates: [Vec<f64>; 2],
+    /// φ̇′ of the nodes by the values of the climb, and by the phase.
+    rates: Vec<Vec<f64>>,
+    /// λ̇ by the same.
+    moves: Vec<Vec<f64>>,
+    /// What each value of EA has of that here.
+    shares: Vec<(usize, f64)>,
+    /// Derivatives of EA by the values of the climb, and by the phase.
+    stiffness_rates: Vec<f64>,
 }
 
 /// A quadrature point of a segment.
@@ -89,7 +102,11 @@ struct Point<'a> {
     weight: f64,
     /// φ′ of the nodes, and φ̇′.
     slopes: &'a [f64],
-    rates: &'a [Vec<f64>; 2],
+    rates: &'a [Vec<f64>],
+    /// EA [N], and what each of its values has of it.
+    stiffness: f64,
+    shares: &'a [(usize, f64)],
+    stiffness_rates: &'a [f64],
     /// D [m].
     rest: Vec3,
     /// L [m].
@@ -100,32 +117,6 @@ struct Point<'a> {
     along: Vec3,
     /// q, q′ and q″.
     square: [f64; 3],
-}
-
-/// Measures of a winding at a state.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WindingSummary {
-    /// Rest length [m].
-    pub length: f64,
-    /// W [J].
-    pub energy: f64,
-    /// Smallest and largest force along it [N], each over as much of it as its segments are long on average.
-    pub force: [f64; 2],
-    /// Mean force along it [N].
-    pub mean_force: f64,
-    /// Share of the length that is in tension.
-    pub taut: f64,
-}
-
-/// A piece of the thread at a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strand {
-    /// Ends of the segment at rest [m].
-    pub rest: [Vec3; 2],
-    /// Their displacement [m].
-    pub moved: [Vec3; 2],
-    /// Mean force along it [N].
-    pub force: f64,
 }
 
 /// Gauss–Legendre rules on [0, 1] of one, two and three points: places and weights.
@@ -181,21 +172,24 @@ fn slope_rates<const N: usize>(
 
 impl Segment {
     fn new<const N: usize>(space: &FunctionSpace, piece: &Piece<N>) -> Self {
-        let Piece { simplex, ends, rates, .. } = *piece;
-        let (degree, by) = (space.degree(), between(&ends));
+        let Piece { simplex, ends, rates, .. } = piece;
+        let (degree, by) = (space.degree(), between(ends));
         let place = |(s, weight): (f64, f64)| Place {
             weight,
-            slopes: along(degree, &part(&ends, s), &by),
-            rates: rates.map(|rates| slope_rates(degree, piece, &rates, s)),
+            slopes: along(degree, &part(ends, s), &by),
+            rates: rates.iter().map(|rates| slope_rates(degree, piece, rates, s)).collect(),
+            moves: rates.iter().map(|rates| part(rates, s).to_vec()).collect(),
+            shares: vec![(0, 1.0)],
+            stiffness_rates: vec![0.0; rates.len()],
         };
         let points = rule(degree).into_iter().map(place).collect();
         Self {
             vertices: simplex.to_vec(),
-            nodes: space.simplex_nodes(&simplex),
-            ends: ends.map(|end| end.to_vec()),
+            nodes: space.simplex_nodes(simplex),
+            ends: [0, 1].map(|end| ends[end].to_vec()),
             across: by.to_vec(),
             points,
-            rates: rates.map(|rates| between(&rates).to_vec()),
+            rates: rates.iter().map(|rates| between(rates).to_vec()).collect(),
         }
     }
 
@@ -212,16 +206,22 @@ impl Segment {
 
 impl Point<'_> {
     /// The Hessian by the slope u′, but for the weight.
-    fn stiffness(&self, own: &Winding) -> Mat3 {
+    fn hessian(&self) -> Mat3 {
         let dyad = self.along * self.along.transpose();
-        let axial = 0.5 * own.stiffness * self.square[2] / self.long;
-        let lateral = self.force(own) / self.stretched;
+        let axial = 0.5 * self.stiffness * self.square[2] / self.long;
+        let lateral = self.force() / self.stretched;
         lateral * Mat3::identity() + (axial - lateral) * dyad
     }
 
     /// N [N].
-    fn force(&self, own: &Winding) -> f64 {
-        0.5 * own.stiffness * self.square[1]
+    fn force(&self) -> f64 {
+        0.5 * self.stiffness * self.square[1]
+    }
+
+    /// ∂N/∂EA [1] and ∂N/∂N₀ [1].
+    fn force_by_law(&self, pretension: f64) -> [f64; 2] {
+        let [_, first, second] = self.square;
+        [0.5 * (first - pretension / self.stiffness * second), 0.5 * second]
     }
 
     /// ∂ε/∂D at constant u′.
@@ -230,26 +230,20 @@ impl Point<'_> {
     }
 
     /// ∂L/∂D of L = w N t·m.
-    fn by_rest(&self, own: &Winding, m: &Vec3) -> Vec3 {
+    fn by_rest(&self, m: &Vec3) -> Vec3 {
         let along = self.along.dot(m);
-        let by_strain = 0.5 * own.stiffness * self.square[2] * along;
-        let turned = self.force(own) / self.stretched * (m - along * self.along);
+        let by_strain = 0.5 * self.stiffness * self.square[2] * along;
+        let turned = self.force() / self.stretched * (m - along * self.along);
         self.weight * (by_strain * self.strained() + turned)
     }
 
     /// L̇ for the rate k of the ends.
-    fn by_ends(
-        &self,
-        own: &Winding,
-        segment: &Segment,
-        (at, lambda): (&Iterate, &[f64]),
-        k: usize,
-    ) -> f64 {
+    fn by_ends(&self, segment: &Segment, (at, lambda): (&Iterate, &[f64]), k: usize) -> f64 {
         let slope = |field: &[f64]| segment.slope(&self.rates[k], field);
         let m = segment.slope(self.slopes, lambda);
-        let by_slope = self.weight * self.stiffness(own) * m;
-        let by_m = self.weight * self.force(own) * self.along;
-        self.by_rest(own, &m).dot(&segment.corners(&segment.rates[k], at.rest))
+        let by_slope = self.weight * self.hessian() * m;
+        let by_m = self.weight * self.force() * self.along;
+        self.by_rest(&m).dot(&segment.corners(&segment.rates[k], at.rest))
             + by_slope.dot(&slope(at.u))
             + by_m.dot(&slope(lambda))
     }
@@ -269,7 +263,39 @@ impl Winding {
     ) -> Self {
         let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();
         let course = pieces.iter().map(|piece| piece.range[1] - piece.range[0]).sum();
-        Self { stiffness, pretension, slack, course, segments }
+        let rule = rule(space.degree());
+        Self { stiffness: vec![stiffness], pretension, slack, course, rule, segments }
+    }
+
+    /// The same with a stiffness that changes along an axis [N]: each point of the thread has that of its height at rest.
+    #[must_use]
+    pub fn with_stiffness(mut self, profile: &Profile, rest: &[Vec3]) -> Self {
+        self.stiffness = profile.values().to_vec();
+        for segment in &mut self.segments {
+            let [a, b] =
+                [0, 1].map(|end| profile.height(segment.corners(&segment.ends[end], rest)));
+            let corners: Vec<f64> =
+                segment.vertices.iter().map(|&v| profile.height(rest[v])).collect();
+            for (place, (s, _)) in segment.points.iter_mut().zip(&self.rule) {
+                let height = (1.0 - s) * a + s * b;
+                place.shares = profile.basis(height).pairs().collect();
+                let climb = |by: &Vec<f64>| by.iter().zip(&corners).map(|(by, z)| by * z).sum();
+                let climbs = place.moves.iter().map(climb);
+                let slope = profile.slope(height);
+                place.stiffness_rates = climbs.map(|climb: f64| slope * climb).collect();
+            }
+        }
+        self
+    }
+
+    /// Number of the parameters of the thread itself, before those of its course.
+    fn own_parameters(&self) -> usize {
+        self.stiffness.len() + 1
+    }
+
+    /// Number of all parameters.
+    fn parameters(&self) -> usize {
+        self.own_parameters() + self.segments.first().map_or(0, |segment| segment.rates.len())
     }
 
     /// How long it is in the unit in which it was laid: turns of helices, legs of polylines.
@@ -287,15 +313,28 @@ impl Winding {
     fn for_each_point(&self, iterate: &Iterate, segment: &Segment, mut f: impl FnMut(&Point)) {
         let rest = segment.corners(&segment.across, iterate.rest);
         let long = rest.norm();
-        for Place { weight, slopes, rates } in &segment.points {
+        for Place { weight, slopes, rates, shares, stiffness_rates, .. } in &segment.points {
             let moved = segment.slope(slopes, iterate.u);
             let stretched = (rest + moved).norm();
             // without the digits of 1
             let strain =
                 (2.0 * rest.dot(&moved) + moved.norm_squared()) / (long * (stretched + long));
-            let square = square(strain + self.pretension / self.stiffness, Some(self.slack));
+            let stiffness = shares.iter().map(|&(i, share)| share * self.stiffness[i]).sum();
+            let square = square(strain + self.pretension / stiffness, Some(self.slack));
             let along = (rest + moved) / stretched;
-            f(&Point { weight: *weight, slopes, rates, rest, long, stretched, along, square });
+            f(&Point {
+                weight: *weight,
+                slopes,
+                rates,
+                stiffness,
+                shares,
+                stiffness_rates,
+                rest,
+                long,
+                stretched,
+                along,
+                square,
+            });
         }
     }
 
@@ -320,60 +359,6 @@ impl Winding {
             },
         );
     }
-
-    /// Measures of the thread at a state.
-    #[must_use]
-    pub fn summary(&self, iterate: &Iterate) -> WindingSummary {
-        let mut all = WindingSummary::default();
-        let mut pulled = Vec::new();
-        for segment in &self.segments {
-            let (mut length, mut sum) = (0.0, 0.0);
-            self.for_each_point(iterate, segment, |p| {
-                let (force, share) = (p.force(self), p.weight * p.long);
-                (length, sum) = (length + share, sum + share * force);
-                all.length += share;
-                all.energy += 0.5 * share * self.stiffness * p.square[0];
-                all.taut += if force > 0.0 { share } else { 0.0 };
-            });
-            pulled.push((length, sum));
-        }
-        all.mean_force = pulled.iter().map(|(_, sum)| sum).sum::<f64>() / all.length;
-        all.force = extremes(&pulled, all.length / pulled.len() as f64);
-        all.taut /= all.length;
-        all
-    }
-
-    /// All pieces of the thread at a state, in its order.
-    #[must_use]
-    pub fn strands(&self, iterate: &Iterate) -> Vec<Strand> {
-        let one = |segment: &Segment| {
-            let rest = [0, 1].map(|end| segment.corners(&segment.ends[end], iterate.rest));
-            let moved = [0, 1].map(|end| {
-                let values = values(iterate.space.degree(), &segment.ends[end]);
-                segment.nodes.iter().zip(values).map(|(&n, v)| v * at(iterate.u, n)).sum()
-            });
-            let mut force = 0.0;
-            self.for_each_point(iterate, segment, |p| force += p.weight * p.force(self));
-            Strand { rest, moved, force }
-        };
-        self.segments.iter().map(one).collect()
-    }
-}
-
-/// Smallest and largest mean force of stretches of a thread that are at least so long [m], from the length and ∫ N dS of
-/// its segments [m, N m]; a shorter rest at the end is left out. The strain in a short segment, which the corner of a
-/// facet cuts off, says more of the mesh than of the thread.
-fn extremes(segments: &[(f64, f64)], least: f64) -> [f64; 2] {
-    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-    let (mut length, mut sum) = (0.0, 0.0);
-    for (long, pulled) in segments {
-        (length, sum) = (length + long, sum + pulled);
-        if length >= least {
-            (low, high) = (low.min(sum / length), high.max(sum / length));
-            (length, sum) = (0.0, 0.0);
-        }
-    }
-    [low, high]
 }
 
 impl Energy for Winding {
@@ -385,10 +370,10 @@ impl Energy for Winding {
         let mut sum = 0.0;
         self.for_each_segment(
             iterate,
-            |_, p, value: &mut f64| *value += p.weight * p.long * p.square[0],
+            |_, p, value: &mut f64| *value += 0.5 * p.stiffness * p.weight * p.long * p.square[0],
             |_, part| sum += part,
         );
-        0.5 * self.stiffness * sum
+        sum
     }
 
     fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
@@ -396,7 +381,7 @@ impl Energy for Winding {
             iterate,
             |_, p, forces: &mut Vec<Vec3>| {
                 forces.resize(p.slopes.len(), Vec3::zeros());
-                let pull = p.weight * p.force(self) * p.along;
+                let pull = p.weight * p.force() * p.along;
                 forces.iter_mut().zip(p.slopes).for_each(|(force, slope)| *force += pull * *slope);
             },
             |segment, forces| {
@@ -411,7 +396,7 @@ impl Energy for Winding {
             |_, p, blocks: &mut Vec<Mat3>| {
                 let n = p.slopes.len();
                 blocks.resize(n * n, Mat3::zeros());
-                let stiffness = p.weight * p.stiffness(self);
+                let stiffness = p.weight * p.hessian();
                 for (a, blocks) in p.slopes.iter().zip(blocks.chunks_exact_mut(n)) {
                     let pairs = p.slopes.iter().zip(blocks);
                     pairs.for_each(|(b, block)| *block += a * b * stiffness);
@@ -430,7 +415,7 @@ impl Energy for Winding {
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         self.for_each_segment(
             iterate,
-            |segment, p, by: &mut Vec3| *by += p.by_rest(self, &segment.slope(p.slopes, lambda)),
+            |segment, p, by: &mut Vec3| *by += p.by_rest(&segment.slope(p.slopes, lambda)),
             |segment, by| {
                 for (&vertex, share) in segment.vertices.iter().zip(&segment.across) {
                     add_at(out, vertex, &(*share * by));
@@ -440,17 +425,19 @@ impl Energy for Winding {
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; 4];
-        let pretension = self.pretension / self.stiffness;
+        let (mut sum, own) = (vec![0.0; self.parameters()], self.own_parameters());
         self.for_each_segment(
             iterate,
-            |segment, p, by: &mut [f64; 4]| {
+            |segment, p, by: &mut Vec<f64>| {
+                by.resize(self.parameters(), 0.0);
                 let along = p.weight * p.along.dot(&segment.slope(p.slopes, lambda));
-                let [_, first, second] = p.square;
-                by[0] += 0.5 * along * (first - pretension * second);
-                by[1] += 0.5 * along * second;
-                by[2] += p.by_ends(self, segment, (iterate, lambda), 0);
-                by[3] += p.by_ends(self, segment, (iterate, lambda), 1);
+                let [by_stiffness, by_pretension] = p.force_by_law(self.pretension);
+                p.shares.iter().for_each(|(i, share)| by[*i] += share * along * by_stiffness);
+                by[own - 1] += along * by_pretension;
+                for (k, by) in by[own..].iter_mut().enumerate() {
+                    *by += p.by_ends(segment, (iterate, lambda), k);
+                    *by += along * by_stiffness * p.stiffness_rates[k];
+                }
             },
             |_, part| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p),
         );

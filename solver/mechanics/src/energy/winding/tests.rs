@@ -106,53 +106,128 @@ fn derivatives_pass_the_taylor_test() {
     }
 }
 
-/// Helices of both hands around the side faces of the cube, on them and below, by their pitch and phase: steps are so
-/// short that no piece appears or vanishes.
+/// The side faces of the cube.
+fn sides(mesh: &mesh::TetMesh) -> Vec<[usize; 3]> {
+    let is_side = |f: &[usize; 3]| {
+        let flat = |k: usize, at: f64| f.iter().all(|&v| mesh.vertices[v][k] == at);
+        (0..2).any(|k| flat(k, 0.0) || flat(k, 1.0))
+    };
+    mesh::topology::boundary(mesh).facets.into_iter().filter(is_side).collect()
+}
+
+/// Tests the derivatives of a helix around the cube, on its sides or at a depth below: by its stiffness, pretension,
+/// course and phase. The functions give the climb of its values, and the stiffness, of all values relative to `NUMBERS`.
+/// Steps are so short that no piece appears or vanishes.
+fn check_helix(
+    (degree, depth): (usize, Option<f64>),
+    values: &[f64],
+    climb: impl Fn(&[f64]) -> Climb,
+    stiffness: impl Fn(&[f64]) -> Along,
+) {
+    let (case, mesh) = (Case::new(degree, 0.03), cube(3, 0.2));
+    let (layer, sides, points) = ground(&mesh, sides(&mesh), depth);
+    let axis = Axis { point: Vec3::new(0.5, 0.45, 0.0), along: Vec3::z() };
+    let count = stiffness(values).values().len();
+    let pieces = |values: &[f64]| {
+        let phase = values[values.len() - 1];
+        let course = &values[count + 1..values.len() - 1];
+        let own = Helix::new(axis, climb(course), [0.1, 0.85], phase);
+        helix(&sides, &points, &own).expect("it lies on the sides")
+    };
+    let facets =
+        |values: &[f64]| -> Vec<_> { pieces(values).iter().map(|piece| piece.simplex).collect() };
+    let thread = |values: &[f64]| {
+        let numbers = [values[0], values[count], 0.3];
+        let thread = thread_in(&case.space, layer.as_ref(), &pieces(values), numbers);
+        match stiffness(&values[..count]) {
+            Along::Number(_) => thread,
+            Along::Profile(profile) => thread.with_stiffness(&profile, &case.rest),
+        }
+    };
+    let (here, at) = (facets(values), case.at(&case.u, &case.rest));
+    let weights = Random::new(33).numbers(case.u.len());
+    let with = |x: &[f64]| {
+        let values: Vec<f64> = x.iter().zip(values).map(|(x, value)| x * value).collect();
+        assert_eq!(facets(&values), here);
+        thread(&values)
+    };
+    let scaled = |by: Vec<f64>| -> Vec<f64> {
+        assert_eq!(by.len(), values.len());
+        by.iter().zip(values).map(|(by, value)| by * value).collect()
+    };
+    let ones = vec![1.0; values.len()];
+    let by = thread(values).parameter_vjp(&at, &weights);
+    check_gradient(&ones, &scaled(by), 1e-4, |x| {
+        dot(&weights, &case.gradient(&with(x), &case.u, &case.rest))
+    });
+    let by = thread(values).mean_force_by_parameters(&at, 3.0);
+    check_gradient(&ones, &scaled(by), 5e-5, |x| with(x).mean_force(&at, 3.0));
+}
+
+/// On the sides and below, of both hands.
 #[test]
 fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
     for degree in [1, 2, 3] {
-        for (sign, depth) in [(1.0, None), (-1.0, None), (1.0, Some(0.2)), (-1.0, Some(0.2))] {
-            let case = Case::new(degree, 0.03);
-            let mesh = cube(3, 0.2);
-            let is_side = |f: &[usize; 3]| {
-                let flat = |k: usize, at: f64| f.iter().all(|&v| mesh.vertices[v][k] == at);
-                (0..2).any(|k| flat(k, 0.0) || flat(k, 1.0))
-            };
-            let boundary = mesh::topology::boundary(&mesh).facets;
-            let sides: Vec<_> = boundary.into_iter().filter(is_side).collect();
-            let (layer, sides, points) = ground(&mesh, sides, depth);
-            let axis = Axis { point: Vec3::new(0.5, 0.45, 0.0), along: Vec3::z() };
-            let numbers = [0.53 * sign, 0.3];
-            let pieces = |[pitch, phase]: [f64; 2]| {
-                let own = Helix { axis, pitch, climb: 1.0, heights: [0.1, 0.85], phase };
-                helix(&sides, &points, &own).expect("it lies on the sides")
-            };
-            let facets = |numbers: [f64; 2]| -> Vec<_> {
-                pieces(numbers).iter().map(|piece| piece.simplex).collect()
-            };
-            let thread = |numbers| {
-                thread_in(&case.space, layer.as_ref(), &pieces(numbers), [40.0, 2.0, 0.3])
-            };
-            let weights = Random::new(33).numbers(case.u.len());
-            let by = thread(numbers).parameter_vjp(&case.at(&case.u, &case.rest), &weights);
-            let here = facets(numbers);
-            check_gradient(&numbers, &by[2..], 1e-4, |x| {
-                assert_eq!(facets([x[0], x[1]]), here);
-                let thread = thread([x[0], x[1]]);
-                dot(&weights, &case.gradient(&thread, &case.u, &case.rest))
-            });
-            let at = case.at(&case.u, &case.rest);
-            let by = thread(numbers).mean_force_by_parameters(&at, 3.0);
-            let same = [40.0, 2.0, numbers[0], numbers[1]];
-            let scaled: Vec<f64> = by.iter().zip(same).map(|(by, value)| by * value).collect();
-            check_gradient(&[1.0; 4], &scaled, 2e-4, |x| {
-                let [stiffness, pretension, pitch, phase] = [0, 1, 2, 3].map(|k| same[k] * x[k]);
-                let pieces = pieces([pitch, phase]);
-                let numbers = [stiffness, pretension, 0.3];
-                thread_in(&case.space, layer.as_ref(), &pieces, numbers).mean_force(&at, 3.0)
-            });
+        for (hand, depth) in [(1.0, None), (-1.0, None), (1.0, Some(0.2)), (-1.0, Some(0.2))] {
+            check_helix(
+                (degree, depth),
+                &[40.0, 2.0, 0.53 * hand, 0.3],
+                |course| Climb::Pitch(Along::Number(course[0])),
+                |stiffness| Along::Number(stiffness[0]),
+            );
         }
     }
+}
+
+/// Splines of the pitch or the angle, and of the stiffness.
+#[test]
+fn derivatives_by_values_along_the_axis_pass_the_taylor_test() {
+    let profile = |heights: [f64; 2], values: &[f64]| {
+        let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
+        Along::Profile(Profile::new(axis, heights, values.to_vec()).expect("it is good"))
+    };
+    for (degree, depth) in [(1, None), (2, None), (2, Some(0.2))] {
+        for hand in [1.0, -1.0] {
+            let stiffness = |values: &[f64]| profile([0.0, 0.9], values);
+            let pitches = [0.41, 0.57, 0.49, 0.68, 0.6].map(|pitch| hand * pitch);
+            check_helix(
+                (degree, depth),
+                &[&[40.0, 30.0, 55.0, 2.0][..], &pitches, &[0.3]].concat(),
+                |values| Climb::Pitch(profile([0.05, 0.8], values)),
+                |values| profile([0.0, 0.9], &values[..3]),
+            );
+            let angles = [1.42, 1.39, 1.46].map(|angle| hand * angle);
+            check_helix(
+                (degree, depth),
+                &[&[40.0, 30.0, 2.0][..], &angles, &[0.3]].concat(),
+                |values| Climb::Angle(profile([0.2, 1.0], values), 0.55),
+                |values| stiffness(&values[..2]),
+            );
+        }
+    }
+}
+
+/// With a pitch that grows linearly from 0.3 to 0.7, the thread is at the angle 2π ln(p/p₀)/p′ at every height.
+#[test]
+fn a_helix_of_a_changing_pitch_is_where_its_turns_are() {
+    let (facets, x) = tube(96, 64, 1.0);
+    let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
+    let profile = Profile::new(axis, [0.5, 3.5], vec![0.3, 0.7]).expect("it is good");
+    let own = Helix::new(axis, Climb::Pitch(Along::Profile(profile)), [0.5, 3.5], 0.2);
+    let pieces = helix(&facets, &x, &own).expect("it lies on the tube");
+    let slope = 0.4 / 3.0;
+    let turns = |z: f64| ((0.3 + slope * (z - 0.5)) / 0.3).ln() / slope;
+    let count: f64 = pieces.iter().map(|p| p.range[1] - p.range[0]).sum();
+    assert!((count / turns(3.5) - 1.0).abs() < 1e-9, "{count}");
+    assert!((own.turns() / turns(3.5) - 1.0).abs() < 1e-9);
+    for piece in &pieces {
+        let at = piece.place(&x, 1);
+        let angle = 0.2 + std::f64::consts::TAU * turns(at.z);
+        let off = (at.y.atan2(at.x) - angle).sin().abs();
+        // turns are linear in a facet of 1/16: at most h²/8 of their second derivative, 0.4/3/0.09
+        assert!(off < std::f64::consts::TAU * 0.0625_f64.powi(2) / 8.0 * slope / 0.09, "{off}");
+    }
+    assert!((pieces[pieces.len() - 1].place(&x, 1).z - 3.5).abs() < 1e-12);
 }
 
 /// Pulled by λ in all directions, a thread has the force EA (λ − 1), and with pretension as much more.
@@ -193,7 +268,7 @@ fn power_means_of_the_force_tend_to_the_largest() {
     assert!((thread.mean_force(&at, 1.0) / summary.mean_force - 1.0).abs() < 1e-12);
     let mut largest = 0.0_f64;
     for segment in &thread.segments {
-        thread.for_each_point(&at, segment, |p| largest = largest.max(p.force(&thread)));
+        thread.for_each_point(&at, segment, |p| largest = largest.max(p.force()));
     }
     let means = [1.0, 2.0, 8.0, 90.0].map(|power| thread.mean_force(&at, power));
     assert!(means.is_sorted() && means[3] < largest && means[3] > 0.9 * largest, "{means:?}");
@@ -209,7 +284,7 @@ fn a_slack_thread_does_nothing() {
     assert_eq!((thread.value(&at), thread.summary(&at).taut), (0.0, 0.0));
     assert!(case.gradient(&thread, &case.u, &case.rest).iter().all(|g| *g == 0.0));
     assert_eq!(thread.mean_force(&at, 2.0), 0.0);
-    assert_eq!(thread.mean_force_by_parameters(&at, 2.0), [0.0; 4]);
+    assert_eq!(thread.mean_force_by_parameters(&at, 2.0), [0.0; 2]);
 }
 
 /// A tube about z of radius 1 and height 4, facets of a number of cells around and along.
@@ -229,7 +304,7 @@ fn tube(around: usize, along: usize, radius: f64) -> (Vec<[usize; 3]>, Vec<Vec3>
 
 fn screw(pitch: f64, phase: f64) -> Helix {
     let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
-    Helix { axis, pitch, climb: 1.0, heights: [0.5, 3.5], phase }
+    Helix::new(axis, Climb::Pitch(Along::Number(pitch)), [0.5, 3.5], phase)
 }
 
 fn length<const N: usize>(pieces: &[Piece<N>], x: &[Vec3]) -> f64 {
@@ -314,7 +389,7 @@ fn a_polyline_follows_the_surface() {
 /// The force in a short segment counts as a part of what it lies in.
 #[test]
 fn extreme_forces_are_those_of_stretches_as_long_as_segments() {
-    let [low, high] = extremes(&[(1.0, 2.0), (0.01, 1.0), (1.0, 3.0), (0.5, 9.0)], 0.6);
+    let [low, high] = measures::extremes(&[(1.0, 2.0), (0.01, 1.0), (1.0, 3.0), (0.5, 9.0)], 0.6);
     assert!((low - 2.0).abs() < 1e-12, "{low}");
     assert!((high - 4.0 / 1.01).abs() < 1e-12, "{high}");
 }
