@@ -142,6 +142,8 @@ mod terminal;
 mod thin_walls;
 #[path = "fast/thread_depth.rs"]
 mod thread_depth;
+#[path = "fast/thread_profile.rs"]
+mod thread_profile;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

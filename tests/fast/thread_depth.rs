@@ -91,14 +91,30 @@ fn a_thread_between_vertices_has_its_length_and_its_gradients() {
     let turn = |corners: f64| 4.2 * (0.14 - corners * (2.0 - 2.0_f64.sqrt()) * 2.5e-3).hypot(0.02);
     let length = row["length"].as_f64().unwrap();
     assert!((turn(4.0)..turn(0.0)).contains(&length), "{row}");
-    let design = chamber::DESIGN.replace("sim.toml", "p1.toml");
-    let design =
-        design.replace("on = \"top\"", "on = \"tip\"").replace("\"top\", \"skin\"", "\"side\"");
-    dir.write("design.toml", &design);
+    dir.write("design.toml", DESIGN);
     let run = dir.solver("check design.toml --random 1");
     run.assert_good();
     assert!(run.stdout.contains("by winding.thread, "), "{}", run.stdout);
 }
+
+const DESIGN: &str = r#"
+scene = "p1.toml"
+
+[shape]
+on = "cavity"
+
+[[shape.level]]
+handles = 1
+iterations = 1
+
+[[objective]]
+kind = "volume"
+name = "air"
+weight = 1e6
+on = "cavity"
+volume = 2e-5
+measure = "deformed"
+"#;
 
 #[test]
 fn depths_that_cannot_be_used_are_refused() {
@@ -106,7 +122,7 @@ fn depths_that_cannot_be_used_are_refused() {
         ("5e-3", "0", &["depth = 0 m", "without depth the thread lies on the tag"][..]),
         ("5e-3", "0.03", &["depth = 0.03 m", "the deepest vertex is 2.0000e-2 m below"]),
         ("\"side\"", "\"inner\"", &["\"inner\" has no facet on the boundary"]),
-        ("end = 0.046", "end = 0.08", &["5e-3 m below \"side\": it leaves the facets", "% of"]),
+        ("end = 0.046", "end = 0.08", &["0.005 m below \"side\": it leaves the facets", "% of"]),
     ] {
         let dir = workdir(&WINDING.replace(from, to));
         let run = dir.solver("simulate p1.toml -o out");

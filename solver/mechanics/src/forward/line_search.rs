@@ -41,14 +41,16 @@ pub fn line_search(
     let (at, slope) = (point.at, dot(point.gradient, direction));
     let whole: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + d).collect();
     let mut alpha = workspace.max_step(problem, &at, &Iterate { u: &whole, ..at });
+    log::debug!("collision detection allows {alpha:.3} of the step");
     if alpha <= 0.0 {
         return None;
     }
-    for _ in 0..HALVINGS {
+    for halvings in 0..HALVINGS {
         let trial: Vec<f64> = at.u.iter().zip(direction).map(|(u, d)| u + alpha * d).collect();
         let there = Iterate { u: &trial, ..at };
         let value = workspace.value(problem, &there);
         if value <= energy + ARMIJO * alpha * slope {
+            log::debug!("halved {halvings} times");
             return Some(Accepted { u: trial, energy: value, gradient: None });
         }
         if (value - energy).abs() <= ENERGY_DIGITS * energy.abs() {

@@ -297,6 +297,23 @@ impl Axis {
     }
 }
 
+/// Smallest and largest of values that are linear in a facet, where its height is in a range; none where it is not.
+fn range_between(heights: [f64; 3], values: [f64; 3], [start, end]: [f64; 2]) -> Option<[f64; 2]> {
+    let mut range = None;
+    // the corners of the part in the range lie on edges
+    for (k, next) in [(0, 1), (1, 2), (2, 0)] {
+        let ([a, b], rise) = ([values[k], values[next]], heights[next] - heights[k]);
+        let parts = [start, end].map(|height| ((height - heights[k]) / rise).clamp(0.0, 1.0));
+        let outside = heights[k].max(heights[next]) < start || heights[k].min(heights[next]) > end;
+        let parts = if rise == 0.0 { [0.0, 1.0] } else { parts };
+        for value in parts.map(|part| a + part * (b - a)).into_iter().filter(|_| !outside) {
+            let [least, most] = range.unwrap_or([value, value]);
+            range = Some([value.min(least), value.max(most)]);
+        }
+    }
+    range
+}
+
 /// Lays a helix on facets at rest positions: pieces of up to one facet, in the order of its turns.
 ///
 /// # Errors
@@ -304,7 +321,6 @@ impl Axis {
 pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece<3>>, LayError> {
     let [start, end] = own.heights;
     let course = Course::new(&own.climb, start);
-    let whole = course.turns(end).count;
     let mut pieces = Vec::new();
     for &facet in facets {
         let corners = facet.map(|v| own.axis.coordinates(x[v]));
@@ -319,11 +335,12 @@ pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece
         let beside = angles.map(|angle| own.hand * (angle - own.phase) / TAU);
         let turns = corners.map(|[height, _]| course.turns(height));
         let along = [0, 1, 2].map(|k| turns[k].count);
-        let least = |values: [f64; 3]| values.into_iter().fold(f64::INFINITY, f64::min);
-        let most = |values: [f64; 3]| values.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        // whole turns after which the thread is at the angles, and at the heights
-        let first = (-most(beside)).max(least(along) - most(beside)).floor();
-        let last = (whole - least(beside)).min(most(along) - least(beside)).ceil();
+        let heights = corners.map(|[height, _]| height);
+        let Some([low, high]) = range_between(heights, along, own.heights) else { continue };
+        let least = beside.into_iter().fold(f64::INFINITY, f64::min);
+        let most = beside.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        // whole turns after which the thread is at the angles and at the heights
+        let (first, last) = ((low - most).floor(), (high - least).ceil());
         for after in first as i64..=last as i64 {
             let at = |k: usize| [beside[k] + after as f64 - along[k], corners[k][0] - start];
             pieces.extend(own.piece(facet, [at(0), at(1), at(2)], &turns));

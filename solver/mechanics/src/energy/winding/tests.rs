@@ -228,6 +228,13 @@ fn a_helix_of_a_changing_pitch_is_where_its_turns_are() {
         assert!(off < std::f64::consts::TAU * 0.0625_f64.powi(2) / 8.0 * slope / 0.09, "{off}");
     }
     assert!((pieces[pieces.len() - 1].place(&x, 1).z - 3.5).abs() < 1e-12);
+    // turns that vary a lot within facets of a quarter
+    let (facets, x) = tube(24, 16, 1.0);
+    let profile = Profile::new(axis, [0.0, 4.0], vec![0.01, 0.01, 1.0]).expect("it is good");
+    let own = Helix { climb: Climb::Pitch(Along::Profile(profile)), ..own };
+    let pieces = helix(&facets, &x, &own).expect("it lies on the tube");
+    let count: f64 = pieces.iter().map(|p| p.range[1] - p.range[0]).sum();
+    assert!((count / own.turns() - 1.0).abs() < 1e-9, "{count}");
 }
 
 /// Pulled by λ in all directions, a thread has the force EA (λ − 1), and with pretension as much more.
