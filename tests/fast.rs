@@ -37,6 +37,8 @@ mod export;
 mod failures;
 #[path = "fast/fibre_directions.rs"]
 mod fibre_directions;
+#[path = "fast/fibre_profiles.rs"]
+mod fibre_profiles;
 #[path = "fast/fibres.rs"]
 mod fibres;
 #[path = "fast/flat_element.rs"]

@@ -1,4 +1,4 @@
-//! Fibres in silicone: an off-axis strip, a McKibben tube, a thick tube of two families, a tube that
+//! Fibres in silicone: an off-axis strip, a bar whose fibres change along it, a McKibben tube, a thick tube of two families, a tube that
 //! twists, and threads beside the family that they tend to.
 //!
 //! Matrix: ψ = ½ μ (I₁ − 3 − 2 ln J) + ½ λ ln²J. Family: ψ = k₁/(2k₂) (exp(k₂ q(E)) − 1),
@@ -7,7 +7,7 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Traction, Winding, helix,
+    Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Profile, Traction, Winding, helix,
 };
 use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::fibre::Fibre;
@@ -171,6 +171,70 @@ fn a_strip_has_its_homogeneous_deformation_at_any_angle() {
         eprintln!("  {degrees}°: {found:.5?}, {error:.1e}");
         assert!(error < 1e-6, "{degrees}°: {found:?} {exact:?}");
     }
+}
+
+/// Control values of k₁ along a bar [Pa], and the nominal stress that pulls it [Pa].
+const ALONG: [f64; 4] = [2e4, 2e5, 5e4, 1e5];
+const PULL: f64 = 6e4;
+
+/// Elongation of a bar from x = 0 to 1 without Poisson's effect, in cells of elements of degree 2.
+fn elongation(cells: usize, lame: Lame) -> f64 {
+    let mesh = block([cells, 1, 1], 1.0 / cells as f64, |_| false, |p| p);
+    let end = facets_where(&mesh, |p| p.x > 1.0 - 1e-9);
+    let count = mesh.tets.len();
+    let axis = Axis { point: Vec3::zeros(), along: Vec3::x() };
+    let law = Fibre { k1: 1.0, k2: 0.0, dispersion: 0.0, slack: None };
+    let energies = |space: &FunctionSpace| {
+        let mut energies = Energies::elastic(Box::new(NeoHookean(lame)));
+        let k1 = Profile::new(axis, [0.0, 1.0], ALONG.to_vec());
+        let family = Fibres::new(law, Direction::Constant(Vec3::x()), 0..count);
+        energies.fibres.push(family.with_stiffness(k1));
+        let pull: Schedule = format!("{PULL} * t").parse().expect("a function");
+        let pull = Field([pull, 0.0.into(), 0.0.into()]);
+        energies.tractions.push(Traction::new(space, &end, pull));
+        energies
+    };
+    let mut body = Equilibrium::new(mesh, 2, energies, |p| [p.x < 1e-9; 3]);
+    (1..=4).for_each(|i| body.solve(f64::from(i) / 4.0));
+    let moved = body.vertices().into_iter().filter(|(x, _)| x.x > 1.0 - 1e-9);
+    mean(&moved.map(|(x, y)| y.x - x.x).collect::<Vec<_>>())
+}
+
+/// ∫ (λ − 1) dx, where each slice has μ (λ − 1/λ) + 2 k₁(x) (λ² − 1) λ = T; with k₁ by Bernstein's polynomials, which
+/// the B-splines of four values are.
+fn elongation_of_slices(mu: f64) -> f64 {
+    let stretch = |x: f64| {
+        let y = 1.0 - x;
+        let weights = [y * y * y, 3.0 * x * y * y, 3.0 * x * x * y, x * x * x];
+        let k1: f64 = weights.iter().zip(ALONG).map(|(w, k1)| w * k1).sum();
+        let excess = |s: f64| mu * (s - 1.0 / s) + 2.0 * k1 * (s * s - 1.0) * s - PULL;
+        let (mut low, mut high) = (1.0, 3.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if excess(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        low
+    };
+    let n = 1000;
+    let weight = |i: usize| match i {
+        0 => 1.0,
+        i if i == n => 1.0,
+        i => [2.0, 4.0][i % 2],
+    };
+    let sum: f64 = (0..=n).map(|i| weight(i) * (stretch(i as f64 / n as f64) - 1.0)).sum();
+    sum / (3.0 * n as f64)
+}
+
+/// Threshold, set before: 1e-3 with 4 cells, and less with 8.
+#[test]
+fn a_bar_whose_fibres_change_along_it_stretches_as_its_slices() {
+    let lame = Lame::new(1e5, 0.0);
+    let exact = elongation_of_slices(lame.mu);
+    let [coarse, fine] = [4, 8].map(|cells| (elongation(cells, lame) / exact - 1.0).abs());
+    eprintln!(
+        "bar with k1 along it: elongation {exact:.6}, 4 and 8 cells: {coarse:.1e}, {fine:.1e}"
+    );
+    assert!(coarse < 1e-3 && fine < coarse, "{coarse} {fine}");
 }
 
 /// A slab of a tube between planes at which it is stretched by a factor along z, with gas inside; all of it,

@@ -1,46 +1,62 @@
 //! Numbers of fibres and threads.
 
 use mechanics::energy::ParameterId;
-use scene::config::{Along, WindingConfig};
+use scene::config::{Along, FibreConfig, WindingConfig};
 
 use super::laws::total;
 use super::{Entry, Kind, Setting};
 
-/// The place of the angle among the numbers of a family.
-const ANGLE: usize = 3;
-
 pub(super) const FIBRE: Kind = Kind {
     path: "fibre.NAME.k1, .k2, .dispersion or .angle",
-    meaning: "a number of the law of a [[fibre]], or its angle to an axis",
+    meaning: "a number of the law of a [[fibre]], or its angle to an axis; of values along an axis, with the place in \
+              their list, as in fibre.weave.k1.2",
     list: |scene| {
-        let mut entries: Vec<Entry> = Vec::new();
-        for (i, fibre) in scene.config.fibre.iter().enumerate() {
-            let name = |key: &str| format!("{}.{key}", fibre.name);
-            let law = [("k1", "Pa"), ("k2", "1"), ("dispersion", "1")].into_iter().enumerate();
-            entries.extend(law.map(|(k, (key, unit))| (name(key), unit, [i, k])));
-            entries.extend(fibre.angle.map(|_| (name("angle"), "°", [i, ANGLE])));
-        }
-        entries
+        let one = |(i, fibre): (usize, &FibreConfig)| {
+            let own = named(fibre).into_iter().enumerate();
+            let name = fibre.name.clone();
+            own.map(move |(k, (key, unit))| (format!("{name}.{key}"), unit, [i, k]))
+        };
+        scene.config.fibre.iter().enumerate().flat_map(one).collect()
     },
     value: |scene, [family, k]| {
-        let fibre = &scene.config.fibre[family];
-        [fibre.k1, fibre.k2, fibre.dispersion, fibre.angle.unwrap_or(0.0)][k]
+        let FibreConfig { k1, k2, dispersion, angle, .. } = &scene.config.fibre[family];
+        let angles = angle.as_ref().map_or(&[][..], Along::values);
+        [k1.values(), &[*k2, *dispersion], angles].concat()[k]
     },
     set: Setting::By(|scene, _, [family, k], value| {
-        let fibre = &mut scene.config.fibre[family];
-        match k {
-            ANGLE => fibre.angle = Some(value),
-            _ => *[&mut fibre.k1, &mut fibre.k2, &mut fibre.dispersion][k] = value,
-        }
+        let FibreConfig { k1, k2, dispersion, angle, .. } = &mut scene.config.fibre[family];
+        let angles = angle.as_mut().map_or(&mut [][..], Along::values_mut);
+        let law = k1.values_mut().iter_mut().chain([k2, dispersion]);
+        // the places are those of the list
+        law.chain(angles).skip(k).take(1).for_each(|number| *number = value);
         Ok(())
     }),
     check: |scene, _| scene.config.check_fibres(),
     derivative: |swept, [family, k]| {
         let by = total(swept, ParameterId::Fibre(family), k);
-        if k == ANGLE { by.to_radians() } else { by }
+        let law = swept.scene.config.fibre[family].k1.values().len() + 2;
+        if k >= law { by.to_radians() } else { by }
     },
     scale: None,
 };
+
+/// The numbers of a family in the order of those of its energy: their keys, and units.
+fn named(fibre: &FibreConfig) -> Vec<(String, &'static str)> {
+    let mut all = along("k1", &fibre.k1, "Pa");
+    all.extend(["k2", "dispersion"].map(|key| (key.to_owned(), "1")));
+    all.extend(fibre.angle.iter().flat_map(|angle| along("angle", angle, "°")));
+    all
+}
+
+/// The key of a number; or of values along an axis with their places.
+fn along(key: &str, number: &Along, unit: &'static str) -> Vec<(String, &'static str)> {
+    match number {
+        Along::Number(_) => vec![(key.to_owned(), unit)],
+        Along::Profile(profile) => {
+            (1..=profile.values.len()).map(|place| (format!("{key}.{place}"), unit)).collect()
+        }
+    }
+}
 
 pub(super) const WINDING: Kind = Kind {
     path: "winding.NAME.stiffness or .pretension",
@@ -49,8 +65,8 @@ pub(super) const WINDING: Kind = Kind {
         let mut entries: Vec<Entry> = Vec::new();
         for (i, winding) in scene.config.winding.iter().enumerate() {
             let name = |key: &str| format!("{}.{key}", winding.name);
-            let stiffness = names(&name("stiffness"), &winding.stiffness).into_iter().enumerate();
-            entries.extend(stiffness.map(|(k, name)| (name, "N", [i, k])));
+            let stiffness = along("stiffness", &winding.stiffness, "N").into_iter().enumerate();
+            entries.extend(stiffness.map(|(k, (key, unit))| (name(&key), unit, [i, k])));
             entries.push((name("pretension"), "N", [i, pretension(winding)]));
         }
         entries
@@ -78,11 +94,12 @@ pub(super) const COURSE: Kind = Kind {
     list: |scene| {
         let mut entries: Vec<Entry> = Vec::new();
         for (i, winding) in scene.config.winding.iter().enumerate() {
-            let Some((key, along, unit)) = course(winding) else { continue };
-            let all = names(&format!("{}.{key}", winding.name), along).into_iter().enumerate();
-            let first = pretension(winding) + 1;
-            entries.extend(all.map(|(k, name)| (name, unit, [i, first + k])));
-            entries.push((format!("{}.phase", winding.name), "°", [i, phase(winding)]));
+            let Some((key, number, unit)) = course(winding) else { continue };
+            let name = |key: &str| format!("{}.{key}", winding.name);
+            let (all, first) = (along(key, number, unit), pretension(winding) + 1);
+            let all = all.into_iter().enumerate();
+            entries.extend(all.map(|(k, (key, unit))| (name(&key), unit, [i, first + k])));
+            entries.push((name("phase"), "°", [i, phase(winding)]));
         }
         entries
     },
@@ -111,16 +128,6 @@ pub(super) const COURSE: Kind = Kind {
 
 /// A radian [°].
 const RADIAN: f64 = 180.0 / std::f64::consts::PI;
-
-/// The names of a number, or of the values of a table, counted from 1.
-fn names(path: &str, along: &Along) -> Vec<String> {
-    match along {
-        Along::Number(_) => vec![path.to_owned()],
-        Along::Profile(profile) => {
-            (1..=profile.values.len()).map(|i| format!("{path}.{i}")).collect()
-        }
-    }
-}
 
 /// The key that says how a helix climbs, with its value and unit; none of a line through points.
 fn course(winding: &WindingConfig) -> Option<(&'static str, &Along, &'static str)> {

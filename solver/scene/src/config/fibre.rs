@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use mechanics::energy::Direction;
+use mechanics::energy::{Axis, Direction, Profile};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
 use mesh::Vec3;
@@ -13,6 +13,10 @@ use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 use super::line::{AroundConfig, unit};
+use super::profile::Along;
+
+/// Most that an angle to an axis may be [°].
+const MOST_DEGREES: f64 = 360.0;
 
 /// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
 /// beside that of the law. Several tables make several families. Stresses of result files are those of the law.
@@ -30,9 +34,10 @@ pub struct FibreConfig {
     /// An axis, with `angle` or `radial`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub around: Option<AroundConfig>,
-    /// Angle between fibres and the axis [°]: 0 along it, 90 around it; positive for a right-handed screw.
+    /// Angle between fibres and the axis [°]: 0 along it, 90 around it; positive for a right-handed screw. A table makes it
+    /// change along the axis.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub angle: Option<f64>,
+    pub angle: Option<Along>,
     /// Whether fibres lead away from the axis.
     #[serde(default)]
     pub radial: bool,
@@ -50,8 +55,9 @@ pub struct FibreConfig {
     /// Name of the vectors of the cells or points in a `.vtu`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
-    /// Stiffness k1 [Pa]. At small strain, fibres add 4 k1 to Young's modulus along them.
-    pub k1: f64,
+    /// Stiffness k1 [Pa]. At small strain, fibres add 4 k1 to Young's modulus along them. A table makes it change along
+    /// the axis of `around`, or along its own `line`.
+    pub k1: Along,
     /// By how much the stiffness grows with strain [1]; 0 is the standard reinforcing model, ½ k1 E².
     #[serde(default)]
     pub k2: f64,
@@ -72,6 +78,8 @@ pub struct FibreConfig {
 pub enum Source {
     /// By a formula of the place.
     Formula(Direction),
+    /// Around an axis, at an angle [rad] that changes along it.
+    Twisting(Profile),
     /// Along the gradient of a harmonic function between two tags.
     Between([String; 2]),
     /// Along the nearest leg of a line through points [m].
@@ -94,24 +102,60 @@ impl FibreConfig {
         let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
         let leads = match (self.direction, angle, &self.between, &self.file) {
             (Some([x, y, z]), ..) => format!("along ({x}, {y}, {z})"),
-            (None, Some(angle), ..) => format!("at {angle}° to an axis"),
+            (None, Some(angle), ..) => {
+                format!("at {}° to an axis", angle.in_words(|angle| angle.to_string()))
+            }
             (None, None, Some([from, to]), _) => format!("from {from} to {to}"),
             (None, None, None, Some(file)) => format!("as {} says", file.display()),
             (None, None, None, None) if !self.along.is_empty() => "along a curve".to_owned(),
             (None, None, None, None) => "away from an axis".to_owned(),
         };
+        let k1 = k1.in_words(|k1| format!("{k1:.3e}"));
         let senses = if self.compression { ", in both senses" } else { ", in tension only" };
-        format!(
-            "fibre {name}{on}: {leads}, k1 {k1:.3e} Pa, k2 {k2}, dispersion {dispersion}{senses}"
-        )
+        format!("fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}")
     }
 
-    /// The law.
+    /// The law; of a k1 that changes along an axis with the first value, in place of which a family has
+    /// [`Self::stiffness`].
     #[must_use]
     pub fn law(&self) -> Fibre {
-        let Self { k1, k2, dispersion, compression, slack, .. } = *self;
+        let Self { k2, dispersion, compression, slack, .. } = *self;
         let slack = (!compression).then(|| slack.unwrap_or(DEFAULT_SLACK));
+        let k1 = self.k1.values().first().copied().unwrap_or_default();
         Fibre { k1, k2, dispersion, slack }
+    }
+
+    /// k1 along an axis [Pa], where it is no number: that of `around`, or its own.
+    ///
+    /// # Errors
+    /// When it is no profile, or has no axis or two.
+    pub fn stiffness(&self) -> Result<Option<Profile>> {
+        let Some(profile) = self.k1.profile() else { return Ok(None) };
+        profile.build(&self.title().key("k1"), self.axis()?).map(Some)
+    }
+
+    /// The axis of `around`.
+    fn axis(&self) -> Result<Option<Axis>> {
+        self.around.as_ref().map(|around| around.line(&self.title())).transpose()
+    }
+
+    /// The angle along the axis [rad], where it is no number.
+    fn twist(&self) -> Result<Option<Profile>> {
+        let Some(profile) = self.angle.as_ref().and_then(Along::profile) else { return Ok(None) };
+        let key = |key: &str| self.title().key(key);
+        ensure!(!self.radial, misfit!(key("radial"), " beside angle: expected one of both"));
+        let built = profile.build(&key("angle"), self.axis()?)?;
+        for (place, angle) in profile.values.iter().enumerate() {
+            ensure!(
+                angle.abs() <= MOST_DEGREES,
+                misfit!(
+                    key("angle").key("values"),
+                    ": value {} is {angle}°; all must be from -{MOST_DEGREES} to {MOST_DEGREES}",
+                    place + 1
+                )
+            );
+        }
+        Ok(Some(built.times(1.0_f64.to_radians())))
     }
 
     /// Where the fibres lead.
@@ -133,10 +177,14 @@ impl FibreConfig {
             return Err(misfit!(key(way), " beside {other}: expected one of both").into());
         }
         self.check_companions()?;
+        if let Some(angle) = self.twist()? {
+            return Ok(Source::Twisting(angle));
+        }
         if self.direction.is_some() || self.around.is_some() {
             let Self { direction, around, angle, radial, .. } = self;
             let (direction, around) = (*direction, around.as_ref());
-            let leads = Leads { direction, around, angle: *angle, radial: *radial };
+            let angle = angle.as_ref().map(|angle| angle.values()[0]);
+            let leads = Leads { direction, around, angle, radial: *radial };
             return Ok(Source::Formula(leads.field(&self.title())?));
         }
         if let Some(tags) = &self.between {
@@ -188,11 +236,26 @@ impl FibreConfig {
     /// Whether the numbers of the law are admissible.
     fn check_law(&self) -> Result<()> {
         let key = |key: &str| self.title().key(key);
-        let Self { k1, k2, dispersion, .. } = *self;
-        ensure!(
-            k1 > 0.0 && k1.is_finite(),
-            misfit!(key("k1"), " = {k1} Pa: must be positive and finite")
-        );
+        let Self { k2, dispersion, .. } = *self;
+        let positive = |k1: f64| k1 > 0.0 && k1.is_finite();
+        match &self.k1 {
+            Along::Number(k1) => ensure!(
+                positive(*k1),
+                misfit!(key("k1"), " = {k1} Pa: must be positive and finite")
+            ),
+            Along::Profile(profile) => {
+                for (place, k1) in profile.values.iter().enumerate() {
+                    ensure!(
+                        positive(*k1),
+                        misfit!(
+                            key("k1").key("values"),
+                            ": value {} is {k1} Pa; all must be positive and finite",
+                            place + 1
+                        )
+                    );
+                }
+            }
+        }
         ensure!(
             k2 >= 0.0 && k2.is_finite(),
             misfit!(
@@ -262,8 +325,11 @@ impl Leads<'_> {
                 match (self.angle, self.radial) {
                     (Some(angle), false) => {
                         ensure!(
-                            angle.is_finite() && angle.abs() <= 360.0,
-                            misfit!(key("angle"), " = {angle}°: must be from -360 to 360")
+                            angle.is_finite() && angle.abs() <= MOST_DEGREES,
+                            misfit!(
+                                key("angle"),
+                                " = {angle}°: must be from -{MOST_DEGREES} to {MOST_DEGREES}"
+                            )
                         );
                         Ok(Direction::Helical(axis, angle.to_radians()))
                     }
@@ -319,6 +385,7 @@ impl SimConfig {
         for fibre in &self.fibre {
             fibre.check_law()?;
             fibre.leads()?;
+            fibre.stiffness()?;
         }
         Ok(())
     }

@@ -32,6 +32,7 @@ impl Scene {
         let tets = &body.mesh.tets[elements.clone()];
         let (vectors, key) = match fibre.leads()? {
             Source::Formula(direction) => return Ok(direction.into()),
+            Source::Twisting(angle) => return Ok(Directions::Twisting(angle)),
             Source::Curve(points) => {
                 let along = |tet: &[usize; 4]| nearest_leg(&points, centre(body, tet));
                 (tets.iter().map(along).collect(), key("along"))

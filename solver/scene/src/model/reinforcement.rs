@@ -6,8 +6,9 @@ use anyhow::{Context, Result, ensure};
 use mechanics::body::{Body, Part};
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    self, Axis, Direction, Directions, Fibres, Helix, LayError, Layer, Piece, Winding,
+    self, Axis, Direction, Directions, Fibres, Helix, LayError, Layer, Piece, Profile, Winding,
 };
+use mechanics::material::fibre::Fibre;
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
 use program::{KeyPath, misfit, unknown};
@@ -17,7 +18,7 @@ use crate::config::{Along, Climb, FibreConfig, WindingConfig};
 
 /// Vertices at which it is tested whether fibres are symmetric, at most.
 const TESTED: usize = 200;
-/// Sine of the angle between fibres that are mirror images of each other, at most.
+/// Sine of the angle between fibres that are mirror images of each other, at most, and relative difference of their k₁.
 const PARALLEL: f64 = 1e-6;
 
 impl Scene {
@@ -30,10 +31,9 @@ impl Scene {
         let one = |fibre: &FibreConfig| {
             let elements = self.elements_of(fibre, body)?;
             let directions = self.directions_of(fibre, body, elements.clone())?;
-            if let Directions::Formula(direction) = &directions {
-                check_defined(fibre, direction, body, (space, elements.clone()))?;
-            }
-            Ok(Fibres::new(fibre.law(), directions, elements).named(&fibre.name))
+            check_defined(fibre, &directions, body, (space, elements.clone()))?;
+            let family = Fibres::new(fibre.law(), directions, elements).named(&fibre.name);
+            Ok(family.with_stiffness(fibre.stiffness()?))
         };
         let fibres = self.config.fibre.iter().map(one).collect::<Result<Vec<_>>>()?;
         for plane in &body.planes {
@@ -64,25 +64,17 @@ impl Scene {
     /// Whether the mirror images of all fibres in a plane are fibres.
     fn check_mirrored(&self, fibres: &[Fibres], plane: &Plane, body: &Body) -> Result<()> {
         for (fibre, own) in self.config.fibre.iter().zip(fibres) {
-            // directions of elements are those of their mirror images, too
-            let Directions::Formula(direction) = &own.directions else { continue };
             let tets = &body.mesh.tets[own.elements()];
             let step = tets.len().div_ceil(TESTED).max(1);
             let places = tets.iter().step_by(step).map(|t| body.mesh.vertices[t[0]]);
             let places: Vec<Vec3> = places.collect();
-            let mirrors = |other: &&Fibres| {
-                let Directions::Formula(image) = &other.directions else { return false };
-                other.law == own.law
-                    && other.elements() == own.elements()
-                    && places.iter().all(|&x| is_image(direction, image, plane, x))
-            };
             ensure!(
-                fibres.iter().any(|other| mirrors(&other)),
+                fibres.iter().any(|other| mirrors(own, other, plane, &places)),
                 misfit!(
                     fibre.title(),
                     ": its mirror image in {} is no family of the scene, so the body is not symmetric; expected \
-                     another [[fibre]] with the same numbers and the opposite angle, or the whole body (solver \
-                     mirror)",
+                     another [[fibre]] with the same numbers and the opposite angle, along an axis at the mirror \
+                     images of the heights, or the whole body (solver mirror)",
                     plane.equation()
                 )
             );
@@ -128,14 +120,22 @@ impl Scene {
 /// Refuses a formula that is undefined in some elements, or at one of their vertices.
 fn check_defined(
     fibre: &FibreConfig,
-    direction: &Direction,
+    directions: &Directions,
     body: &Body,
     (space, elements): (&FunctionSpace, Range<usize>),
 ) -> Result<()> {
     let vertices = &body.mesh.vertices;
-    let axis = direction.axis();
-    if let Some(place) = axis.and_then(|axis| axis.point_inside(space, vertices, elements.clone()))
-    {
+    let on_axis = match directions {
+        Directions::Formula(direction) => {
+            direction.axis().and_then(|axis| axis.point_inside(space, vertices, elements.clone()))
+        }
+        Directions::Twisting(angle) => {
+            let mut turned = elements.clone().filter(|&e| is_turned(angle, space.tets()[e], body));
+            turned.find_map(|e| angle.axis().point_inside(space, vertices, e..e + 1))
+        }
+        Directions::Elements(_) => None,
+    };
+    if let Some(place) = on_axis {
         return Err(misfit!(
             fibre.title().key("around"),
             ": the axis passes through the material at ({:.6}, {:.6}, {:.6}) m, where fibres have no \
@@ -148,7 +148,10 @@ fn check_defined(
     }
     let mut corners = body.mesh.tets[elements].iter().flatten();
     ensure!(
-        corners.all(|&v| direction.at(vertices[v]).norm_squared() < 2.0),
+        corners.all(|&v| {
+            let formula = directions.formula(vertices[v]);
+            formula.is_none_or(|direction| direction.at(vertices[v]).norm_squared() < 2.0)
+        }),
         misfit!(
             fibre.title().key("around"),
             ": fibres have no direction at some vertex; expected an axis near the body"
@@ -157,12 +160,42 @@ fn check_defined(
     Ok(())
 }
 
+/// Whether the angle to an axis is not 0 all over an element.
+fn is_turned(angle: &Profile, tet: [usize; 4], body: &Body) -> bool {
+    let heights = tet.map(|v| angle.height(body.mesh.vertices[v]));
+    let low = heights.into_iter().fold(f64::INFINITY, f64::min);
+    let high = heights.into_iter().fold(-f64::INFINITY, f64::max);
+    angle.bounds([low, high]) != [0.0; 2]
+}
+
+/// Whether a family is at all of some places the mirror image of another one. Directions of elements are those of
+/// their mirror images, too.
+fn mirrors(own: &Fibres, other: &Fibres, plane: &Plane, places: &[Vec3]) -> bool {
+    let same = |x: Vec3| {
+        let (here, there) = (own.law_at(x), other.law_at(image(plane, x)));
+        let equal = (here.k1 - there.k1).abs() <= PARALLEL * here.k1;
+        let lead = match (own.directions.formula(x), other.directions.formula(image(plane, x))) {
+            (Some(one), Some(two)) => is_image(&one, &two, plane, x),
+            (None, None) => own.directions == other.directions,
+            _ => false,
+        };
+        equal && lead && Fibre { k1: here.k1, ..there } == here
+    };
+    other.elements() == own.elements() && places.iter().all(|&x| same(x))
+}
+
+/// The mirror image of a point.
+fn image(plane: &Plane, x: Vec3) -> Vec3 {
+    let mut place = x;
+    place[plane.axis] = 2.0 * plane.level - x[plane.axis];
+    place
+}
+
 /// Whether fibres at the mirror image of a point lead along the mirror image of others.
 pub(super) fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
-    let (mut place, mut along) = (x, own.at(x));
-    place[plane.axis] = 2.0 * plane.level - x[plane.axis];
+    let mut along = own.at(x);
     along[plane.axis] = -along[plane.axis];
-    along.cross(&other.at(place)).norm() < PARALLEL
+    along.cross(&other.at(image(plane, x))).norm() < PARALLEL
 }
 
 /// What a thread lies on: facets of the body, or a layer below them.

@@ -3,7 +3,7 @@
 use super::membrane::to_equilibrium;
 use super::*;
 use crate::energy::Isobaric;
-use crate::energy::{Axis, Direction, Fibres, Winding, polyline};
+use crate::energy::{Axis, Direction, Directions, Fibres, Profile, Winding, polyline};
 use crate::material::fibre::Fibre;
 use crate::material::{Lame, NeoHookean};
 
@@ -12,7 +12,13 @@ struct Reinforced {
     degree: usize,
     /// Pressure on the block: positive, it pulls [Pa].
     pressure: f64,
+    /// Whether k₁ and the angle of the first family change along its axis.
+    profiles: bool,
 }
+
+/// Control values of k₁ [Pa], from below the block to above it, and of the angle [rad].
+const STIFFNESSES: [f64; 4] = [3e4, 9e4, 6e4, 4e4];
+const ANGLES: [f64; 3] = [0.9, -0.4, 0.7];
 
 /// Angle [rad] and stiffness of both families.
 const FAMILIES: [(f64, f64); 2] = [(0.5, 6e4), (-0.9, 3e4)];
@@ -25,7 +31,29 @@ impl Reinforced {
         mesh
     }
 
-    /// k₁, k₂, dispersion and angle of the first family, then EA, relative to those of the case.
+    /// The numbers of the first family in the order of its parameters, then EA.
+    fn values(&self) -> Vec<f64> {
+        let [(angle, k1), _] = FAMILIES;
+        if self.profiles {
+            return [&STIFFNESSES[..], &[2.0, 0.05], &ANGLES, &[STIFFNESS]].concat();
+        }
+        vec![k1, 2.0, 0.05, angle, STIFFNESS]
+    }
+
+    /// The first family, by the numbers of its parameters.
+    fn family(&self, values: &[f64], axis: Axis, slack: Option<f64>, count: usize) -> Fibres {
+        let split = if self.profiles { STIFFNESSES.len() } else { 1 };
+        let (stiffnesses, others) = values.split_at(split);
+        let law = Fibre { k1: stiffnesses[0], k2: others[0], dispersion: others[1], slack };
+        if !self.profiles {
+            return Fibres::new(law, Direction::Helical(axis, others[2]), 0..count);
+        }
+        let profile = |values: &[f64]| Profile::new(axis, [-0.01, 0.03], values.to_vec());
+        let angle = profile(&others[2..]).expect("it is good");
+        Fibres::new(law, Directions::Twisting(angle), 0..count).with_stiffness(profile(stiffnesses))
+    }
+
+    /// With numbers relative to those of the case.
     fn problem(&self, by: &[f64]) -> (Problem, Workspace) {
         let mesh = Self::mesh();
         let boundary = topology::boundary(&mesh).facets;
@@ -42,19 +70,16 @@ impl Reinforced {
         // pressed together, fibres that carry tension only would do nothing
         let slack = (self.pressure > 0.0).then_some(0.2);
         let axis = Axis { point: Vec3::new(-0.01, 0.01, 0.0), along: Vec3::z() };
-        for (i, (angle, k1)) in FAMILIES.into_iter().enumerate() {
-            let by = if i == 0 { by } else { &[1.0; 5] };
-            let dispersion = 0.05 * by[2];
-            let law = Fibre { k1: k1 * by[0], k2: 2.0 * by[1], dispersion, slack };
-            energies.fibres.push(Fibres::new(
-                law,
-                Direction::Helical(axis, angle * by[3]),
-                0..count,
-            ));
-        }
+        let mut values = self.values();
+        values.iter_mut().zip(by).for_each(|(value, by)| *value *= by);
+        let stiffness = values.pop().expect("that of the thread");
+        energies.fibres.push(self.family(&values, axis, slack, count));
+        let [_, (angle, k1)] = FAMILIES;
+        let law = Fibre { k1, k2: 2.0, dispersion: 0.05, slack };
+        energies.fibres.push(Fibres::new(law, Direction::Helical(axis, angle), 0..count));
         let path = [[0.003, 0.004, 0.02], [0.016, 0.013, 0.02]].map(Vec3::from);
         let pieces = polyline(&top, &Self::mesh().vertices, &path).expect("it lies on the top");
-        let numbers = [STIFFNESS * by[4], 0.02, 0.1];
+        let numbers = [stiffness, 0.02, 0.1];
         energies.windings.push(Winding::new(&space, &pieces, numbers));
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
@@ -70,7 +95,8 @@ impl Reinforced {
     }
 
     fn check(&self) {
-        let (same, rest) = ([1.0; 5], Self::mesh().vertices);
+        let values = self.values();
+        let (same, rest) = (vec![1.0; values.len()], Self::mesh().vertices);
         let (problem, mut workspace, at) = self.run(&same, &rest);
         let probe = Probe::new(problem.dofs(), false);
         let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
@@ -81,7 +107,6 @@ impl Reinforced {
         });
         let mut by = gradient.parameters.total(ParameterId::Fibre(0));
         by.push(gradient.parameters.total(ParameterId::Winding(0))[0]);
-        let values = [FAMILIES[0].1, 2.0, 0.05, FAMILIES[0].0, STIFFNESS];
         let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
         assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
         check_gradient(&same, &by, 1e-2, |by| {
@@ -96,7 +121,15 @@ fn bodies_with_fibres_and_threads_have_their_gradient() {
     for degree in [1, 2] {
         // blown up, and pressed together
         for pressure in [4e3, -4e3] {
-            Reinforced { degree, pressure }.check();
+            Reinforced { degree, pressure, profiles: false }.check();
         }
+    }
+}
+
+/// By each control value of k₁ and of the angle, and by shape, which moves points along the axis.
+#[test]
+fn bodies_with_fibres_that_change_along_an_axis_have_their_gradient() {
+    for degree in [1, 2] {
+        Reinforced { degree, pressure: 4e3, profiles: true }.check();
     }
 }

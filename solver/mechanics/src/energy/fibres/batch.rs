@@ -6,10 +6,11 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::{Fibres, PARAMETERS};
+use super::Fibres;
 use crate::element::FunctionSpace;
 use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
 use crate::energy::{Hessian, Iterate};
+use crate::material::fibre::Fibre;
 use crate::math::lanes::tensor::{Tensor, plus_identity, scaled};
 use crate::math::lanes::{Lanes, MOST};
 use crate::math::sparse::pair_index;
@@ -43,6 +44,34 @@ fn apply<S: Simd>(a: &Tensor<S>, v: &Vector<S>) -> Vector<S> {
     [dot(&a[0], v), dot(&a[1], v), dot(&a[2], v)]
 }
 
+/// The element in a lane, and the rest position at barycentric coordinates in it [m].
+#[inline(always)]
+fn place<S: Simd, const N: usize>(
+    batch: &Batch<S, N>,
+    lambda: &[f64],
+    lane: usize,
+) -> (usize, Vec3) {
+    let Batch { iterate, elements, .. } = batch;
+    let e = (elements.start + lane).min(elements.end - 1);
+    let corners = iterate.space.tets()[e].iter().zip(lambda);
+    (e, corners.map(|(&v, l)| *l * iterate.rest[v]).sum())
+}
+
+/// k₁ at barycentric coordinates in each of some elements [Pa].
+#[inline(always)]
+fn stiffnesses<S: Simd, const N: usize>(
+    batch: &Batch<S, N>,
+    fibres: &Fibres,
+    lambda: &[f64],
+) -> [f64; MOST] {
+    let mut values = [fibres.law.k1; MOST];
+    let Some(stiffness) = &fibres.stiffness else { return values };
+    for lane in 0..Lanes::<S>::COUNT {
+        values[lane] = stiffness.at(place(batch, lambda, lane).1);
+    }
+    values
+}
+
 /// a₀ at barycentric coordinates in each of some elements.
 #[inline(always)]
 fn directions<S: Simd, const N: usize>(
@@ -50,12 +79,10 @@ fn directions<S: Simd, const N: usize>(
     fibres: &Fibres,
     lambda: &[f64],
 ) -> Vector<S> {
-    let Batch { iterate, elements, .. } = batch;
     let mut values = [[0.0; MOST]; 3];
     for lane in 0..Lanes::<S>::COUNT {
-        let e = (elements.start + lane).min(elements.end - 1);
-        let corners = iterate.space.tets()[e].iter().zip(lambda);
-        let along = fibres.along(e, corners.map(|(&v, l)| *l * iterate.rest[v]).sum());
+        let (e, place) = place(batch, lambda, lane);
+        let along = fibres.along(e, place);
         for i in 0..3 {
             values[i][lane] = along[i];
         }
@@ -81,11 +108,11 @@ impl<S: Simd> Points<S> {
     }
 
     #[inline(always)]
-    fn responses(&self, simd: S, fibres: &Fibres) -> Responses<S> {
+    fn responses(&self, simd: S, law: &Fibre, k1: &[f64; MOST]) -> Responses<S> {
         let strain = self.strain.to_array();
         let mut values = [[0.0; MOST]; 3];
         for lane in 0..Lanes::<S>::COUNT {
-            let response = fibres.law.response(strain[lane]);
+            let response = Fibre { k1: k1[lane], ..*law }.response(strain[lane]);
             values[0][lane] = response.energy;
             values[1][lane] = response.slope;
             values[2][lane] = response.curvature;
@@ -113,7 +140,7 @@ impl Fibres {
         iterate: &'a Iterate<'a>,
     ) -> impl Iterator<Item = (usize, f64)> + use<'a, N> {
         let weights = &iterate.space.volume_table().weights;
-        let constant = N == 4 && self.directions.is_constant();
+        let constant = N == 4 && self.is_constant();
         let all = weights.iter().copied().enumerate().filter(move |_| !constant);
         points::<N>(iterate).filter(move |_| constant).chain(all)
     }
@@ -128,7 +155,8 @@ impl Fibres {
         let g = batch.gradients(q);
         let lambda = &batch.iterate.space.volume_table().points[q];
         let points = Points::new(self, &batch.grad_u(q, &g), directions(batch, self, lambda));
-        let responses = points.responses(batch.simd, self);
+        let k1 = stiffnesses(batch, self, lambda);
+        let responses = points.responses(batch.simd, &self.law, &k1);
         (points, g, responses)
     }
 }
@@ -202,7 +230,8 @@ impl ElementEnergy for Fibres {
     }
 
     fn parameter_count(&self) -> usize {
-        PARAMETERS
+        let [stiffnesses, angles] = self.counts();
+        stiffnesses + 2 + angles
     }
 
     fn parameters_vjp<const N: usize>(

@@ -16,20 +16,27 @@
 //!
 //! δL = … + ∫ 2 (1 − 3κ) (M a₀) · (∂a₀/∂X V) dX      M = ∂L/∂H = ψ″ B 2G + 2ψ′ sym(FᵀΛ)      B = 2 F H : Λ
 //!
-//! The parameters are k₁, k₂, κ, and the angle α [rad] of a helical direction; other directions have α = 0.
+//! Along an axis through P along the unit vector k, k₁ and α may be a [`Profile`] of the height z = k · (X − P):
+//! k₁ = Σ c_i N_i(z) and α = Σ γ_i N_i(z), each with an axis of its own. Both then change with the place, so that
+//!
+//! ∂a₀/∂X = ∂a₀/∂X|_α + ∂a₀/∂α ⊗ α′ k      δL = … + ∫ (∂ψ′/∂k₁) B k₁′ k · V dX
+//!
+//! and by the control values ∂L/∂c_i = ∫ (∂ψ′/∂k₁) B N_i dX and ∂L/∂γ_i = ∫ 2 (1 − 3κ) (M a₀) · ∂a₀/∂α N_i dX.
+//!
+//! The parameters are k₁ or its control values, k₂, κ, and the angle α [rad] of a helical direction or its control
+//! values; other directions have one α, which is 0.
 
 mod batch;
 mod direction;
 mod harmonic;
 
 use std::ops::Range;
-
 use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::Iterate;
 use super::elements::{Element, corner_gradients};
+use super::{Iterate, Profile};
 use crate::element::at;
 use crate::material::Kinematics;
 use crate::material::fibre::{Fibre, Response};
@@ -41,14 +48,13 @@ pub use harmonic::gradients_of_potential;
 #[cfg(test)]
 mod tests;
 
-/// Number of its parameters.
-const PARAMETERS: usize = 4;
-
 /// Where the fibres of a family lead.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Directions {
     /// By a formula of the rest position.
     Formula(Direction),
+    /// Around the axis of a profile, at its angle [rad] to that.
+    Twisting(Profile),
     /// Along a unit vector in each element, in their order, which stays as it is while the rest shape moves.
     Elements(Arc<[Vec3]>),
 }
@@ -60,10 +66,21 @@ impl From<Direction> for Directions {
 }
 
 impl Directions {
+    /// The formula that holds at a rest position; none where each element has a vector.
+    #[must_use]
+    pub fn formula(&self, x: Vec3) -> Option<Direction> {
+        match self {
+            Self::Formula(direction) => Some(*direction),
+            Self::Twisting(angle) => Some(helical(angle, x)),
+            Self::Elements(_) => None,
+        }
+    }
+
     /// a₀ at a rest position in an element, which is given by its place in the family.
     fn at(&self, element: usize, x: Vec3) -> Vec3 {
         match self {
             Self::Formula(direction) => direction.at(x),
+            Self::Twisting(angle) => helical(angle, x).at(x),
             Self::Elements(along) => along[element],
         }
     }
@@ -72,24 +89,58 @@ impl Directions {
     fn gradient(&self, x: Vec3) -> Mat3 {
         match self {
             Self::Formula(direction) => direction.gradient(x),
+            Self::Twisting(angle) => {
+                let (here, rise) = (helical(angle, x), angle.gradient(x));
+                let turned = here.gradient(x);
+                // where the angle does not change there may be no e_θ
+                let turns = rise != Vec3::zeros();
+                if turns { turned + here.by_angle(x) * rise.transpose() } else { turned }
+            }
             Self::Elements(_) => Mat3::zeros(),
         }
     }
 
-    /// ∂a₀/∂α [1/rad]; zero where there is no angle.
+    /// ∂a₀/∂α [1/rad].
     fn by_angle(&self, x: Vec3) -> Vec3 {
-        match self {
-            Self::Formula(direction) => direction.by_angle(x),
-            Self::Elements(_) => Vec3::zeros(),
-        }
+        self.formula(x).map_or_else(Vec3::zeros, |direction| direction.by_angle(x))
     }
 
-    /// Whether they are the same everywhere in an element.
+    /// Whether fibres are along one line in each element.
     fn is_constant(&self) -> bool {
         match self {
             Self::Formula(direction) => direction.is_constant(),
+            Self::Twisting(_) => false,
             Self::Elements(_) => true,
         }
+    }
+
+    /// The angle along an axis, where it is none for all.
+    fn profile(&self) -> Option<&Profile> {
+        match self {
+            Self::Twisting(angle) => Some(angle),
+            Self::Formula(_) | Self::Elements(_) => None,
+        }
+    }
+}
+
+/// The direction that holds at a rest position, of an angle along an axis.
+fn helical(angle: &Profile, x: Vec3) -> Direction {
+    Direction::Helical(*angle.axis(), angle.at(x))
+}
+
+/// Number of the parameters of what may be a profile.
+fn count(profile: Option<&Profile>) -> usize {
+    profile.map_or(1, |profile| profile.values().len())
+}
+
+/// Adds a derivative by what may be a profile at a rest position: to its one value, or to its control values.
+fn spread(profile: Option<&Profile>, x: Vec3, by: f64, out: &mut [f64]) {
+    let Some(profile) = profile else {
+        out[0] += by;
+        return;
+    };
+    for (i, weight) in profile.basis(profile.height(x)).pairs() {
+        out[i] += weight * by;
     }
 }
 
@@ -100,6 +151,8 @@ pub struct Fibres {
     pub name: String,
     /// The law.
     pub law: Fibre,
+    /// k₁ along an axis [Pa], in place of the one of the law.
+    pub stiffness: Option<Profile>,
     /// Where they lead.
     pub directions: Directions,
     elements: Range<usize>,
@@ -182,7 +235,14 @@ impl Fibres {
     /// A family in consecutive elements.
     #[must_use]
     pub fn new(law: Fibre, directions: impl Into<Directions>, elements: Range<usize>) -> Self {
-        Self { name: String::new(), law, directions: directions.into(), elements }
+        let (name, directions) = (String::new(), directions.into());
+        Self { name, law, stiffness: None, directions, elements }
+    }
+
+    /// This family with k₁ along an axis [Pa], in place of the one of its law.
+    #[must_use]
+    pub fn with_stiffness(self, stiffness: Option<Profile>) -> Self {
+        Self { stiffness, ..self }
     }
 
     /// This family with a name.
@@ -200,6 +260,23 @@ impl Fibres {
     /// a₀ at a rest position in an element.
     fn along(&self, e: usize, x: Vec3) -> Vec3 {
         self.directions.at(e - self.elements.start, x)
+    }
+
+    /// The law at a rest position.
+    #[must_use]
+    pub fn law_at(&self, x: Vec3) -> Fibre {
+        let k1 = self.stiffness.as_ref().map_or(self.law.k1, |stiffness| stiffness.at(x));
+        Fibre { k1, ..self.law }
+    }
+
+    /// Whether stresses of linear displacements are the same all over an element.
+    fn is_constant(&self) -> bool {
+        self.directions.is_constant() && self.stiffness.is_none()
+    }
+
+    /// Numbers of the parameters of k₁ and α.
+    fn counts(&self) -> [usize; 2] {
+        [self.stiffness.as_ref(), self.directions.profile()].map(count)
     }
 
     /// H at a direction.
@@ -225,7 +302,7 @@ impl Fibres {
             let along = self.along(e, place);
             let structure = self.structure(&along);
             let k = Kinematics::new(&gradient(element.nodes, &gradients, iterate.u));
-            let response = self.law.response(2.0 * structure.dot(&k.green));
+            let response = self.law_at(place).response(2.0 * structure.dot(&k.green));
             let weight = weight * element.volume;
             f(&Point { lambda, place, weight, along, structure, k, response }, &gradients);
         }
@@ -271,24 +348,27 @@ impl Fibres {
         self.elements().map(one).collect()
     }
 
-    /// λᵀ ∂²E/∂u∂(k₁, k₂, κ, α) of an element.
-    fn element_parameters(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> [f64; PARAMETERS] {
-        let mut sum = [0.0; PARAMETERS];
+    /// λᵀ ∂²E/∂u∂(k₁, k₂, κ, α) of an element, with the control values of what is a profile.
+    fn element_parameters(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> Vec<f64> {
+        let [stiffnesses, angles] = self.counts();
+        let (mut by_k1, mut by_law) = (vec![0.0; stiffnesses], [0.0; 2]);
+        let mut by_angle = vec![0.0; angles];
         let nodes = Element::new(iterate.space, iterate.rest, e).nodes;
         self.for_each_point(iterate, e, |p, gradients| {
             let grad_l = p.weight * gradient(nodes, gradients, lambda);
             let strain = 2.0 * p.structure.dot(&p.k.green);
-            let [by_k1, by_k2] = self.law.slope_by_parameters(strain);
+            let [slope_by_k1, slope_by_k2] = self.law_at(p.place).slope_by_parameters(strain);
             let (along, by_structure) = (p.strain_along(&grad_l), p.by_structure(&grad_l));
             let own = 1.0 - 3.0 * self.law.dispersion;
-            sum[0] += by_k1 * along;
-            sum[1] += by_k2 * along;
+            spread(self.stiffness.as_ref(), p.place, slope_by_k1 * along, &mut by_k1);
+            by_law[0] += slope_by_k2 * along;
             let fan = Mat3::identity() - 3.0 * p.along * p.along.transpose();
-            sum[2] += by_structure.dot(&fan);
+            by_law[1] += by_structure.dot(&fan);
             let turned = self.directions.by_angle(p.place);
-            sum[3] += 2.0 * own * turned.dot(&(by_structure * p.along));
+            let by = 2.0 * own * turned.dot(&(by_structure * p.along));
+            spread(self.directions.profile(), p.place, by, &mut by_angle);
         });
-        sum
+        [&by_k1[..], &by_law, &by_angle].concat()
     }
 
     fn element_mixed(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> [Vec3; 4] {
@@ -306,9 +386,15 @@ impl Fibres {
                 - p.k.grad_u.transpose() * pushed
                 - grad_l.transpose() * stress;
             let own = 2.0 * (1.0 - 3.0 * self.law.dispersion);
-            let by_place = own
+            let mut by_place = own
                 * self.directions.gradient(p.place).transpose()
                 * (p.by_structure(&grad_l) * p.along);
+            if let Some(stiffness) = &self.stiffness {
+                let strain = 2.0 * p.structure.dot(&p.k.green);
+                let [slope_by_k1, _] = self.law.slope_by_parameters(strain);
+                let by_k1 = slope_by_k1 * p.strain_along(&grad_l);
+                by_place += by_k1 * stiffness.gradient(p.place);
+            }
             for ((out, c), lambda) in out.iter_mut().zip(&corner).zip(p.lambda) {
                 *out += p.weight * (m * c + lambda * by_place);
             }

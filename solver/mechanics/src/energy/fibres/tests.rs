@@ -7,6 +7,17 @@ use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::testing::{check_gradient, cube};
 
+fn profile(axis: Axis, heights: [f64; 2], values: &[f64]) -> Profile {
+    Profile::new(axis, heights, values.to_vec()).expect("it is good")
+}
+
+/// A profile with its values times or plus others.
+fn changed(of: &Profile, by: &[f64], scaled: bool) -> Profile {
+    let change = |(value, by): (&f64, &f64)| if scaled { value * (1.0 + by) } else { value + by };
+    let values: Vec<f64> = of.values().iter().zip(by).map(change).collect();
+    profile(*of.axis(), of.heights(), &values)
+}
+
 /// A cube of a degree with random displacements, in two cells a side.
 fn case(degree: usize, size: f64) -> Case {
     Case::new(cube(2, 0.2), degree, &mut Random::new(41), size)
@@ -24,14 +35,21 @@ impl Case {
         let new = |law: Fibre, direction| {
             Fibres::new(law, Directions::Formula(direction), elements.clone())
         };
+        // both reach beyond the cube, so that no point passes an end where the slope jumps
+        let stiffness = profile(axis, [-0.5, 2.5], &[2e5, 3e5, 1e5, 4e5, 2e5]);
+        let angle = profile(axis, [0.0, 2.2], &[0.6, -0.2, 1.0]);
         let turned = |e: usize| Direction::Helical(axis, 0.1 * e as f64).at(Vec3::zeros());
-        let by_element = elements.clone().map(turned).collect();
+        let by_element: Arc<[Vec3]> = elements.clone().map(turned).collect();
         vec![
             new(law, Direction::Constant(along)),
             new(Fibre { slack: None, ..law }, Direction::Helical(axis, 0.6)),
             new(Fibre { k2: 0.0, dispersion: 0.0, ..law }, Direction::Helical(axis, -1.0)),
             new(Fibre { dispersion: 0.25, ..law }, Direction::Radial(axis)),
-            Fibres::new(law, Directions::Elements(by_element), elements.clone()),
+            Fibres::new(law, Directions::Elements(Arc::clone(&by_element)), elements.clone()),
+            Fibres::new(law, Directions::Twisting(angle), elements.clone())
+                .with_stiffness(Some(stiffness.clone())),
+            Fibres::new(law, Directions::Elements(by_element), elements.clone())
+                .with_stiffness(Some(stiffness)),
         ]
     }
 }
@@ -50,26 +68,40 @@ fn parameters_have_their_derivatives() {
     let (u, rest, weights) = (&case.u, &case.rest, case.weights());
     for family in case.families() {
         let mut by = family.parameter_vjp(&case.at(u, rest), &weights);
-        by[0] *= family.law.k1;
+        let [stiffnesses, angles] = family.counts();
+        assert_eq!(by.len(), stiffnesses + 2 + angles);
+        let one = [family.law.k1];
+        let values = family.stiffness.as_ref().map_or(&one[..], Profile::values);
+        by.iter_mut().zip(values).for_each(|(by, k1)| *by *= k1);
         let with = |x: &[f64]| {
+            let (by_k1, rest) = x.split_at(stiffnesses);
             let Fibre { k1, k2, dispersion, slack } = family.law;
             let law = Fibre {
-                k1: k1 * (1.0 + x[0]),
-                k2: k2 + x[1],
-                dispersion: dispersion + x[2],
+                k1: k1 * (1.0 + by_k1[0]),
+                k2: k2 + rest[0],
+                dispersion: dispersion + rest[1],
                 slack,
             };
             let direction = match &family.directions {
                 Directions::Formula(Direction::Helical(axis, angle)) => {
-                    Direction::Helical(*axis, angle + x[3]).into()
+                    Direction::Helical(*axis, angle + rest[2]).into()
+                }
+                Directions::Twisting(angle) => {
+                    Directions::Twisting(changed(angle, &rest[2..], false))
                 }
                 other => other.clone(),
             };
-            Fibres::new(law, direction, family.elements())
+            let stiffness = family.stiffness.as_ref().map(|k1| changed(k1, by_k1, true));
+            Fibres::new(law, direction, family.elements()).with_stiffness(stiffness)
         };
-        check_gradient(&[0.0; 4], &by, 1e-2, |x| dot(&weights, &case.gradient(&with(x), u, rest)));
-        let turns = matches!(family.directions, Directions::Formula(Direction::Helical(..)));
-        assert_eq!(by[3] != 0.0, turns, "{by:?}");
+        let start = vec![0.0; by.len()];
+        check_gradient(&start, &by, 1e-2, |x| dot(&weights, &case.gradient(&with(x), u, rest)));
+        let turns = match family.directions {
+            Directions::Formula(direction) => matches!(direction, Direction::Helical(..)),
+            Directions::Twisting(_) => true,
+            Directions::Elements(_) => false,
+        };
+        assert!(by[stiffnesses + 2..].iter().all(|by| (*by != 0.0) == turns), "{by:?}");
     }
 }
 
@@ -111,7 +143,7 @@ fn energy_is_objective_and_of_full_dispersion_isotropic() {
         let value = family.value(&case.at(&case.u, &case.rest));
         let other = family.value(&case.at(&turned, &case.rest));
         assert!((other / value - 1.0).abs() < 1e-11, "{value} {other}");
-        family.law.dispersion = 1.0 / 3.0;
+        (family.law.dispersion, family.stiffness) = (1.0 / 3.0, None);
         let value = family.value(&case.at(&case.u, &case.rest));
         family.directions = Direction::Constant(Vec3::z()).into();
         let other = family.value(&case.at(&case.u, &case.rest));
@@ -141,4 +173,63 @@ fn measures_are_those_of_a_homogeneous_stretch() {
     let slack = along(Vec3::y()).summary(&iterate);
     assert_eq!((slack.energy, slack.stress, slack.taut), (0.0, 0.0, 0.0));
     assert!((slack.stretch[0] - 0.8).abs() < 1e-12, "{slack:?}");
+}
+
+/// A profile of equal values is the number. Thresholds, set before: 1e-13 of energy, forces and shape derivatives, 1e-12
+/// of sums of derivatives.
+#[test]
+fn equal_values_along_an_axis_are_the_number() {
+    for degree in [1, 2] {
+        let case = case(degree, 0.03);
+        let iterate = case.at(&case.u, &case.rest);
+        let (axis, elements) = (Axis { point: Vec3::repeat(-0.4), along: Vec3::z() }, 5..40);
+        let law = Fibre { k1: 2e5, k2: 3.0, dispersion: 0.1, slack: Some(0.2) };
+        let one = Fibres::new(law, Direction::Helical(axis, 0.6), elements.clone());
+        let angle = Directions::Twisting(profile(axis, [0.5, 1.1], &[0.6; 6]));
+        // its k₁ does not count
+        let twisting = Fibres::new(Fibre { k1: 1.0, ..law }, angle, elements);
+        let same = twisting.with_stiffness(Some(profile(axis, [0.5, 1.1], &[2e5; 4])));
+        let close = |a: &[f64], b: &[f64]| {
+            let size = a.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+            size > 0.0 && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-13 * size)
+        };
+        assert!(close(&[one.value(&iterate)], &[same.value(&iterate)]));
+        let [force, other] = [&one, &same].map(|family| case.gradient(family, &case.u, &case.rest));
+        assert!(close(&force, &other));
+        let weights = case.weights();
+        let [shape, other] = [&one, &same].map(|family| {
+            let mut out = vec![0.0; 3 * case.rest.len()];
+            family.add_mixed_vjp(&iterate, &weights, &mut out);
+            out
+        });
+        assert!(close(&shape, &other));
+        let (by, parts) =
+            (one.parameter_vjp(&iterate, &weights), same.parameter_vjp(&iterate, &weights));
+        let sums = [parts[..4].iter().sum(), parts[4], parts[5], parts[6..].iter().sum()];
+        for (by, sum) in by.iter().zip(sums) {
+            assert!((by - sum).abs() < 1e-12 * by.abs(), "{by} {sum}");
+        }
+    }
+}
+
+/// Along the axis of a slab of the depth 1, stretched by λ, fibres have the energy ∫ ½ k₁(z) (λ² − 1)² dz. Of degree 3
+/// the integral of a B-spline over all of its range is the mean of its values, each with a quarter of its knots;
+/// here of one piece, where all count alike. Threshold, set before: 1e-12, as quadrature is exact.
+#[test]
+fn energy_of_a_stiffness_along_an_axis_is_its_integral() {
+    for degree in [1, 2] {
+        let mut case = case(degree, 0.0);
+        let places = case.space.node_positions(&case.rest);
+        case.u = places.iter().flat_map(|x| [0.0, 0.0, 0.1 * x.z]).collect();
+        let iterate = case.at(&case.u, &case.rest);
+        let axis = Axis { point: Vec3::new(0.3, 0.4, 0.0), along: Vec3::z() };
+        let law = Fibre { k1: 1.0, k2: 0.0, dispersion: 0.0, slack: None };
+        let all = 0..case.space.tets().len();
+        let family = Fibres::new(law, Direction::Constant(Vec3::z()), all);
+        let values = [1e5, 3e5, 8e5, 2e5];
+        let family = family.with_stiffness(Some(profile(axis, [0.0, 1.0], &values)));
+        let mean = values.iter().sum::<f64>() / 4.0;
+        let exact = 0.5 * mean * 0.21_f64.powi(2);
+        assert!((family.value(&iterate) / exact - 1.0).abs() < 1e-12);
+    }
 }
