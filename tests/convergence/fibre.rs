@@ -7,7 +7,8 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Profile, Traction, Winding, helix,
+    Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Profile, Traction, Winding,
+    helix,
 };
 use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::fibre::Fibre;
