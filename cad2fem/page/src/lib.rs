@@ -11,6 +11,7 @@
 //! - [`reported`]: what is shown of reports
 //! - [`survey`]: what a folder holds
 //! - [`solid`]: a mesh and its boundary, for the page
+//! - [`threads`]: threads on and in a body
 //! - [`run`]: the states of a simulation
 //! - [`design`]: the history of an optimisation and its shapes
 //! - [`mold`]: a mold and how it comes apart
@@ -36,6 +37,7 @@ pub mod script;
 pub mod solid;
 pub mod store;
 pub mod survey;
+pub mod threads;
 pub mod validation;
 pub mod wall;
 

@@ -13,6 +13,7 @@ use crate::reported::{self, read};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
 use crate::survey::{Survey, name};
+use crate::threads;
 use crate::wall::{self, Wall};
 
 /// Points of all states of all simulations in a page, about; of more, some states are left out.
@@ -147,10 +148,14 @@ impl Source {
             states.push(json!({ "file": name(path), "step": step, "fields": fields }));
         }
         let end = self.report.end.as_ref();
+        let windings = end.and_then(|end| end.windings.as_ref());
+        let force = windings.map(|all| all.iter().map(|w| w.force[1]).fold(0.0, f64::max));
+        let threads = threads::packed(&self.folder, &solid, force, store)?;
         let chambers = end.map(|end| end.chambers.keys().collect::<Vec<_>>());
         Ok(json!({
             "name": name(&self.folder),
             "body": body,
+            "threads": threads,
             "states": states,
             "leftOut": self.states.len() - states.len(),
             "inTime": self.report.config.time.is_some(),

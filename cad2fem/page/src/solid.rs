@@ -108,17 +108,40 @@ impl Solid {
         self.cells.1 == grid.cells && self.points == grid.points
     }
 
+    /// All points of the file [m].
+    #[must_use]
+    pub fn points(&self) -> &[Vec3] {
+        &self.points
+    }
+
+    /// Nodes per facet, 3 or 6, and those of all facets of the boundary, corners first.
+    #[must_use]
+    pub fn boundary(&self) -> (usize, &[usize]) {
+        (self.facets.0, &self.facets.1)
+    }
+
+    /// Nodes of all sides of all cells, as many for each as a facet has; none where the page has no cells.
+    #[must_use]
+    pub fn sides_of_cells(&self) -> Option<Vec<usize>> {
+        let nodes = self.facets.0;
+        let side = |cell: &[usize], side: &[usize; 6]| side.map(|i| cell[i.min(cell.len() - 1)]);
+        let sides = |cell| FACETS.iter().flat_map(move |s| side(cell, s).into_iter().take(nodes));
+        self.inside.then(|| self.cells.1.chunks_exact(self.cells.0).flat_map(sides).collect())
+    }
+
+    /// The numbers that nodes have in the page.
+    #[must_use]
+    pub fn numbers_of(&self, nodes: &[usize]) -> Vec<usize> {
+        // kept is ascending
+        nodes.iter().map(|v| self.kept.partition_point(|kept| kept < v)).collect()
+    }
+
     /// Nodes, facets, tags, and cells where the page has them.
     #[must_use = "the page finds the blobs by what is returned"]
     pub fn packed(&self, tags: &TagsByPlace, store: &mut Store) -> Value {
-        let mut renumbered = vec![0; self.points.len()];
-        for (new, &old) in self.kept.iter().enumerate() {
-            renumbered[old] = new;
-        }
-        let new = |ids: &[usize]| -> Vec<usize> { ids.iter().map(|&v| renumbered[v]).collect() };
         let nodes: Vec<f64> =
             self.kept.iter().flat_map(|&v| [0, 1, 2].map(|c| self.points[v][c])).collect();
-        let facets = store.indices(&new(&self.facets.1), self.facets.0);
+        let facets = store.indices(&self.numbers_of(&self.facets.1), self.facets.0);
         let of_facet: Vec<usize> =
             self.facets.1.chunks_exact(self.facets.0).map(|f| self.tag(tags, f)).collect();
         let mut packed = json!({
@@ -128,7 +151,7 @@ impl Solid {
             "tagOfFacet": store.indices(&of_facet, 1),
         });
         if self.inside {
-            packed["cells"] = store.indices(&new(&self.cells.1), self.cells.0);
+            packed["cells"] = store.indices(&self.numbers_of(&self.cells.1), self.cells.0);
             packed["cellOfFacet"] = store.indices(&self.behind, 1);
         }
         packed

@@ -2,14 +2,17 @@
 //!
 //! A blob is zlib in base64, in an element of its own; the data of the page refer to it by
 //! its number, with what is needed to read it: type, components per entry, and for quantised
-//! numbers `low` and `step` of each component, value = low + step × integer.
+//! numbers `low` and `step` of each component, value = low + step × integer. Arrays that are the same, such as a
+//! field that does not change from state to state, share a blob.
 
+use std::collections::HashMap;
 use std::io::Write as _;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use program::sha256;
 use serde_json::{Value, json};
 
 /// Largest quantised integer; the one above stands for what is not a number.
@@ -22,10 +25,22 @@ const MISSING: u16 = u16::MAX;
 pub struct Store {
     /// Base64 of each.
     pub blobs: Vec<String>,
+    /// Blobs by the hash of what they hold and of how it is read.
+    known: HashMap<String, usize>,
 }
 
 impl Store {
-    fn add(&mut self, bytes: &[u8]) -> usize {
+    /// What the page knows of an array: `how` it is read, and its blob.
+    fn add(&mut self, bytes: &[u8], mut how: Value) -> Value {
+        let key = sha256(&[how.to_string().as_bytes(), bytes].concat());
+        let known = self.known.get(&key).copied();
+        let blob = known.unwrap_or_else(|| self.add_blob(bytes));
+        self.known.insert(key, blob);
+        how["blob"] = blob.into();
+        how
+    }
+
+    fn add_blob(&mut self, bytes: &[u8]) -> usize {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
         let packed = encoder.write_all(bytes).and_then(|()| encoder.finish());
         // a vector takes all that is written to it
@@ -44,7 +59,7 @@ impl Store {
         } else {
             ("u32", values.iter().flat_map(|&v| (v as u32).to_le_bytes()).collect())
         };
-        json!({ "blob": self.add(&bytes), "type": kind, "components": components })
+        self.add(&bytes, json!({ "type": kind, "components": components }))
     }
 
     /// Numbers, `components` per entry, each component in 16 bits of its own range: the error
@@ -68,7 +83,8 @@ impl Store {
         };
         let bytes: Vec<u8> =
             values.iter().enumerate().map(integer).flat_map(u16::to_le_bytes).collect();
-        json!({ "blob": self.add(&bytes), "type": "u16", "components": components, "low": low, "step": step })
+        let how = json!({ "type": "u16", "components": components, "low": low, "step": step });
+        self.add(&bytes, how)
     }
 }
 
@@ -113,6 +129,17 @@ mod tests {
         let missing = store.numbers(&[f64::NAN], 1);
         assert_eq!(integers(&store, &missing), [MISSING]);
         assert_eq!(missing["low"][0], json!(0.0));
+    }
+
+    #[test]
+    fn what_is_the_same_is_there_once() {
+        let mut store = Store::default();
+        let first = store.numbers(&[0.0, 1.0], 1);
+        assert_eq!(store.numbers(&[0.0, 1.0], 1), first);
+        // the same integers, which stand for others
+        assert_ne!(store.numbers(&[0.0, 2.0], 1)["blob"], first["blob"]);
+        assert_ne!(store.numbers(&[0.0, 1.0], 2)["blob"], first["blob"]);
+        assert_eq!(store.blobs.len(), 3);
     }
 
     #[test]

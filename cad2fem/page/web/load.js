@@ -2,8 +2,9 @@
 
 import * as THREE from 'three';
 import { numbers } from 'page/arrays';
-import { daily, digits, PALETTE } from 'page/color';
+import { HEAT_RAMP, PALETTE, daily, digits } from 'page/color';
 import { button, check, fieldset, output, row, select, slider } from 'page/controls';
+import { Reinforcement, families, familyColor } from 'page/reinforcement';
 import { Solid, coordinates, wallText } from 'page/solid';
 
 const AXES = ['x', 'y', 'z'];
@@ -16,7 +17,8 @@ export class Load {
   constructor(stage, runs, look, changed) {
     Object.assign(this, { stage, runs, look, changed, solids: new Map(), ranges: new Map() });
     const last = runs.length - 1;
-    this.set = { shown: last > 0 ? 'beside' : 'one', a: 0, b: last, at: runs[0].states.length, field: 'displacement', factor: 1, mark: true, wall: true };
+    this.set = { shown: last > 0 ? 'beside' : 'one', a: 0, b: last, at: runs[0].states.length, field: 'displacement', factor: 1, mark: true, wall: true, threads: true, fibres: [] };
+    this.families = [...new Set(runs.flatMap(families))];
     if (!this.fields().some(([value]) => value === this.set.field)) this.set.field = 'tags';
   }
 
@@ -60,7 +62,22 @@ export class Load {
       fieldset('colour', select('by', this.fields(), this.set.field, change('field')),
         this.runs.some((run) => run.stretch) && check('mark the largest stretch', this.set.mark, change('mark')),
         this.runs.some((run) => run.wall) && check('mark the thinnest wall', this.set.wall, change('wall'))),
+      this.reinforcementPanel(change),
     ];
+  }
+
+  /** Switches of threads and of each family of fibres, where there are any. */
+  reinforcementPanel(change) {
+    const threads = this.runs.some((run) => run.threads);
+    if (!threads && this.families.length === 0) return null;
+    const toggled = (name) => (on) => {
+      const others = this.set.fibres.filter((other) => other !== name);
+      return on ? [...others, name] : others;
+    };
+    return fieldset('threads and fibres',
+      threads && named('threads', check('threads', this.set.threads, change('threads'))),
+      ...this.families.map((name, i) => named(`fibres-${i}`,
+        check(`fibres ${name}`, this.set.fibres.includes(name), (on) => change('fibres', toggled(name))(on), familyColor(i)))));
   }
 
   async choose(i) {
@@ -100,7 +117,12 @@ export class Load {
   }
 
   solid(i) {
-    if (!this.solids.has(i)) this.solids.set(i, Solid.of(this.runs[i].body, this.runs[i].chambers));
+    const made = async (run) => {
+      const solid = await Solid.of(run.body, run.chambers);
+      solid.reinforcement = await Reinforcement.of(run, solid);
+      return solid;
+    };
+    if (!this.solids.has(i)) this.solids.set(i, made(this.runs[i]));
     return this.solids.get(i);
   }
 
@@ -173,13 +195,15 @@ export class Load {
       const run = this.runs[i];
       const place = (at / this.steps) * run.states.length;
       const [solid, u] = [await this.solid(i), await this.displacement(run, place)];
+      await solid.reinforcement.show(this.set.threads, this.shownFamilies());
       return { run, place, solid, u, coloring: await this.coloring(run, place, u) };
     }));
     if (turn !== this.turn) return;
     this.ready = ready;
-    for (const { solid, u, coloring } of ready) {
+    for (const { run, place, solid, u, coloring } of ready) {
       solid.move(u, factor);
       solid.paint(coloring);
+      solid.reinforcement.move(place === run.states.length);
     }
     const key = of.map((i) => `${i}${shown}`).join();
     if (key !== this.key || this.stage.owner !== this) {
@@ -193,15 +217,22 @@ export class Load {
     this.changed();
   }
 
+  /** The families that are shown, with their colours. */
+  shownFamilies() {
+    return new Map(this.set.fibres.map((name) => [name, familyColor(this.families.indexOf(name))]));
+  }
+
   relook() {
     if (!this.ready) return;
     const plane = this.look.plane(this.box());
     this.ready.forEach(({ solid }, i) => {
       if (this.set.shown === 'over' && i === 1) {
         solid.fade(plane);
+        solid.reinforcement.hide();
         return;
       }
       solid.cut(plane);
+      solid.reinforcement.clip(plane);
       solid.look(this.look);
     });
     this.said.textContent = [...new Set(this.ready.map((r) => this.describe(r)))].join('\n');
@@ -232,11 +263,18 @@ export class Load {
   legend() {
     const [name] = this.set.field.split('/');
     const coloring = this.ready?.[0].coloring;
-    if (!coloring) return { names: this.ready?.[0].solid.tags.map((tag, i) => [tag, PALETTE[i % PALETTE.length]]) ?? [] };
+    const also = this.threadLegend();
+    if (!coloring) return { also, names: this.ready?.[0].solid.tags.map((tag, i) => [tag, PALETTE[i % PALETTE.length]]) ?? [] };
     const field = this.runs[this.set.a].states.at(-1).fields.find((f) => f.name === name);
     const [, unit] = daily(field.unit);
     const title = this.fields().find(([value]) => value === this.set.field)[1];
-    return { title, unit, range: coloring.range };
+    return { title, unit, range: coloring.range, also };
+  }
+
+  /** What the colours of threads mean, where they are those of forces. */
+  threadLegend() {
+    const ready = this.ready?.find(({ run, place, solid }) => this.set.threads && solid.reinforcement.threads && place === run.states.length);
+    return ready && { title: 'thread', unit: 'N', range: ready.solid.reinforcement.threads.range, ramp: HEAT_RAMP };
   }
 
   /** What is at a point that a ray met. */
@@ -280,10 +318,17 @@ export class Load {
       triangles: solid.triangles.length / 3,
       sectionTriangles: solid.sectionTriangles,
       tags: solid.tags,
+      ...solid.reinforcement.state(),
     }));
     const marks = this.marks().map(({ text }) => text);
     return { ...this.set, each, marks, range: this.ready?.[0].coloring?.range };
   }
+}
+
+/** A control by the name under which it is found. */
+function named(id, control) {
+  control.input.id = id;
+  return control;
 }
 
 /** One number per entry: a component, or the length. */

@@ -144,22 +144,23 @@ function panel() {
 
 /** What colours mean. */
 function legend() {
-  const { title, unit, range, names } = shown.legend();
-  if (names) {
-    at('legend').replaceChildren(...names.map(([name, color]) => {
-      const swatch = make('i');
-      swatch.style.background = color;
-      return make('div', {}, swatch, name);
-    }));
-    return;
-  }
-  const ramp = make('div', { className: 'ramp' });
-  ramp.style.setProperty('--ramp', RAMP);
+  const { names, also, ...field } = shown.legend();
+  const swatches = (names ?? []).map(([name, color]) => {
+    const swatch = make('i');
+    swatch.style.background = color;
+    return make('div', {}, swatch, name);
+  });
+  at('legend').replaceChildren(...(names ? swatches : [scale(field)]), ...(also ? [scale(also)] : []));
+}
+
+/** A colour map with its numbers. */
+function scale({ title, unit, range, ramp = RAMP }) {
+  const colors = make('div', { className: 'ramp' });
+  colors.style.setProperty('--ramp', ramp);
   const ticks = [4, 3, 2, 1, 0].map((i) => make('span', { textContent: digits(range[0] + (i / 4) * (range[1] - range[0])) }));
-  at('legend').replaceChildren(
+  return make('div', { className: 'scale' },
     make('div', { textContent: unit ? `${title} [${unit}]` : title }),
-    make('div', { className: 'bar' }, ramp, make('div', { className: 'ticks' }, ...ticks)),
-  );
+    make('div', { className: 'bar' }, colors, make('div', { className: 'ticks' }, ...ticks)));
 }
 
 const history = new History(at('history'), data.designs, (design, set) => go(Shapes, (view) => view.choose(view.designs.indexOf(design), set)));

@@ -46,7 +46,8 @@ export function picture(stage, title, legend) {
   stage.panes.forEach(({ name }, i) => name && pen.fillText(name, at(i)[0] + 14, at(i)[1] + 42));
   pen.font = '12px system-ui, sans-serif';
   if (legend.names) swatches(pen, legend.names, width);
-  else ramp(pen, legend, width);
+  else ramp(pen, legend, width, 40);
+  if (legend.also) ramp(pen, legend.also, width, legend.names ? 60 + 18 * legend.names.length : 220);
   bar(pen, stage, height);
   return new Promise((resolve) => {
     made.toBlob(resolve, 'image/png');
@@ -63,12 +64,12 @@ function swatches(pen, names, width) {
   });
 }
 
-function ramp(pen, { title, unit, range }, width) {
-  const [x, y, length] = [width - 96, 40, 130];
+function ramp(pen, { title, unit, range, ramp: map = RAMP }, width, y) {
+  const [x, length] = [width - 96, 130];
   const heading = unit ? `${title} [${unit}]` : title;
-  pen.fillText(heading, width - 12 - Math.max(pen.measureText(heading).width, 84), 20);
+  pen.fillText(heading, width - 12 - Math.max(pen.measureText(heading).width, 84), y - 20);
   const colors = pen.createLinearGradient(0, y + length, 0, y);
-  const stops = RAMP.split(', ');
+  const stops = map.split(', ');
   stops.forEach((color, i) => colors.addColorStop(i / (stops.length - 1), color));
   pen.fillStyle = colors;
   pen.fillRect(x, y, 16, length);

@@ -177,9 +177,14 @@ export class Solid {
     colors.needsUpdate = true;
   }
 
+  /** What three.js is told of a plane n·p = offset; nothing where there is none. */
+  planes(plane) {
+    return plane ? [new THREE.Plane(new THREE.Vector3(...plane.normal).negate(), plane.offset)] : [];
+  }
+
   /** Removes what is beyond a plane n·p = offset, and shows the face of the cut. */
   cut(plane) {
-    const planes = plane ? [new THREE.Plane(new THREE.Vector3(...plane.normal).negate(), plane.offset)] : [];
+    const planes = this.planes(plane);
     for (const object of [this.outer, this.chamber, this.inlets, this.edges.object]) {
       object.material.clippingPlanes = planes;
     }
@@ -262,6 +267,11 @@ export class Solid {
 
   box() {
     return new THREE.Box3().setFromArray(this.points);
+  }
+
+  /** The diagonal of the box around it at rest [mm]. */
+  size() {
+    return new THREE.Box3().setFromArray(this.rest).getSize(new THREE.Vector3()).length();
   }
 }
 
