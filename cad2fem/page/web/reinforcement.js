@@ -66,7 +66,7 @@ export class Reinforcement {
     const shown = (layer) => layer?.bars.object.visible;
     return {
       threads: shown(this.threads) ? { segments: this.threads.forces.length, length: this.threads.length() } : null,
-      strokes: Object.fromEntries([...this.strokes].filter(([, s]) => shown(s)).map(([name, s]) => [name, s.sites.length])),
+      strokes: Object.fromEntries([...this.strokes].filter(([, s]) => shown(s)).map(([name, s]) => [name, { count: s.sites.length, stretch: s.stretch }])),
     };
   }
 }

@@ -54,9 +54,13 @@ export class Strokes {
   /** Follows the solid. */
   move() {
     const { rest, points, cells, perCell } = this.solid;
+    /** Smallest and largest stretch along the strokes. */
+    this.stretch = [Infinity, -Infinity];
     this.sites.forEach(({ cell, nodes }, i) => {
       const corners = cells.subarray(cell * perCell, cell * perCell + 4);
       const along = pushed(edges(rest, corners), edges(points, corners), this.directions.subarray(3 * cell, 3 * cell + 3));
+      const stretch = Math.hypot(...along);
+      this.stretch = [Math.min(this.stretch[0], stretch), Math.max(this.stretch[1], stretch)];
       const middle = mean(points, nodes);
       const half = along.map((x) => 0.5 * this.length * x);
       this.bars.put(i, middle.map((x, c) => x - half[c]), middle.map((x, c) => x + half[c]));
