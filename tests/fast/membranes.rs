@@ -263,8 +263,12 @@ fn what_cannot_be_used_is_refused() {
             &["direction = [0.0, 0.0, 0.0]", "no direction"],
         ),
         ("angle = 30", "angle = 30\ndirection = [1, 0, 0]", &["direction beside around"]),
-        ("weft = 1e6", "weft = -1e6", &["[[membrane]] on \"top\"", "warp and weft above 0"]),
-        ("poisson = 0.3", "poisson = 1.8", &["poisson² below warp/weft"]),
+        ("weft = 1e6", "weft = -1e6", &["[[membrane]] on \"top\"", "weft = -1e6 Pa", "above 0"]),
+        (
+            "poisson = 0.3",
+            "poisson = 1.8",
+            &["poisson = 1.8", "-1.7321 and 1.7321", "warp = 3e6 Pa", "weft = 1e6 Pa"],
+        ),
         ("shear = 2e5", "shear = 0", &["shear = 0 Pa"]),
         (
             "{ kind = \"woven\", warp = 3e6, weft = 1e6, shear = 2e5, poisson = 0.3 }",

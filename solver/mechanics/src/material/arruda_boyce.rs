@@ -44,10 +44,10 @@ pub(super) const LAW: Law = Law {
     objective: true,
     moduli: |p| {
         let law = ArrudaBoyce { mu: p[0], lambda_m: p[1], bulk: p[2] };
-        let shear = if p[1] > 1.0 { 2.0 * p[0] * law.slope(3.0) } else { f64::NAN };
-        Moduli { shear, bulk: p[2] }
+        Moduli { shear: 2.0 * p[0] * law.slope(3.0), bulk: p[2] }
     },
     build: |p| Box::new(ArrudaBoyce { mu: p[0], lambda_m: p[1], bulk: p[2] }),
+    refuses: |p| (p[1] <= 1.0).then(|| format!("lambda_m = {}: must be above 1", p[1])),
     sample: &[60e3, 2.8, 2.4e6],
 };
 

@@ -42,8 +42,9 @@ pub(super) const LAW: Law = Law {
     limits: "no equilibrium has Ī1 − 3 ≥ j_m: at constant volume uniaxial stretch up to about \
              √(j_m + 3), equibiaxial up to about √((j_m + 3)/2); pulled further, a body dilates",
     objective: true,
-    moduli: |p| Moduli { shear: if p[1] > 0.0 { p[0] } else { f64::NAN }, bulk: p[2] },
+    moduli: |p| Moduli { shear: p[0], bulk: p[2] },
     build: |p| Box::new(Gent { mu: p[0], j_m: p[1], bulk: p[2] }),
+    refuses: |p| (p[1] <= 0.0).then(|| format!("j_m = {}: must be above 0", p[1])),
     sample: &[31.7e3, 39.6, 2.4e6],
 };
 

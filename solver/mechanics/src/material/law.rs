@@ -84,43 +84,59 @@ pub struct Law<M: ?Sized = dyn Material> {
     pub limits: &'static str,
     /// Whether a rotation leaves its energy alone.
     pub objective: bool,
-    /// Moduli at rest of parameters; not finite where the law does not exist.
+    /// Moduli at rest of parameters with which the law exists.
     pub moduli: fn(&[f64]) -> Moduli,
     /// The law with parameters.
     pub build: fn(&[f64]) -> Box<M>,
+    /// Why the law does not exist with parameters, with what was found and what is needed; none where it exists.
+    pub refuses: fn(&[f64]) -> Option<String>,
     /// Odd but admissible parameters, for tests.
     pub sample: &'static [f64],
 }
 
 /// Parameters of which a material does not resist every strain.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "{law}: the moduli at rest must be positive, but shear = {shear} = {} Pa and bulk = {bulk} = {} Pa",
-    moduli.shear, moduli.bulk
-)]
-pub struct NotPositive {
-    /// Key of the law.
-    pub law: &'static str,
-    /// Formula of the shear modulus.
-    pub shear: &'static str,
-    /// Formula of the bulk modulus.
-    pub bulk: &'static str,
-    /// Their values.
-    pub moduli: Moduli,
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotPositive {
+    /// The law does not exist with them.
+    #[error("{law}: {why}")]
+    Undefined {
+        /// Key of the law.
+        law: &'static str,
+        /// What was found and what is needed.
+        why: String,
+    },
+    /// The moduli at rest are not all positive.
+    #[error(
+        "{law}: the moduli at rest must be positive, but shear = {shear} = {} Pa and bulk = {bulk} = {} Pa",
+        moduli.shear, moduli.bulk
+    )]
+    Moduli {
+        /// Key of the law.
+        law: &'static str,
+        /// Formula of the shear modulus.
+        shear: &'static str,
+        /// Formula of the bulk modulus.
+        bulk: &'static str,
+        /// Their values.
+        moduli: Moduli,
+    },
 }
 
 impl<M: ?Sized + 'static> Law<M> {
-    /// Refuses parameters whose moduli at rest are not positive.
+    /// Refuses parameters with which the law does not exist, or whose moduli at rest are not positive.
     ///
     /// # Errors
-    /// [`NotPositive`] with the moduli.
+    /// [`NotPositive`] with what was found.
     pub fn check(&self, values: &[f64]) -> Result<(), NotPositive> {
+        if let Some(why) = (self.refuses)(values) {
+            return Err(NotPositive::Undefined { law: self.key, why });
+        }
         let moduli = (self.moduli)(values);
         if moduli.positive() {
             return Ok(());
         }
         let Self { key: law, shear, bulk, .. } = *self;
-        Err(NotPositive { law, shear, bulk, moduli })
+        Err(NotPositive::Moduli { law, shear, bulk, moduli })
     }
 
     /// The values of `numbers` under the names of the parameters.

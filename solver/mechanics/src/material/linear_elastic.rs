@@ -26,6 +26,7 @@ pub(super) const LAW: Law = Law {
     objective: false,
     moduli: lame::moduli,
     build: |p| Box::new(LinearElastic(Lame::new(p[0], p[1]))),
+    refuses: |_| None,
     sample: &[1.7e5, 0.3],
 };
 

@@ -44,6 +44,7 @@ pub(super) const LAW: Law = Law {
     objective: true,
     moduli: |p| Moduli { shear: 2.0 * (p[0] + p[1]), bulk: 2.0 * p[3] },
     build: |p| Box::new(MooneyRivlinQuadratic { c1: p[0], c2: p[1], c3: p[2], d1: p[3] }),
+    refuses: |_| None,
     sample: &[50e3, 8e3, 1e3, 1.3e6],
 };
 

@@ -29,6 +29,7 @@ pub(super) const LAW: Law = Law {
     objective: true,
     moduli: lame::moduli,
     build: |p| Box::new(NeoHookean(Lame::new(p[0], p[1]))),
+    refuses: |_| None,
     sample: &[1e5, 0.35],
 };
 

@@ -53,14 +53,17 @@ pub(super) const LAW: Law = Law {
     moduli: |p| {
         let n = p.len() / 2;
         let shear = p[..n].iter().zip(&p[n..2 * n]).map(|(mu, alpha)| 0.5 * mu * alpha).sum();
-        // α = 0 makes a term of no stiffness an infinite energy: no modulus at all
-        let alone = p[n..2 * n].contains(&0.0);
-        Moduli { shear: if alone { f64::NAN } else { shear }, bulk: p[2 * n] }
+        Moduli { shear, bulk: p[2 * n] }
     },
     build: |p| {
         let n = p.len() / 2;
         let terms = p[..n].iter().copied().zip(p[n..2 * n].iter().copied()).collect();
         Box::new(Ogden { terms, bulk: p[2 * n] })
+    },
+    // α = 0 makes a term of no stiffness an infinite energy: no modulus at all
+    refuses: |p| {
+        let at = p[p.len() / 2..p.len() - 1].iter().position(|alpha| *alpha == 0.0)?;
+        Some(format!("alpha of term {} is 0: must not be 0; leave that term out", at + 1))
     },
     sample: &[34e3, -12e3, 2.9, -1.7, 2.5e6],
 };

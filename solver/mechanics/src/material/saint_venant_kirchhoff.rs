@@ -27,6 +27,7 @@ pub(super) const LAW: Law = Law {
     objective: true,
     moduli: lame::moduli,
     build: |p| Box::new(SaintVenantKirchhoff(Lame::new(p[0], p[1]))),
+    refuses: |_| None,
     sample: &[2.1e5, 0.4],
 };
 

@@ -36,6 +36,7 @@ pub(super) const LAW: Law = Law {
     objective: true,
     moduli: |p| Moduli { shear: 2.0 * p[0], bulk: p[3] },
     build: |p| Box::new(Yeoh { c: [p[0], p[1], p[2]], bulk: p[3] }),
+    refuses: |_| None,
     sample: &[24.3e3, 2.25e3, -54.0, 2.4e6],
 };
 

@@ -40,6 +40,7 @@ pub(super) const LAW: Law<dyn Sheet> = Law {
     objective: true,
     moduli: |p| Moduli { shear: p[0] / (2.0 * (1.0 + p[1])), bulk: p[0] / (2.0 * (1.0 - p[1])) },
     build: |p| Box::new(Linear { young: p[0], poisson: p[1] }),
+    refuses: |_| None,
     sample: &[2.1e5, 0.3],
 };
 

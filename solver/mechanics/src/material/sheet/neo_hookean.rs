@@ -36,6 +36,7 @@ pub(super) const LAW: Law<dyn Sheet> = Law {
     objective: true,
     moduli: |p| Moduli { shear: p[0], bulk: 3.0 * p[0] },
     build: |p| Box::new(NeoHookean { mu: p[0] }),
+    refuses: |_| None,
     sample: &[3.2e4],
 };
 

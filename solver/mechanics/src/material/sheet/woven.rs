@@ -64,13 +64,28 @@ pub(super) const LAW: Law<dyn Sheet> = Law {
     objective: true,
     moduli: |p| {
         let [warp, weft, shear, poisson] = [p[0], p[1], p[2], p[3]];
-        let exists = warp > 0.0 && weft > 0.0 && poisson * poisson * weft < warp;
-        let area = 1.0 / (1.0 / warp + 1.0 / weft - 2.0 * poisson / warp);
-        Moduli { shear, bulk: if exists { area } else { f64::NAN } }
+        Moduli { shear, bulk: 1.0 / (1.0 / warp + 1.0 / weft - 2.0 * poisson / warp) }
     },
     build: |p| Box::new(Woven { warp: p[0], weft: p[1], shear: p[2], poisson: p[3] }),
+    refuses,
     sample: &[2.6e5, 1.7e5, 7e4, 0.25],
 };
+
+/// C has to be positive definite.
+fn refuses(p: &[f64]) -> Option<String> {
+    let [warp, weft, poisson] = [p[0], p[1], p[3]];
+    if warp <= 0.0 || weft <= 0.0 {
+        return Some(format!("warp = {warp:e} Pa and weft = {weft:e} Pa: both must be above 0"));
+    }
+    let limit = (warp / weft).sqrt();
+    (poisson * poisson * weft >= warp).then(|| {
+        format!(
+            "poisson = {poisson}: must be between -{limit:.4} and {limit:.4}, the square root of warp/weft, with warp = \
+             {warp:e} Pa and weft = {weft:e} Pa; it is how much the weft narrows where the warp is pulled, and \
+             weft/warp times as much the other way round"
+        )
+    })
+}
 
 /// A strip at an angle: N, N′ and N″.
 fn strips(angle: f64) -> [Stress; 3] {
