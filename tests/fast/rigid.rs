@@ -159,6 +159,65 @@ fn air_is_pumped_below_a_flat_wall() {
     assert!(air["pressure"].as_f64().unwrap() > 0.0, "{air}");
 }
 
+/// A rigid body has a law of its own and no overstress: numbers of its material change nothing, and those of
+/// `[[relaxation]]` are of the soft body alone.
+#[test]
+fn a_rigid_body_does_not_relax() {
+    let dir = Workdir::new();
+    let top = |z: f64| move |p: Vec3| p.z > z - 1e-9;
+    let soft = tag(
+        block([2, 2, 2], 5e-3, |_| false, |p| p),
+        &[("bottom", &|p| p.z < 1e-9), ("top", &top(0.01)), ("skin", &|_| true)],
+    );
+    write_tets(&dir.path("soft.msh"), &soft.mesh, &soft.tags).unwrap();
+    let heavy = tag(block([1, 1, 1], 9e-3, |_| false, |p| p), &[("skin", &|_| true)]);
+    write_tets(&dir.path("heavy.msh"), &heavy.mesh, &heavy.tags).unwrap();
+    let material =
+        "{ kind = \"mooney-rivlin\", c1 = 9e3, c2 = 2e3, c3 = 1e3, d1 = 1e5, density = 1000 }";
+    dir.write(
+        "sim.toml",
+        &format!(
+            "degree = 1\ngravity = [0, 0, -9.81]\n\n\
+             [[body]]\nname = \"soft\"\nmesh = \"soft.msh\"\nmaterial = {material}\n\n\
+             [[body]]\nname = \"heavy\"\nmesh = \"heavy.msh\"\ntranslate = [3e-4, 4e-4, 10.3e-3]\n\
+             velocity = [0, 0, -0.2]\nmaterial = {material}\n\n\
+             [[rigid]]\non = \"heavy\"\n\n[[fixed]]\non = \"soft.bottom\"\n\n\
+             [[relaxation]]\noverstress = 0.4\ntime = 2e-3\n\n\
+             [contact]\nactivation = 2e-4\nstiffness = 3e3\n\n\
+             [time]\nmethod = \"implicit-euler\"\nend = 8e-3\nsteps = 4\n\n\
+             [solver]\nrelative_tolerance = 1e-12\nabsolute_tolerance = 1e-14\n"
+        ),
+    );
+    dir.write(
+        "design.toml",
+        "scene = \"sim.toml\"\n[shape]\non = \"soft.skin\"\n[[shape.level]]\nhandles = 1\niterations = 1\n\
+         [[objective]]\nkind = \"displacement\"\nname = \"down\"\nweight = 1e9\non = \"soft.top\"\n\
+         displacement = [0, 0, -1e-3]\n",
+    );
+    dir.solver("gradient design.toml -o gradient").assert_good();
+    let numbers = dir.json("gradient/gradient.json")["numbers"].clone();
+    let derivative = |path: &str| {
+        let found = numbers.as_array().unwrap().iter().find(|one| one["path"] == path);
+        found.unwrap_or_else(|| panic!("{path} of {numbers}"))["derivative"].as_f64().unwrap()
+    };
+    for key in ["c1", "c2", "c3", "d1"] {
+        assert_eq!(derivative(&format!("material.heavy.{key}")), 0.0, "{key}");
+        assert!(derivative(&format!("material.soft.{key}")) != 0.0, "{key}");
+    }
+    // central differences; threshold set before: 1e-4 of the derivative
+    let loss = |set: &str| {
+        dir.solver(&format!("gradient design.toml --set {set} -o other")).assert_good();
+        dir.json("other/gradient.json")["objective"].as_f64().unwrap()
+    };
+    for (key, at, by) in [("overstress", 0.4, 4e-4), ("time", 2e-3, 2e-6)] {
+        let [low, high] =
+            [at - by, at + by].map(|value| loss(&format!("scene.relaxation.0.{key}={value:e}")));
+        let (slope, exact) =
+            ((high - low) / (2.0 * by), derivative(&format!("relaxation.1.{key}")));
+        assert!((slope / exact - 1.0).abs() < 1e-4, "{key}: {slope} {exact}");
+    }
+}
+
 /// Also where the first vertex of the mesh is an inner one, which no guide holds.
 #[test]
 fn a_guided_body_falls_straight() {

@@ -30,7 +30,11 @@ pub(super) const MATERIAL: Kind = Kind {
         let material = &scene.laws[law].material;
         Ok(material.law.check(&material.values)?)
     },
-    derivative: |swept, [law, k]| total(swept, ParameterId::Material(law), k),
+    derivative: |swept, [law, k]| {
+        // a rigid body has another law than its own
+        let body = &swept.scene.parts[swept.scene.laws[law].part].config.name;
+        if swept.scene.is_rigid(body) { 0.0 } else { total(swept, ParameterId::Material(law), k) }
+    },
     scale: None,
 };
 

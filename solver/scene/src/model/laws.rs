@@ -186,7 +186,7 @@ impl Scene {
         on.is_none_or(|on| self.is_law_of(law, on))
     }
 
-    /// The overstress of a law on some elements, if it has any; `first` relaxed stresses are of the
+    /// The overstress of a law on some elements, if it has any and is not rigid; `first` relaxed stresses are of the
     /// terms before.
     pub(super) fn overstress(
         &self,
@@ -194,8 +194,9 @@ impl Scene {
         elements: Range<usize>,
         first: usize,
     ) -> Option<Viscous> {
-        let isochoric = law.material.build().isochoric();
-        let isochoric = isochoric.filter(|_| !law.branches.is_empty())?;
+        // a rigid body has another elastic law, whose parameters are not those of the overstress
+        let has = !law.branches.is_empty() && !self.is_rigid(&self.parts[law.part].config.name);
+        let isochoric = law.material.build().isochoric().filter(|_| has)?;
         Some(Viscous::new(isochoric, law.branches.clone(), elements, first))
     }
 
