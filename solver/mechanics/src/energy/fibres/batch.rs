@@ -9,7 +9,7 @@ use pulp::Simd;
 use super::Fibres;
 use crate::element::FunctionSpace;
 use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
-use crate::energy::{Hessian, Iterate};
+use crate::energy::{Hessian, Iterate, Profile};
 use crate::material::fibre::Fibre;
 use crate::math::lanes::tensor::{Tensor, plus_identity, scaled};
 use crate::math::lanes::{Lanes, MOST};
@@ -57,21 +57,6 @@ fn place<S: Simd, const N: usize>(
     (e, corners.map(|(&v, l)| *l * iterate.rest[v]).sum())
 }
 
-/// k₁ at barycentric coordinates in each of some elements [Pa].
-#[inline(always)]
-fn stiffnesses<S: Simd, const N: usize>(
-    batch: &Batch<S, N>,
-    fibres: &Fibres,
-    lambda: &[f64],
-) -> [f64; MOST] {
-    let mut values = [fibres.law.k1; MOST];
-    let Some(stiffness) = &fibres.stiffness else { return values };
-    for lane in 0..Lanes::<S>::COUNT {
-        values[lane] = stiffness.at(place(batch, lambda, lane).1);
-    }
-    values
-}
-
 /// a₀ at barycentric coordinates in each of some elements.
 #[inline(always)]
 fn directions<S: Simd, const N: usize>(
@@ -108,16 +93,36 @@ impl<S: Simd> Points<S> {
     }
 
     #[inline(always)]
-    fn responses(&self, simd: S, law: &Fibre, k1: &[f64; MOST]) -> Responses<S> {
+    fn responses(&self, simd: S, fibres: &Fibres) -> Responses<S> {
         let strain = self.strain.to_array();
         let mut values = [[0.0; MOST]; 3];
         for lane in 0..Lanes::<S>::COUNT {
-            let response = Fibre { k1: k1[lane], ..*law }.response(strain[lane]);
+            let response = fibres.law.response(strain[lane]);
             values[0][lane] = response.energy;
             values[1][lane] = response.slope;
             values[2][lane] = response.curvature;
         }
         values.map(|value| Lanes::load(simd, &value))
+    }
+
+    /// The same, where k₁ is a profile. Apart, so that one k₁ stays in a register.
+    #[inline(always)]
+    fn responses_along<const N: usize>(
+        &self,
+        batch: &Batch<S, N>,
+        lambda: &[f64],
+        (law, stiffness): (&Fibre, &Profile),
+    ) -> Responses<S> {
+        let strain = self.strain.to_array();
+        let mut values = [[0.0; MOST]; 3];
+        for lane in 0..Lanes::<S>::COUNT {
+            let k1 = stiffness.at(place(batch, lambda, lane).1);
+            let response = Fibre { k1, ..*law }.response(strain[lane]);
+            values[0][lane] = response.energy;
+            values[1][lane] = response.slope;
+            values[2][lane] = response.curvature;
+        }
+        values.map(|value| Lanes::load(batch.simd, &value))
     }
 
     /// H g.
@@ -155,8 +160,10 @@ impl Fibres {
         let g = batch.gradients(q);
         let lambda = &batch.iterate.space.volume_table().points[q];
         let points = Points::new(self, &batch.grad_u(q, &g), directions(batch, self, lambda));
-        let k1 = stiffnesses(batch, self, lambda);
-        let responses = points.responses(batch.simd, &self.law, &k1);
+        let responses = match &self.stiffness {
+            None => points.responses(batch.simd, self),
+            Some(stiffness) => points.responses_along(batch, lambda, (&self.law, stiffness)),
+        };
         (points, g, responses)
     }
 }
