@@ -104,6 +104,8 @@ mod python;
 mod python_page;
 #[path = "fast/reference.rs"]
 mod reference;
+#[path = "fast/reinforced_page.rs"]
+mod reinforced_page;
 #[path = "fast/relaxation.rs"]
 mod relaxation;
 #[path = "fast/resume.rs"]

@@ -110,14 +110,14 @@ fn directions_that_cannot_be_used_are_refused() {
     refuse("along = [[0, 0, 0], [1, 0, 0]]\nangle = 4", &["angle without an axis"]);
     refuse("along = [[0, 0, 0], [1, 0, 0]]\nfield = \"a\"", &["field without a file"]);
     refuse("between = [\"seat\", \"roof\"]", &["between", "unknown tag \"roof\""]);
-    refuse("between = [\"seat\", \"seat\"]", &["no direction in the element at ("]);
+    refuse("between = [\"seat\", \"seat\"]", &["from a tag to itself", "expected two tags"]);
     refuse("file = \"b.npy\"", &["b.npy"]);
     refuse("file = \"a.npy\"", &["a.npy: 7 vectors", "tetrahedra of the mesh"]);
     let dir = workdir("file = \"a.npy\"");
     let [elements, _] = counts(&dir);
     write_vectors(&dir, elements, |e| [if e == 3 { 0.0 } else { 1.0 }, 0.0, 0.0]);
     let run = dir.solver("simulate p1.toml -o out");
-    run.assert_refused(2, &["file: no direction in the element at (", "[0.0, 0.0, 0.0]"]);
+    run.assert_refused(2, &["file: no direction in the element at (", "the vector is [0, 0, 0]"]);
     write_f64(&dir.path("a.npy"), &[1.0; 4], &[2, 2]).unwrap();
     dir.solver("simulate p1.toml -o out").assert_refused(2, &["shape [2, 2]", "three columns"]);
     let made = workdir("direction = [1, 0, 0]");

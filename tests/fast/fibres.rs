@@ -18,7 +18,7 @@ k2 = 1.0
 dispersion = 0.1
 "#;
 
-const WINDING: &str = r#"
+pub const WINDING: &str = r#"
 [[winding]]
 name = "thread"
 on = "side"
@@ -31,7 +31,7 @@ stiffness = 50
 "#;
 
 /// The chamber, whose long outer faces are one tag, with linear elements and these tables.
-fn workdir(tables: &str) -> Workdir {
+pub fn workdir(tables: &str) -> Workdir {
     workdir_with(tables, &[("side", &|_| true)])
 }
 
@@ -378,7 +378,21 @@ fn threads_that_cannot_be_used_are_refused() {
         ("pitch = 0.02", "pitch = 1e-7", &["turns", "10000"]),
         ("pitch = 0.02", "angle = 90", &["angle = 90°"]),
         ("end = 0.046", "end = 0.001", &["end = 0.001 m", "start = 0.004 m"]),
-        ("end = 0.046", "end = 0.08", &["it leaves the facets at (0.05", "% of its way"]),
+        (
+            "end = 0.046",
+            "end = 0.08",
+            &[
+                "it leaves the facets at (0.05",
+                "% of its way",
+                "0.000000 to 0.050000 m",
+                "0.004000 to 0.080000 m",
+            ],
+        ),
+        (
+            "start = 0.004",
+            "start = -0.004",
+            &["none of the facets", "thread from -0.004000 to 0.046"],
+        ),
         ("on = \"side\"", "on = \"roof\"", &["unknown tag \"roof\"", "side"]),
         ("on = \"side\"", "on = \"tip\"", &["the axis passes through a facet"]),
         ("start = 0.004\nend = 0.046", "start = 0.2\nend = 0.3", &["it meets none of the facets"]),
@@ -407,6 +421,34 @@ fn threads_that_cannot_be_used_are_refused() {
         run.assert_refused(2, words);
         run.assert_refused(2, &["p1.toml"]);
     }
+}
+
+/// Left and right meet where 2π (2 z)/20 mm is 100° and every turn more: after 2.78, 12.78, 22.78 and 32.78 of 42 mm.
+#[test]
+fn threads_that_cross_and_points_off_their_tag_are_told() {
+    let other = WINDING
+        .replace("\"thread\"", "\"left\"")
+        .replace("pitch = 0.02", "pitch = -0.02\nphase = 100");
+    let one = format!("{WINDING}{other}").replace("double = true\n", "");
+    let run = workdir(&one).solver("simulate p1.toml -o out");
+    run.assert_good();
+    let told = "windings thread and left cross at 4 points, where they do not touch: neither holds the other";
+    assert!(run.stderr.contains(told) && !run.stderr.contains("itself"), "{}", run.stderr);
+    let run = workdir(WINDING).solver("simulate p1.toml -o out");
+    assert!(run.stderr.contains("winding thread crosses itself at "), "{}", run.stderr);
+
+    let line = |points: &str| {
+        let keys = "[[winding]]\nname = \"line\"\non = \"side\"\nstiffness = 50\n";
+        workdir(&format!("\n{keys}points = {points}\n")).solver("simulate p1.toml -o out").stderr
+    };
+    // the top is at 40 mm, and the mean edge has more than 10 mm
+    let far = line("[[0.02, 0.013, 0.04], [0.03, 0.013, 0.047]]");
+    let words = [
+        "winding line: point 2 of the line, (30.000, 13.000, 47.000) mm, is 7.000 mm from \"side\"",
+    ];
+    assert!(words.iter().all(|word| far.contains(word)), "{far}");
+    let near = line("[[0.02, 0.013, 0.04], [0.03, 0.013, 0.041]]");
+    assert!(!near.contains("of the line,"), "{near}");
 }
 
 /// Mirror images: a helix has none, two families of opposite angles have each other.

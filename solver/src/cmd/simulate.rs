@@ -23,12 +23,12 @@ use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
 use crate::report::locking;
 use crate::report::record::{Checkpoint, Finished, Recorder, Work};
-use crate::report::reinforcement;
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
 use crate::report::stability;
 use crate::report::summary;
 use crate::report::writer::{Writer, write_beside};
+use crate::report::{reinforcement, threads};
 use crate::study::as_cast;
 use crate::study::limit;
 use crate::study::uncertainty;
@@ -129,6 +129,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
     reinforcement::write_threads(folder, &scene, &problem.energies, &end)?;
+    threads::crossings(&scene, &problem.energies, &end)
+        .iter()
+        .for_each(|line| log::info!("{line}"));
     let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
     let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
     let (stability, mode) = known.unzip();
@@ -177,6 +180,7 @@ fn announce(scene: &Scene, workspace: &Workspace) {
     scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
     scene.config.fibre.iter().for_each(|fibre| log::info!("{}", fibre.in_words()));
     scene.config.winding.iter().for_each(|winding| log::info!("{}", winding.in_words()));
+    threads::far_points(scene).iter().for_each(|line| log::warn!("{line}"));
     scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
     scene.config.mullins.iter().for_each(|softening| log::info!("{}", softening.in_words()));
     log::info!(

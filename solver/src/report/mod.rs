@@ -18,4 +18,5 @@ pub mod results;
 pub mod simulation;
 pub mod stability;
 pub mod summary;
+pub mod threads;
 pub mod writer;

@@ -50,11 +50,14 @@ impl Scene {
                 length > 0.0 && length.is_finite(),
                 misfit!(
                     key.clone(),
-                    ": no direction in the element at ({:.6}, {:.6}, {:.6}) m, where the vector is {vector:?}; \
+                    ": no direction in the element at ({:.6}, {:.6}, {:.6}) m, where the vector is [{}, {}, {}]; \
                      expected one of a positive, finite length in each element",
                     at.x,
                     at.y,
-                    at.z
+                    at.z,
+                    vector.x,
+                    vector.y,
+                    vector.z
                 )
             );
             Ok(vector / length)
@@ -87,6 +90,14 @@ fn between(
     tets: &[[usize; 4]],
     tags: &[String; 2],
 ) -> Result<Vec<Vec3>> {
+    ensure!(
+        tags[0] != tags[1],
+        misfit!(
+            fibre.title().key("between"),
+            " = [\"{0}\", \"{0}\"]: fibres from a tag to itself have no direction; expected two tags",
+            tags[0]
+        )
+    );
     let vertices = |tag: &String| -> Result<Vec<usize>> {
         let facets = body.tagged(tag).with_context(|| fibre.title().key("between"))?;
         Ok(facets.concat())

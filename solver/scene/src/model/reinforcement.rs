@@ -10,7 +10,8 @@ use mechanics::energy::{
 };
 use mechanics::material::fibre::Fibre;
 use mechanics::symmetry::Plane;
-use mesh::Vec3;
+use mesh::bvh::SurfaceBvh;
+use mesh::{SurfaceMesh, Vec3};
 use program::{KeyPath, misfit, unknown};
 
 use super::{Scene, SceneLaw};
@@ -88,6 +89,25 @@ impl Scene {
     /// As [`Self::problem`].
     pub fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
         Ground::new(winding, &self.body)?.helix(winding)
+    }
+
+    /// The point of a line that is farthest from its tag, by its place, and that distance [m]; none where all points are
+    /// nearer than half the mean edge of the tag's facets, as those on a curved surface are.
+    #[must_use]
+    pub fn farthest_point(&self, winding: &WindingConfig) -> Option<(usize, f64)> {
+        let surface = SurfaceMesh {
+            vertices: self.body.mesh.vertices.clone(),
+            triangles: Ground::new(winding, &self.body).ok()?.tagged,
+        };
+        let edges = (0..surface.triangles.len()).flat_map(|t| {
+            let [a, b, c] = surface.corners(t);
+            [(a - b).norm(), (b - c).norm(), (c - a).norm()]
+        });
+        let mean = edges.sum::<f64>() / (3 * surface.triangles.len()) as f64;
+        let tree = SurfaceBvh::new(&surface);
+        let distance = |point: &[f64; 3]| tree.closest(&(*point).into()).distance;
+        let all = winding.points.iter().map(distance).enumerate();
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, distance)| *distance > 0.5 * mean)
     }
 
     /// The threads of a body, in the order of the scene.
@@ -278,18 +298,20 @@ impl<'a> Ground<'a> {
 
     /// The pieces of a thread on the triangles.
     fn lay(&self, winding: &WindingConfig) -> Result<Vec<Piece<3>>> {
-        let (facets, x) = self.surface();
+        let ((facets, x), helix) = (self.surface(), self.helix(winding)?);
+        let reach = helix.as_ref().map(|helix| reach(helix, facets, x));
         let cannot = |error: LayError| {
             let below = winding.depth.map_or(String::new(), |depth| format!("{depth} m below "));
             misfit!(
                 winding.title(),
-                ": the thread cannot be laid {}\"{}\": {error}\n  {}",
+                ": the thread cannot be laid {}\"{}\": {error}{}\n  {}",
                 if below.is_empty() { "on " } else { &below },
                 winding.on.all().join("\" and \""),
+                reach.as_deref().filter(|_| misses_or_leaves(&error)).unwrap_or_default(),
                 advice(&error)
             )
         };
-        let Some(one) = self.helix(winding)? else {
+        let Some(one) = helix else {
             let points: Vec<Vec3> = winding.points.iter().map(|&point| point.into()).collect();
             return Ok(energy::polyline(facets, x, &points).map_err(cannot)?);
         };
@@ -309,6 +331,19 @@ fn along(number: &Along, key: &KeyPath, axis: Axis, factor: f64) -> Result<energ
             energy::Along::Profile(profile.build(key, Some(axis))?.times(factor))
         }
     })
+}
+
+/// The heights of a helix beside those of its tag, in words.
+fn reach(helix: &Helix, facets: &[[usize; 3]], x: &[Vec3]) -> String {
+    let ([low, high], [start, end]) = (helix.axis.heights(facets, x), helix.heights);
+    format!(
+        "; along the axis from its point, the facets reach from {low:.6} to {high:.6} m and the thread from {start:.6} to \
+         {end:.6} m"
+    )
+}
+
+fn misses_or_leaves(error: &LayError) -> bool {
+    matches!(error, LayError::Misses | LayError::Leaves { .. })
 }
 
 /// What may be done where a thread cannot be laid.
