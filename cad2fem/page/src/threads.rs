@@ -2,7 +2,8 @@
 //!
 //! `windings.csv` has both ends of each segment at rest. Each is found on a facet of the mesh, at the weights b and c of
 //! its second and third corner. The page interpolates the displacement of the facet's nodes there, in every state, as
-//! the solver does. Facets inside the body are known where the page has its cells.
+//! the solver does. Facets inside the body are known where the page has its cells. A thread at a depth below its tag has
+//! ends inside cells, too: segments that meet there are joined, and what is left of one at an end of the thread goes.
 
 use std::path::Path;
 
@@ -21,6 +22,9 @@ const FILE: &str = "windings.csv";
 const NUMBERS: usize = 13;
 /// Farthest that an end may lie from a facet, as a part of the size of the body [1].
 const ON: f64 = 1e-6;
+
+/// Ends of segments that are nearer than this are one point [m].
+const SAME: f64 = 1e-9;
 
 /// Ends of segments, and what joins two of them.
 #[derive(Debug, Default, PartialEq)]
@@ -52,12 +56,44 @@ impl Lines {
     }
 
     fn add(&mut self, start: Vec3, end: Vec3, force: f64) {
-        if self.points.last() != Some(&start) {
+        if self.points.last().is_none_or(|last| (last - start).norm() > SAME) {
             self.points.push(start);
         }
         self.points.push(end);
         self.segments.push([self.points.len() - 2, self.points.len() - 1]);
         self.forces.push(force);
+    }
+}
+
+impl Lines {
+    /// The lines without some points: segments that meet in one of them are joined, with their mean force.
+    fn without(self, is_gone: impl Fn(usize) -> bool) -> Self {
+        let numbers: Vec<Option<usize>> = (0..self.points.len())
+            .scan(0, |kept, point| {
+                let number = (!is_gone(point)).then_some(*kept);
+                *kept += usize::from(number.is_some());
+                Some(number)
+            })
+            .collect();
+        let mut lines = Self::default();
+        // where the segment that is being joined began, its length and that times its force
+        let (mut start, mut length, mut pulled) = (None, 0.0, 0.0);
+        let mut reached = None;
+        for (&[a, b], force) in self.segments.iter().zip(&self.forces) {
+            if numbers[a].is_some() || reached != Some(a) {
+                (start, length, pulled) = (numbers[a], 0.0, 0.0);
+            }
+            reached = Some(b);
+            let own = (self.points[b] - self.points[a]).norm();
+            (length, pulled) = (length + own, pulled + own * force);
+            if let (Some(from), Some(to)) = (start, numbers[b]) {
+                lines.segments.push([from, to]);
+                lines.forces.push(pulled / length);
+            }
+        }
+        let points = self.points.into_iter().zip(numbers);
+        lines.points = points.filter_map(|(point, number)| number.map(|_| point)).collect();
+        lines
     }
 }
 
@@ -114,12 +150,13 @@ struct Spots {
     depth: f64,
 }
 
-/// Finds points on the facets of a solid; none where one of them is off all.
-fn spots(solid: &Solid, points: &[Vec3]) -> Option<Spots> {
+/// Finds the points of lines on the facets of a solid, and lets lines without those that are on none; none where no
+/// segment is left.
+fn spots(solid: &Solid, lines: Lines) -> Option<(Lines, Spots)> {
     let size = extent(solid.points());
     let (nodes, outer) = solid.boundary();
     let outer = Facets::new(solid.points(), nodes, outer.to_vec());
-    let near: Vec<Closest> = points.iter().map(|p| outer.tree.closest(p)).collect();
+    let near: Vec<Closest> = lines.points.iter().map(|p| outer.tree.closest(p)).collect();
     let depth = near.iter().map(|found| found.distance).fold(0.0, f64::max);
     let is_on = |found: &Closest| found.distance <= ON * size;
     let inner = if near.iter().all(is_on) {
@@ -127,16 +164,21 @@ fn spots(solid: &Solid, points: &[Vec3]) -> Option<Spots> {
     } else {
         Some(Facets::new(solid.points(), nodes, solid.sides_of_cells()?))
     };
+    let place = |(p, found): (&Vec3, &Closest)| match &inner {
+        Some(inner) if !is_on(found) => {
+            let found = inner.tree.closest(p);
+            is_on(&found).then(|| inner.spot(&found))
+        }
+        _ => Some(outer.spot(found)),
+    };
+    let places: Vec<_> = lines.points.iter().zip(&near).map(place).collect();
+    let lines = lines.without(|point| places[point].is_none());
+    if lines.segments.is_empty() {
+        return None;
+    }
     let mut spots = Spots { facets: vec![], facet_of_point: vec![], places: vec![], depth };
     let mut known = std::collections::HashMap::new();
-    for (p, found) in points.iter().zip(&near) {
-        let (facet, place) = match &inner {
-            Some(inner) if !is_on(found) => {
-                let found = inner.tree.closest(p);
-                is_on(&found).then(|| inner.spot(&found))?
-            }
-            _ => outer.spot(found),
-        };
+    for (facet, place) in places.into_iter().flatten() {
         let next = known.len();
         let number = *known.entry(facet).or_insert_with_key(|facet| {
             spots.facets.extend(facet);
@@ -145,7 +187,7 @@ fn spots(solid: &Solid, points: &[Vec3]) -> Option<Spots> {
         spots.facet_of_point.push(number);
         spots.places.extend(place);
     }
-    Some(spots)
+    Some((lines, spots))
 }
 
 /// Length of the diagonal of the box around points.
@@ -174,7 +216,7 @@ pub fn packed(
     if lines.segments.is_empty() {
         return Ok(Value::Null);
     }
-    let Some(spots) = spots(solid, &lines.points) else {
+    let Some((lines, spots)) = spots(solid, lines) else {
         let why = "its threads are not on facets of the body that the page has";
         log::warn!("{}: {why}, so that they are left out", path.display());
         return Ok(Value::Null);
@@ -226,13 +268,21 @@ mod tests {
             Vec3::new(third, third, third),
             Vec3::new(0.2, 0.5, 0.3),
         ];
-        let found = spots(&solid, &points).unwrap();
+        let along = |points: &[Vec3]| {
+            let mut lines = Lines::default();
+            points.windows(2).for_each(|ends| lines.add(ends[0], ends[1], 1.0));
+            lines
+        };
+        let (_, found) = spots(&solid, along(&points)).unwrap();
         for (i, point) in points.iter().enumerate() {
             assert!((interpolated(&solid, &found, i) - point).norm() < 1e-12, "{point}");
         }
         // from the middle of the facet between both, the nearest side of the cube's corner is a third away
         assert!((found.depth - third).abs() < 1e-12, "{}", found.depth);
-        assert!(spots(&solid, &[Vec3::new(0.1, 0.1, 0.1)]).is_none(), "on no facet");
+        let inside = Vec3::new(0.1, 0.1, 0.1);
+        let (lines, _) = spots(&solid, along(&[points[0], inside, points[1]])).unwrap();
+        assert_eq!(lines.segments, [[0, 1]]);
+        assert!(spots(&solid, along(&[points[0], inside])).is_none(), "on no facet");
     }
 
     #[test]
@@ -256,6 +306,22 @@ mod tests {
         std::fs::write(&path, head + &row("t", "0,0,0", "1,0,x", "0.5")).unwrap();
         let message = Lines::read(&path).unwrap_err().to_string();
         assert!(message.contains("line 2") && message.contains("13 finite numbers"), "{message}");
+    }
+
+    /// One point of a line goes, then its end, and the first of another line.
+    #[test]
+    fn segments_are_joined_where_points_go() {
+        let x = |k: usize| Vec3::new(k as f64, 0.0, 0.0);
+        let mut lines = Lines::default();
+        for (a, b, force) in
+            [(0, 1, 1.0), (1, 3, 4.0), (3, 4, 2.0), (4, 5, 9.0), (7, 8, 9.0), (8, 9, 5.0)]
+        {
+            lines.add(x(a), x(b), force);
+        }
+        let left = lines.without(|point| [1, 4, 5].contains(&point));
+        assert_eq!(left.points, [0, 3, 4, 8, 9].map(x));
+        assert_eq!(left.segments, [[0, 1], [1, 2], [3, 4]]);
+        assert_eq!(left.forces, [3.0, 2.0, 5.0]);
     }
 
     #[test]
