@@ -95,10 +95,9 @@ impl Scene {
     /// nearer than half the mean edge of the tag's facets, as those on a curved surface are.
     #[must_use]
     pub fn farthest_point(&self, winding: &WindingConfig) -> Option<(usize, f64)> {
-        let surface = SurfaceMesh {
-            vertices: self.body.mesh.vertices.clone(),
-            triangles: Ground::new(winding, &self.body).ok()?.tagged,
-        };
+        let ground = Ground::new(winding, &self.body).ok()?;
+        let (facets, x) = ground.surface();
+        let surface = SurfaceMesh { vertices: x.to_vec(), triangles: facets.to_vec() };
         let edges = (0..surface.triangles.len()).flat_map(|t| {
             let [a, b, c] = surface.corners(t);
             [(a - b).norm(), (b - c).norm(), (c - a).norm()]
