@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-lift finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -74,6 +74,8 @@ gallery: $(SHOWN:%=build/%/done)  ## make all bodies and one page that shows the
 robust: build/frog/robust/done  ## design the frog further for walls that are printed 0.15 mm off
 
 gripper-lift: build/gripper/lift/lift.svg  ## let the gripper take cylinders of 20 to 200 g from a table: which it holds
+
+gripper-safe: build/gripper/safe/done  ## simulate the gripper with cloth in its floor and around its chambers, at 1.25 times its pressure, too, and make its mold
 
 finger-wound: build/finger/wound/done  ## design the finger with thread around it, and make its mold
 

@@ -94,3 +94,65 @@ $(call to,gripper)/report.html: $(addprefix $(call to,gripper)/pictures/,section
 
 $(eval $(call simulate,gripper,$(call to,gripper),))
 $(eval $(call cast,gripper,$(call to,gripper),$(call to,gripper)/whole.msh,$(call to,gripper)/whole.msh))
+
+# The gripper with cloth in its floor and around its chambers: gripping, drawn away, at 1.25 times its pressure as drawn and
+# with walls that are off, and its mold.
+SAFE := $(call to,gripper)/safe
+from.gripper/safe := $(call from,gripper)/safe
+to.gripper/safe := $(SAFE)
+cylinders := $(call to,gripper)/cylinder/model/model.json
+SAFE_SIM = $(call source,$(from.gripper/safe)/sim.toml) $(call seen,$(from.gripper/safe)/body.toml) $(SAFE)/tagged.msh $(cylinders)
+
+$(SAFE)/model/model.json: $(call source,$(from.gripper/safe)/model.geo) | setup
+	$(BIN)/cad2fem model $< --unit mm -o $(@D)
+
+$(eval $(call mesh,gripper/safe,$(SAFE),))
+
+$(SAFE)/baseline/report.json: $(SAFE_SIM) | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+$(SAFE)/pull/report.json: $(SAFE_SIM) | setup
+	$(BIN)/solver simulate $< --final-only \
+		--set 'obstacle.cylinder.displacement=[0, "-24e-3*max(0, t - 1)", 0]' \
+		--set time.end=2.5 --set time.steps=50 --set solver.inside_out=tolerated -o $(@D)
+
+# At 1.25 times its pressure: as drawn, and with walls that are 0.3 mm thinner and thicker. (fab tolerance moves the cut of a
+# half, too.)
+$(SAFE)/beyond/report.json: $(call source,$(from.gripper/safe)/sim.beyond.toml) $(call seen,$(from.gripper/safe)/body.toml) \
+		$(SAFE)/tagged.msh $(cylinders) | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+walls.thin := --set fold=2.3 --set wall=2.7
+walls.thick := --set fold=2.9 --set wall=3.3
+define safe-walls
+from.gripper/safe/$(1) := $(from.gripper/safe)
+to.gripper/safe/$(1) := $(SAFE)/$(1)
+
+$(SAFE)/$(1)/model/model.json: $(call source,$(from.gripper/safe)/model.geo) | setup
+	$(BIN)/cad2fem model $$< --unit mm $(walls.$(1)) -o $$(@D)
+
+$(SAFE)/beyond/$(1)/report.json: $(call source,$(from.gripper/safe)/sim.beyond.toml) $(call seen,$(from.gripper/safe)/body.toml) \
+		$(SAFE)/$(1)/tagged.msh $(cylinders) | setup
+	$(BIN)/solver simulate $$< --mesh gripper=$(SAFE)/$(1)/tagged.msh -o $$(@D)
+endef
+$(foreach w,thin thick,$(eval $(call safe-walls,$(w)))$(eval $(call mesh,gripper/safe/$(w),$(SAFE)/$(w),)))
+
+$(SAFE)/whole.msh: $(SAFE)/tagged.msh | setup
+	$(BIN)/solver mirror $< --on cut -o $@
+
+$(SAFE)/mold/plan.json: $(SAFE)/whole.msh $(call source,$(from.gripper/safe)/mold.toml) | setup
+	$(BIN)/fab mold $< --config $(from.gripper/safe)/mold.toml --title "gripper, safe" -o $(@D)
+
+$(SAFE)/mold.checks.txt: $(SAFE)/mold/plan.json | setup
+	$(BIN)/fab verify $(<D) -o $@
+
+$(SAFE)/pictures/gripping.png: $(SAFE)/baseline/report.json | setup
+	$(BIN)/cad2fem picture $(<D)/result.vtu $(call to,gripper)/cylinder/model/model.stl --together \
+		--color displacement --view left --title "gripper with cloth, at 60 kPa" -o $@
+
+$(SAFE)/pictures/pull.svg: $(call to,gripper)/pull/baseline/report.json $(SAFE)/pull/report.json | setup
+	$(BIN)/solver plot $^ --x t --y "probes.pull*-2" --labels "as modelled,with cloth" \
+		--x-title "time [s]: air until 1, then drawn away at 24 mm/s" --y-title "force that holds the cylinder [N]" -o $@
+
+$(SAFE)/done: $(addprefix $(SAFE)/,beyond/report.json beyond/thin/report.json beyond/thick/report.json mold.checks.txt pictures/gripping.png pictures/pull.svg)
+	@touch $@
