@@ -116,8 +116,7 @@ $(SAFE)/pull/report.json: $(SAFE_SIM) | setup
 		--set 'obstacle.cylinder.displacement=[0, "-24e-3*max(0, t - 1)", 0]' \
 		--set time.end=2.5 --set time.steps=50 --set solver.inside_out=tolerated -o $(@D)
 
-# At 1.25 times its pressure: as drawn, and with walls that are 0.3 mm thinner and thicker. (fab tolerance moves the cut of a
-# half, too.)
+# At 1.25 times its pressure: as drawn, and with walls of the chambers that are 0.3 mm thinner and thicker.
 $(SAFE)/beyond/report.json: $(call source,$(from.gripper/safe)/sim.beyond.toml) $(call seen,$(from.gripper/safe)/body.toml) \
 		$(SAFE)/tagged.msh $(cylinders) | setup
 	$(BIN)/solver simulate $< -o $(@D)

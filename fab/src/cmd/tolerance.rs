@@ -61,20 +61,24 @@ pub fn run(args: &Args) -> Result<()> {
     let msh = read_tets(&args.mesh)?;
     let _lock = FolderLock::new(&args.output)?;
     let mut volumes = [0.0; 3];
-    let mut runs = Vec::new();
+    let (mut runs, mut cuts) = (Vec::new(), Vec::new());
     for (i, (name, shift)) in
         [("nominal", 0.0), ("thin", -tolerance), ("thick", tolerance)].into_iter().enumerate()
     {
         let moved = match shift {
             0.0 => msh.mesh.clone(),
-            _ => offset(&msh.mesh, shift).with_context(|| args.mesh.display().to_string())?,
+            _ => {
+                offset(&msh.mesh, shift, &cuts).with_context(|| args.mesh.display().to_string())?
+            }
         };
         volumes[i] = measure::volume(&moved);
         let folder = args.output.join(name);
         let path = folder.join("body.msh");
         write_tets(&path, &moved, &msh.tags)?;
         log::info!("{name}: {:.2} mL of silicone", volumes[i] * 1e6);
-        runs.push(solver.run(&path, &folder).context(name)?);
+        let run = solver.run(&path, &folder).context(name)?;
+        runs.push(run.responses);
+        cuts = run.cuts;
     }
     let study = study(tolerance, volumes, &runs)?;
     write_atomic(&args.output.join(FILE), |out| {

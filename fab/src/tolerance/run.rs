@@ -8,6 +8,8 @@ use anyhow::{Context, Result, ensure};
 use program::{Change, Process};
 use reports::Simulation;
 
+use super::offset::Cut;
+
 /// How to simulate a body.
 #[derive(Clone, Debug)]
 pub struct Solver {
@@ -22,11 +24,11 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Simulates `mesh` into `folder`: the name, unit and value of every response.
+    /// Simulates `mesh` into `folder`.
     ///
     /// # Errors
     /// If the program cannot be run, or its result may not be used.
-    pub fn run(&self, mesh: &Path, folder: &Path) -> Result<Vec<(String, &'static str, f64)>> {
+    pub fn run(&self, mesh: &Path, folder: &Path) -> Result<Run> {
         let mesh = match &self.body {
             Some(body) => format!("{body}={}", mesh.display()),
             None => mesh.display().to_string(),
@@ -50,7 +52,15 @@ impl Solver {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
+/// What a simulation found.
+pub struct Run {
+    /// Name, unit and value of every response.
+    pub responses: Vec<(String, &'static str, f64)>,
+    /// Planes of symmetry that cut the body.
+    pub cuts: Vec<Cut>,
+}
+
+fn read(path: &Path) -> Result<Run> {
     let text = mesh::io::read_text(path)?;
     let report: Simulation =
         serde_json::from_str(&text).with_context(|| path.display().to_string())?;
@@ -69,5 +79,9 @@ fn read(path: &Path) -> Result<Vec<(String, &'static str, f64)>> {
         // where it balloons no earlier than it was asked for, that is a bound
         found.push(("limit.factor".to_owned(), "1", limit.factor.unwrap_or(limit.stable_to)));
     }
-    Ok(found)
+    let cuts = report.symmetry.unwrap_or_default();
+    let cuts = cuts.iter().map(|plane| Cut::new(&plane.axis, plane.level));
+    let cuts = cuts.collect::<Option<_>>();
+    let cuts = cuts.with_context(|| format!("{}: a plane across no axis", path.display()))?;
+    Ok(Run { responses: found, cuts })
 }
