@@ -118,11 +118,7 @@ impl Profile {
     #[inline]
     pub fn value(&self, height: f64) -> f64 {
         let Basis { first, count, weights } = self.basis(height);
-        let mut sum = 0.0;
-        for i in 0..count {
-            sum += weights[i] * self.values[first + i];
-        }
-        sum
+        weights[..count].iter().zip(&self.values[first..]).map(|(w, value)| w * value).sum()
     }
 
     /// df/dz at a height [1/m times its unit]: that inside at an end, and zero beyond.
@@ -136,9 +132,9 @@ impl Profile {
         let (span, s) = self.place(height);
         let below = self.weights(p - 1, span, s);
         let mut sum = 0.0;
-        for i in 0..p {
+        for (i, weight) in below[..p].iter().enumerate() {
             let rise = self.values[span + i + 1] - self.values[span + i];
-            sum += below[i] * rise / (self.knot(span + i + p + 1) - self.knot(span + i + 1));
+            sum += weight * rise / (self.knot(span + i + p + 1) - self.knot(span + i + 1));
         }
         p as f64 * sum * self.spans() as f64 / (end - start)
     }
@@ -195,10 +191,10 @@ impl Profile {
         let mut weights = [1.0, 0.0, 0.0, 0.0];
         for j in 1..=degree {
             let mut carried = 0.0;
-            for r in 0..j {
+            for (r, weight) in weights[..j].iter_mut().enumerate() {
                 let (right, left) = (self.knot(place + r + 1), self.knot(place + 1 + r - j));
-                let part = weights[r] / (right - left);
-                weights[r] = carried + (right - s) * part;
+                let part = *weight / (right - left);
+                *weight = carried + (right - s) * part;
                 carried = (s - left) * part;
             }
             weights[j] = carried;

@@ -174,6 +174,7 @@ impl<'de> Deserialize<'de> for Along {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use mesh::Vec3;
 

@@ -136,15 +136,15 @@ impl<'a> Course<'a> {
         let rule = gauss_jacobi(POINTS, 0);
         let mut course = Self { climb, rule, knots: Vec::new(), start: None };
         for height in heights {
-            let turns = course.from_first(height);
+            let turns = course.since_first(height);
             course.knots.push((height, turns));
         }
-        course.start = Some(course.from_first(start));
+        course.start = Some(course.since_first(start));
         course
     }
 
     /// The turns at a height from the first knot.
-    fn from_first(&self, height: f64) -> Turns {
+    fn since_first(&self, height: f64) -> Turns {
         let below = self.knots.iter().rev().find(|(knot, _)| *knot <= height);
         let Some((from, turns)) = below.or(self.knots.first()) else {
             return self.climb.turns([height, height], &[]);
@@ -156,7 +156,7 @@ impl<'a> Course<'a> {
 
     /// The turns at a height [m] from the start of the helix, negative below.
     pub fn turns(&self, height: f64) -> Turns {
-        let mut turns = self.from_first(height);
+        let mut turns = self.since_first(height);
         if let Some(start) = &self.start {
             turns.add(start, -1.0);
         }
