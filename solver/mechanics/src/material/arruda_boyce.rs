@@ -137,6 +137,6 @@ mod tests {
     #[test]
     fn chains_that_lock_at_rest_are_refused() {
         let message = LAW.check(&[1e4, 1.0, 2e6]).expect_err("no such chains").to_string();
-        assert!(message.contains("lambda_m > 1"), "{message}");
+        assert!(message.contains("lambda_m = 1: must be above 1"), "{message}");
     }
 }

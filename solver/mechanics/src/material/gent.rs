@@ -163,7 +163,7 @@ mod tests {
     fn a_limit_that_is_not_positive_is_refused() {
         for j_m in [0.0, -3.0] {
             let message = LAW.check(&[1e4, j_m, 2e6]).expect_err("no such chains").to_string();
-            assert!(message.contains("mu where j_m > 0"), "{message}");
+            assert!(message.contains("must be above 0"), "{message}");
         }
     }
 }
