@@ -5,6 +5,7 @@ use mesh::Vec3;
 use mesh::io::vtu::read_vtu;
 use mesh::io::write_tets;
 use tests::chamber;
+use tests::chamber::VOLUME_DESIGN;
 use tests::workdir::Workdir;
 use tests::{block, tag};
 
@@ -176,7 +177,8 @@ fn gradients_by_shape_and_numbers_pass_their_test() {
     for (course, shape) in [("pitch = 0.02", true), ("angle = 80", false)] {
         let winding = winding.replace("pitch = 0.02", course) + PULL;
         let dir = workdir(&(FIBRE.to_owned() + "slack = 0.1\n" + &winding));
-        let design = if shape { DESIGN.to_owned() } else { DESIGN.replace(SHAPE, PARAMETER) };
+        let design =
+            if shape { VOLUME_DESIGN.to_owned() } else { VOLUME_DESIGN.replace(SHAPE, PARAMETER) };
         dir.write("design.toml", &(design + PULLED));
         let run = dir.solver("check design.toml --random 1");
         run.assert_good();
@@ -220,25 +222,6 @@ on = "cavity"
 [[shape.level]]
 handles = 1
 iterations = 1
-"#;
-
-const DESIGN: &str = r#"
-scene = "p1.toml"
-
-[shape]
-on = "cavity"
-
-[[shape.level]]
-handles = 1
-iterations = 1
-
-[[objective]]
-kind = "volume"
-name = "air"
-weight = 1e6
-on = "cavity"
-volume = 2e-5
-measure = "deformed"
 "#;
 
 /// Angle and stiffness of a family are found again from what they did, within bounds, and the gradient by both passes

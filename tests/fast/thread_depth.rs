@@ -2,6 +2,7 @@
 
 use mesh::io::write_tets;
 use mesh::{Vec3, facet_key, topology};
+use tests::chamber::VOLUME_DESIGN;
 use tests::workdir::Workdir;
 use tests::{block, chamber, tag};
 
@@ -91,30 +92,11 @@ fn a_thread_between_vertices_has_its_length_and_its_gradients() {
     let turn = |corners: f64| 4.2 * (0.14 - corners * (2.0 - 2.0_f64.sqrt()) * 2.5e-3).hypot(0.02);
     let length = row["length"].as_f64().unwrap();
     assert!((turn(4.0)..turn(0.0)).contains(&length), "{row}");
-    dir.write("design.toml", DESIGN);
+    dir.write("design.toml", VOLUME_DESIGN);
     let run = dir.solver("check design.toml --random 1");
     run.assert_good();
     assert!(run.stdout.contains("by winding.thread, "), "{}", run.stdout);
 }
-
-const DESIGN: &str = r#"
-scene = "p1.toml"
-
-[shape]
-on = "cavity"
-
-[[shape.level]]
-handles = 1
-iterations = 1
-
-[[objective]]
-kind = "volume"
-name = "air"
-weight = 1e6
-on = "cavity"
-volume = 2e-5
-measure = "deformed"
-"#;
 
 #[test]
 fn depths_that_cannot_be_used_are_refused() {

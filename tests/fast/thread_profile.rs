@@ -2,6 +2,7 @@
 
 use mesh::Vec3;
 use mesh::io::write_tets;
+use tests::chamber::VOLUME_DESIGN;
 use tests::workdir::Workdir;
 use tests::{block, chamber, tag};
 
@@ -91,7 +92,7 @@ fn gradients_by_the_values_pass_their_test() {
     let angle = "angle = { values = [80, 86, 83], start = 0.0, end = 0.05 }";
     for (course, key) in [(pitch, "pitch"), (angle, "angle")] {
         let dir = workdir(&WINDING.replace(pitch, course));
-        dir.write("design.toml", DESIGN);
+        dir.write("design.toml", &(VOLUME_DESIGN.to_owned() + PULLED));
         let run = dir.solver("check design.toml --random 1");
         run.assert_good();
         assert!(run.stdout.contains("by winding.thread, "), "{}", run.stdout);
@@ -159,24 +160,7 @@ fn tables_that_cannot_be_used_are_refused() {
     }
 }
 
-const DESIGN: &str = r#"
-scene = "p1.toml"
-
-[shape]
-on = "cavity"
-
-[[shape.level]]
-handles = 1
-iterations = 1
-
-[[objective]]
-kind = "volume"
-name = "air"
-weight = 1e6
-on = "cavity"
-volume = 2e-5
-measure = "deformed"
-
+const PULLED: &str = r#"
 [[objective]]
 kind = "probe"
 name = "pull"

@@ -96,6 +96,26 @@ weight = 1.0
 activation = 5e-5
 "#;
 
+/// A design of the shape of the chamber for its volume under load, in `p1.toml`.
+pub const VOLUME_DESIGN: &str = r#"
+scene = "p1.toml"
+
+[shape]
+on = "cavity"
+
+[[shape.level]]
+handles = 1
+iterations = 1
+
+[[objective]]
+kind = "volume"
+name = "air"
+weight = 1e6
+on = "cavity"
+volume = 2e-5
+measure = "deformed"
+"#;
+
 /// 50 × 40 × 40 mm with a chamber of 40 × 20 × 20 mm that opens to x = 0, of 384
 /// tetrahedra. Tags: `seat` around the mouth, `cavity`, `top`, and `skin` for
 /// the rest.

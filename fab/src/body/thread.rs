@@ -53,7 +53,7 @@ pub struct Thread {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Range {
-    /// The same everywhere.
+    /// The number has one value everywhere.
     Same(f64),
     /// From the smallest to the largest.
     Between([f64; 2]),
@@ -79,7 +79,7 @@ impl Range {
         }
     }
 
-    /// Its sizes, with so many decimals.
+    /// Writes its absolute values with a number of decimals.
     fn in_words(self, decimals: usize) -> String {
         match self {
             Self::Same(number) => format!("{:.decimals$}", number.abs()),

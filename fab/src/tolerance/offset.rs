@@ -188,7 +188,7 @@ mod tests {
         }
     }
 
-    /// Of a cube from 0 to 2 that is cut at x = 0 and z = 2.
+    /// The cube is cut at x = 0 and z = 2.
     #[test]
     fn cuts_stay_in_their_planes() {
         let cuts = [Cut { axis: 0, level: 0.0 }, Cut { axis: 2, level: 2.0 }];

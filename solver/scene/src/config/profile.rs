@@ -16,7 +16,7 @@ use super::line::AroundConfig;
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Along {
-    /// The same everywhere.
+    /// The number has one value everywhere.
     Number(f64),
     /// A spline of the height.
     Profile(ProfileConfig),

@@ -10,7 +10,7 @@ use crate::io::Parsed;
 pub struct Array<'a> {
     /// The element that it is in: `Points`, `Cells`, `PointData` or `CellData`.
     pub group: &'a str,
-    /// Its name.
+    /// What the file calls the array.
     pub label: String,
     unit: String,
     components: usize,

@@ -152,7 +152,7 @@ fn cubic_cells_become_quadratic_ones_through_the_same_middles() {
 #[derive(Clone, Copy, Debug)]
 struct Form {
     format: &'static str,
-    /// Of appended data.
+    /// How appended data is written: `raw` or `base64`.
     encoding: &'static str,
     word: usize,
     compressed: bool,

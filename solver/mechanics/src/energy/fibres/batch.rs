@@ -105,7 +105,7 @@ impl<S: Simd> Points<S> {
         values.map(|value| Lanes::load(simd, &value))
     }
 
-    /// The same, where k₁ is a profile. Apart, so that one k₁ stays in a register.
+    /// Evaluates [`Self::responses`] where k₁ is a profile. It is a function of its own, so that a single k₁ stays in a register.
     #[inline(always)]
     fn responses_along<const N: usize>(
         &self,

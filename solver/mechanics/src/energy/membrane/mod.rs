@@ -28,7 +28,7 @@
 //!
 //! τ(E) = [2 E₁₂, −2 E₁₂, 2 (E₂₂ − E₁₁)], and δd by the rest position as [`Direction`] has it.
 //!
-//! Its parameters are, in this order, t, the parameters of the law, and the angle α [rad] if a direction has one.
+//! Its parameters are t, then those of the law, and last the angle α [rad] if the direction has one.
 //!
 //! Source: Gruttmann and Taylor 1992, "Theory and finite element formulation of rubberlike
 //! membrane shells using principal stretches", doi:10.1002/nme.1620350511.

@@ -17,7 +17,7 @@ const POINTS: usize = 10;
 /// A number of a thread, or one that changes along its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Along {
-    /// The same everywhere.
+    /// The number has one value everywhere.
     Number(f64),
     /// By the height.
     Profile(Profile),
