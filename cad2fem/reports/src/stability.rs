@@ -73,6 +73,13 @@ pub struct Limit {
     pub burst: Option<f64>,
     /// Largest principal stretch at `stable_to` [1].
     pub largest_stretch: f64,
+    /// Why the path could not be followed further, if it could not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Factor from which on states were found by load steps, as the path could not be followed: with contact, facets
+    /// that slide over each other make small snaps. A limit beyond is known to a quarter of a percent [1].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_load_from: Option<f64>,
     /// What each iterate of the direct method left, the last one last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub iterates: Vec<DirectIterate>,

@@ -2,9 +2,14 @@
 
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 
+use crate::element::FunctionSpace;
+use crate::energy::{BodyEnergies, Chamber, Elastic, Energies, Isobaric, Wall};
+use crate::forward::Problem;
+use crate::material::{Lame, NeoHookean};
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::taylor::taylor;
+use crate::schedule::Schedule;
 use crate::symmetry::Plane;
 
 /// The square [0, 1]² in the plane z = 0, n cells per side; interior vertices
@@ -185,6 +190,53 @@ pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
         }
     }
     TetMesh { vertices, tets }
+}
+
+/// A thick neo-Hookean sphere with its pressure at t = 1 over the shear modulus, of which an eighth is meshed, and its
+/// vertices.
+///
+/// # Panics
+/// Where the mesh is no eighth.
+#[must_use]
+pub fn balloon(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
+    let mesh = eighth_shell(levels, layers, BALLOON);
+    let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
+    let nodes = space.node_positions(&mesh.vertices);
+    let fixed: Vec<bool> =
+        nodes.iter().flat_map(|x| [x.x < 1e-12, x.y < 1e-12, x.z < 1e-12]).collect();
+    let boundary = mesh::topology::boundary(&mesh).facets;
+    let on =
+        |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
+    let planes: Vec<_> = (0..3)
+        .map(|axis| {
+            let cut = boundary.iter().filter(|f| on(f, &|x| x[axis] < 1e-12));
+            let cut: Vec<[usize; 3]> = cut.copied().collect();
+            Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut).expect("a plane")
+        })
+        .collect();
+    let wall = boundary.iter().filter(|f| on(f, &|x| x.norm() < BALLOON + 1e-9));
+    let wall: Vec<[usize; 3]> = wall.copied().collect();
+    let wall = Wall::cut_by(&planes, &space, &wall);
+    let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
+    let chamber = Chamber { wall, gas, multiplier: None, memory: None };
+    // bulk modulus 2000 times the shear modulus 1
+    let material = NeoHookean(Lame::new(2.9995, 0.49975));
+    let elastic = Elastic::whole(Box::new(material)).with_mean_dilatation();
+    let body = BodyEnergies::new(elastic.expect("a term of the volume"));
+    let energies = Energies::bodies(vec![body]).with_chamber("wall", chamber);
+    (Problem::new(space, energies, &fixed), mesh.vertices)
+}
+
+/// Inner radius of [`balloon`], whose outer one is 1.
+pub const BALLOON: f64 = 0.6;
+
+/// Pressure over the shear modulus at a stretch of the inner wall of [`balloon`]: with W' = 2 (λ − λ⁻⁵) of the incompressible law,
+/// ∫ W'/(λ³ − 1) dλ between the stretches of both walls.
+#[must_use]
+pub fn balloon_pressure(inside: f64) -> f64 {
+    let outside = (1.0 + (inside.powi(3) - 1.0) * BALLOON.powi(3)).cbrt();
+    let part = |l: f64| 1.0 / l + 0.25 / l.powi(4);
+    2.0 * (part(outside) - part(inside))
 }
 
 /// A block that is cut at x = 0 and one beside it, near the plane: each comes close to the

@@ -333,6 +333,7 @@ fn of_path(failure: &Failure) -> Option<&'static str> {
             "another number of a load or a wall, by little: the state is one at which several branches meet; \
              or fix what may move freely",
         ),
+        Failure::Folded => Some("a finer mesh there, or a higher degree"),
         Failure::Strayed { .. } => Some(
             "smaller arcs: [solver] first_load_step and largest_load_step below what they are, or a smaller \
              smallest_load_step",

@@ -14,6 +14,8 @@ struct Way {
     last: (f64, f64),
     /// Factor at which the material tears.
     burst: Option<f64>,
+    /// Factor from which on states were found by load steps.
+    by_load_from: Option<f64>,
 }
 
 /// The limit of the state at the end of a run, with the softest mode there over all degrees of freedom, where there is
@@ -27,13 +29,16 @@ pub fn find(
 ) -> (Limit, Option<Vec<f64>>) {
     let held = problem.held(end.time, &growing(problem, config));
     let mut workspace = Workspace::new(&held);
-    let mut way = Way { last: (end.time, stretch(scene, end)), burst: None };
+    let mut way = Way { last: (end.time, stretch(scene, end)), burst: None, by_load_from: None };
     if at_break(scene).is_some_and(|limit| way.last.1 >= limit) {
         way.burst = Some(end.time);
     }
     let search = LimitSearch { stepping: scene.stepping(), most: config.most };
     let start = (end, scene.integrator(&scene.body, &held));
     let first = search.from(&held, &mut workspace, start, |step| {
+        if step.path.is_none() {
+            way.by_load_from.get_or_insert(way.last.0);
+        }
         way.follow(scene, &step.iterate(&held, end.rest));
         let (factor, stretch) = way.last;
         log::info!("towards a limit: {factor:.3} × the pressure, largest stretch {stretch:.2}");
@@ -51,8 +56,8 @@ pub fn find(
         First::None => (none(LimitStatus::StableTo, &way), None),
         First::Unstable => (none(LimitStatus::Unstable, &way), None),
         First::Lost(failure) => {
-            log::debug!("no limit found: {failure:?}");
-            (none(LimitStatus::NotFound, &way), None)
+            let reason = failure.map_or_else(|| "too many states".to_owned(), |f| f.to_string());
+            (Limit { reason: Some(reason), ..none(LimitStatus::NotFound, &way) }, None)
         }
     }
 }
@@ -98,6 +103,8 @@ fn none(status: LimitStatus, way: &Way) -> Limit {
         stable_to: way.last.0,
         burst: way.burst,
         largest_stretch: way.last.1,
+        reason: None,
+        by_load_from: way.by_load_from,
         iterates: Vec::new(),
     }
 }
@@ -145,8 +152,17 @@ pub fn in_words(limit: &Limit) -> String {
             let [from, to] = limit.between.unwrap_or([limit.stable_to; 2]);
             format!("limit: between {} and {}", times(from.min(to)), times(from.max(to)))
         }
-        _ => format!("limit: none found, stable to {}", times(limit.stable_to)),
+        _ => {
+            let reason = limit.reason.as_deref().unwrap_or("the path ends there");
+            format!("limit: none found, stable to {}: {reason}", times(limit.stable_to))
+        }
     };
+    if let Some(from) = limit.by_load_from {
+        text += &format!(
+            "; by load steps from {} on, where the path could not be followed",
+            times(from)
+        );
+    }
     if let Some(burst) = limit.burst {
         text += &format!("; the stretch at break is reached at {}", times(burst));
     }

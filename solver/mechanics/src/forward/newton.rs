@@ -171,6 +171,12 @@ pub enum Failure {
         /// Angle between the directions of the path [°].
         degrees: f64,
     },
+    /// Facets meet between which nothing acts.
+    #[error(
+        "facets of the surface meet on the way to the next state, and no contact keeps them apart: those of one \
+         edge or wall, which solid lies between; the mesh is too coarse there"
+    )]
+    Folded,
     /// Who watches has broken off.
     #[error("interrupted")]
     Interrupted,

@@ -18,6 +18,7 @@
 //! and Simo 1990, doi:10.1002/nme.1620300110; Govaerts 2000, "Numerical Methods for Bifurcations of Dynamical
 //! Equilibria", chapters 3 and 4.
 
+mod by_load;
 mod derivative;
 mod predict;
 mod search;

@@ -1,8 +1,13 @@
 //! The first limit on the path of a state whose loads grow.
+//!
+//! Where facets of a mesh slide over each other, forces of contact have kinks. A path may turn back at one, so that a
+//! corrector goes to and fro between both sides, or the body snaps by little. From such a place on, states are found
+//! [by load steps](super::by_load), and a limit is what no stable state near by lies beyond.
 
 use mesh::Vec3;
 
 use super::Limit;
+use super::by_load::{ByLoad, End};
 use crate::energy::Iterate;
 use crate::forward::{
     ArcFollower, ArcLength, Configuration, Failure, Integrator, Kind, LoadStep, Passed, Problem,
@@ -32,6 +37,23 @@ pub enum First {
     Lost(Option<Failure>),
 }
 
+/// A body whose loads grow.
+struct On<'a> {
+    held: &'a Problem,
+    rest: &'a [Vec3],
+    integrator: Integrator,
+}
+
+/// Where a path leads.
+enum Along {
+    /// To the largest load.
+    Whole,
+    /// Nowhere: its start is not stable.
+    Unstable,
+    /// To what was found, from the last stable state.
+    To(Reached, First),
+}
+
 /// How the first limit is sought.
 #[derive(Clone, Copy, Debug)]
 pub struct LimitSearch {
@@ -43,7 +65,7 @@ pub struct LimitSearch {
 
 impl LimitSearch {
     /// The first limit of a problem whose loads grow from a state on ([`Problem::held`]). Every state on the way is
-    /// shown to `observe`.
+    /// shown to `observe`; one that is no point of a path was found by a load step.
     pub fn from(
         &self,
         held: &Problem,
@@ -51,45 +73,99 @@ impl LimitSearch {
         (start, integrator): (&Iterate, Integrator),
         mut observe: impl FnMut(&LoadStep),
     ) -> First {
-        let reached = Reached {
-            time: start.time,
-            u: start.u.to_vec(),
-            multipliers: start.multipliers.to_vec(),
+        let (time, u, multipliers) = (start.time, start.u.to_vec(), start.multipliers.to_vec());
+        let reached = Reached { time, u, multipliers };
+        let on = On { held, rest: start.rest, integrator };
+        let (last, found) = match self.along(&on, workspace, reached, &mut observe) {
+            Along::Whole => return First::None,
+            Along::Unstable => return First::Unstable,
+            Along::To(last, found) => (last, found),
         };
-        let rest = start.rest;
-        let mut stepper = TimeStepper::within(self.stepping, integrator, reached);
-        let largest = f64::INFINITY;
-        let path =
-            ArcLength { first: FIRST, largest, smallest: self.stepping.smallest, end: self.most };
+        let kinks = held.energies.contact.is_some();
+        match &found {
+            First::Lost(None | Some(Failure::Folded | Failure::Interrupted)) => return found,
+            First::Lost(_) => {}
+            _ if !kinks => return found,
+            _ => {}
+        }
+        let begun = last.time;
+        let by_load = ByLoad { stepping: &self.stepping, most: self.most };
+        let came = by_load.from(held, workspace, (on.rest, last), &mut observe);
+        let last = came.last.time;
+        match (came.end, found) {
+            (End::Most, _) => First::None,
+            (_, found @ (First::Found(..) | First::Between(..))) if last <= begun => found,
+            (End::Limit(beyond), _) => {
+                // next to it, the path may be smooth enough for a direct method
+                let bracket = First::Between(Kind::LimitPoint, [last, beyond]);
+                match self.along(&on, workspace, came.last, |_| ()) {
+                    Along::To(_, First::Found(limit, loads)) if limit.load <= beyond => {
+                        First::Found(limit, loads)
+                    }
+                    _ => bracket,
+                }
+            }
+            (End::Unknown, First::Lost(why)) => First::Lost(why),
+            (End::Unknown, _) => First::Lost(None),
+        }
+    }
+
+    /// Follows the path from a state to the first singular point.
+    fn along(
+        &self,
+        on: &On,
+        workspace: &mut Workspace,
+        from: Reached,
+        mut observe: impl FnMut(&LoadStep),
+    ) -> Along {
+        let On { held, rest, integrator } = on;
+        let mut stepper = TimeStepper::within(self.stepping, integrator.clone(), from);
+        let (first, smallest) = (FIRST, self.stepping.smallest);
+        let path = ArcLength { first, largest: f64::INFINITY, smallest, end: self.most };
         let mut follower = ArcFollower::new(path);
         for states in 1..=STATES {
             let step = match follower.next(&mut stepper, held, workspace, rest) {
                 Ok(step) => step,
-                Err(unreached) => return First::Lost(Some(unreached.failure)),
+                Err(unreached) => {
+                    return Along::To(last(&stepper, 0), First::Lost(Some(unreached.failure)));
+                }
             };
             let Some(point) = step.path.as_deref() else { continue };
             match point.passed.first() {
-                None if states == 1 && point.stability.negative > 0 => return First::Unstable,
-                None if step.ends_time_step => {
-                    observe(&step);
-                    return First::None;
-                }
+                None if states == 1 && point.stability.negative > 0 => return Along::Unstable,
                 None => observe(&step),
-                Some(passed) => {
-                    let (kind, loads) = match *passed {
-                        Passed::LimitPoint(loads) => (Kind::LimitPoint, loads),
-                        Passed::Bifurcation(loads) => (Kind::Bifurcation, loads),
-                    };
-                    let nearer = match kind {
-                        Kind::LimitPoint => follower.narrowed(&stepper, held, workspace, rest),
-                        Kind::Bifurcation => None,
-                    };
-                    let nearest = nearer.as_ref().unwrap_or(&step);
-                    return self.sharp(held, workspace, (rest, nearest), (kind, loads));
+                Some(&passed) => {
+                    let between = (&stepper, &follower);
+                    let found = self.at(held, workspace, between, rest, (&step, passed));
+                    return Along::To(last(&stepper, 1), found);
                 }
             }
+            if step.ends_time_step {
+                return Along::Whole;
+            }
         }
-        First::Lost(None)
+        Along::To(last(&stepper, 0), First::Lost(None))
+    }
+
+    /// The limit that lies between the last two states of a path.
+    fn at(
+        &self,
+        held: &Problem,
+        workspace: &mut Workspace,
+        (stepper, follower): (&TimeStepper, &ArcFollower),
+        rest: &[Vec3],
+        (step, passed): (&LoadStep, Passed),
+    ) -> First {
+        let (kind, loads) = match passed {
+            Passed::LimitPoint(loads) => (Kind::LimitPoint, loads),
+            Passed::Bifurcation(loads) => (Kind::Bifurcation, loads),
+        };
+        let nearer = match kind {
+            Kind::LimitPoint => follower.narrowed(stepper, held, workspace, rest),
+            Kind::Bifurcation => None,
+        };
+        let nearest = nearer.as_ref().unwrap_or(step);
+        self.sharp(held, workspace, (rest, nearest), (kind, loads))
     }
 
     /// The limit next to a state, between two loads.
@@ -118,6 +194,12 @@ impl LimitSearch {
             }
         }
     }
+}
+
+/// The last state of a path, or one before it.
+fn last(stepper: &TimeStepper, back: usize) -> Reached {
+    let states = &stepper.progress.last;
+    states[states.len().saturating_sub(1 + back)].clone()
 }
 
 /// Whether a load is that of a singular point between two states: above both where the load turns.

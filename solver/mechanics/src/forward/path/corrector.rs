@@ -13,6 +13,10 @@ const ITERATIONS: usize = 12;
 const ON_SPHERE: f64 = 1e-6;
 /// Iterations after which a residual that has not halved may be within rounding.
 const STALLED: usize = 3;
+/// Iterations after which one that is what it was two iterations before goes to and fro, ...
+const CYCLES: usize = 5;
+/// ... up to this, relative to it.
+const SAME: f64 = 0.01;
 
 /// Where the next state lies.
 #[derive(Clone, Copy)]
@@ -74,7 +78,7 @@ impl Corrector<'_> {
         residuals: &mut Vec<f64>,
     ) -> Result<Balanced, Missed> {
         let problem = self.from.problem;
-        let (mut peak, mut before) = (0.0_f64, f64::INFINITY);
+        let (mut peak, mut before) = (0.0_f64, [f64::INFINITY; 2]);
         for iterations in 0..=ITERATIONS {
             let now = Residual::of(problem, workspace, &state.iterate(problem));
             peak = peak.max(now.scale);
@@ -87,7 +91,7 @@ impl Corrector<'_> {
                 if residual <= wanted {
                     return Ok(Balanced { iterations, residual, wanted, floor: None });
                 }
-                let stalled = iterations >= STALLED && residual > 0.5 * before;
+                let stalled = iterations >= STALLED && residual > 0.5 * before[1];
                 let floor =
                     stalled.then(|| workspace.rounding_floor(problem, &state.iterate(problem)));
                 if floor.is_some_and(|floor| residual <= floor) {
@@ -97,9 +101,11 @@ impl Corrector<'_> {
             if !residual.is_finite() {
                 return Err(Failure::Inadmissible.into());
             }
-            if iterations < ITERATIONS {
+            // forces of contact have kinks, at which Newton's method may go to and fro
+            let cycles = iterations >= CYCLES && (residual / before[0] - 1.0).abs() < SAME;
+            if iterations < ITERATIONS && !cycles {
                 self.step(workspace, state, &now)?;
-                before = residual;
+                before = [before[1], residual];
             } else {
                 return Err(Failure::IterationLimit { iterations, residual, wanted }.into());
             }

@@ -41,6 +41,8 @@ use crate::math::linear::norm;
 
 /// Fraction of the free path of surfaces that a predictor goes.
 const NEARLY: f64 = 0.9;
+/// Arc length, in first ones, below which surfaces that meet leave no way: a barrier would have moved them apart.
+const FOLDED: f64 = 1e-6;
 /// Newton iterations that the arc length aims at.
 const AIM: f64 = 5.0;
 /// Largest growth of the arc length from one state to the next.
@@ -246,8 +248,8 @@ impl<'a> From<'a> {
         let free = workspace.max_step(self.problem, &self.last, &state.iterate(self.problem));
         if free < 1.0 {
             let length = NEARLY * free * length;
-            if length <= 0.0 {
-                return Err(Failure::Blocked { free });
+            if length <= FOLDED * self.progress.first {
+                return Err(Failure::Folded);
             }
             return Ok(Predicted {
                 state: self.moved(length),

@@ -6,7 +6,7 @@ use super::*;
 use crate::adjoint::Grown;
 use crate::element::FunctionSpace;
 use crate::energy::ParameterId;
-use crate::energy::{BodyForce, Chamber, Energies, Isobaric, Wall};
+use crate::energy::{BodyForce, Energies};
 use crate::forward::{
     First, Integrator, Kind, Limit, LimitSearch, Method, Newton, State, Stepping,
 };
@@ -14,7 +14,7 @@ use crate::material::{Lame, NeoHookean};
 use crate::math::linear::dot;
 use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
-use crate::testing;
+use crate::testing::{self, balloon, balloon_pressure};
 
 const NEWTON: Newton =
     Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0, ballooned: None };
@@ -182,51 +182,10 @@ fn a_higher_arch_says_where_an_asymmetrical_branch_leaves() {
     assert!(smallest < 0.0, "the load has to push it back: {smallest}");
 }
 
-/// A thick sphere of A = 0.6 B, of which an eighth is meshed, and the pressure at t = 1 over the shear modulus.
-fn sphere(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
-    let mesh = testing::eighth_shell(levels, layers, INNER);
-    let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
-    let nodes = space.node_positions(&mesh.vertices);
-    let fixed: Vec<bool> =
-        nodes.iter().flat_map(|x| [x.x < 1e-12, x.y < 1e-12, x.z < 1e-12]).collect();
-    let boundary = mesh::topology::boundary(&mesh).facets;
-    let on =
-        |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
-    let planes: Vec<_> = (0..3)
-        .map(|axis| {
-            let cut = boundary.iter().filter(|f| on(f, &|x| x[axis] < 1e-12));
-            let cut: Vec<[usize; 3]> = cut.copied().collect();
-            crate::symmetry::Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut)
-                .expect("a plane")
-        })
-        .collect();
-    let wall = boundary.iter().filter(|f| on(f, &|x| x.norm() < INNER + 1e-9));
-    let wall: Vec<[usize; 3]> = wall.copied().collect();
-    let wall = Wall::cut_by(&planes, &space, &wall);
-    let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
-    let chamber = Chamber { wall, gas, multiplier: None, memory: None };
-    // bulk modulus 2000 times the shear modulus 1
-    let material = NeoHookean(Lame::new(2.9995, 0.49975));
-    let elastic = crate::energy::Elastic::whole(Box::new(material)).with_mean_dilatation();
-    let body = crate::energy::BodyEnergies::new(elastic.expect("a term of the volume"));
-    let energies = Energies::bodies(vec![body]).with_chamber("wall", chamber);
-    (Problem::new(space, energies, &fixed), mesh.vertices)
-}
-
-const INNER: f64 = 0.6;
-
-/// Pressure over the shear modulus at a stretch of the inner wall: with W' = 2 (λ − λ⁻⁵) of the incompressible law,
-/// ∫ W'/(λ³ − 1) dλ between the stretches of both walls.
-fn sphere_pressure(inside: f64) -> f64 {
-    let outside = (1.0 + (inside.powi(3) - 1.0) * INNER.powi(3)).cbrt();
-    let part = |l: f64| 1.0 / l + 0.25 / l.powi(4);
-    2.0 * (part(outside) - part(inside))
-}
-
 #[test]
 fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
-    let limit = (100..400).map(|i| sphere_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
-    let (problem, rest) = sphere(2, 2, 1.1 * limit);
+    let limit = (100..400).map(|i| balloon_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = balloon(2, 2, 1.1 * limit);
     let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
     let steps = follow(&problem, &rest, path, 14);
     let stretch = |step: &LoadStep| {
@@ -235,7 +194,7 @@ fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
         (named.chamber.state(&at).0 / named.chamber.rest_volume(&at)).cbrt()
     };
     for step in &steps {
-        let (found, expected) = (1.1 * limit * step.time, sphere_pressure(stretch(step)));
+        let (found, expected) = (1.1 * limit * step.time, balloon_pressure(stretch(step)));
         assert!((found / expected - 1.0).abs() < 0.005, "{found} {expected}");
     }
     let top = steps.iter().map(|step| step.time).fold(0.0, f64::max);
@@ -309,8 +268,8 @@ fn the_direct_method_converges_quadratically_from_afar() {
 
 #[test]
 fn the_direct_method_finds_the_limit_of_a_sphere() {
-    let limit = (1000..4000).map(|i| sphere_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
-    let (problem, rest) = sphere(2, 2, 1.1 * limit);
+    let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = balloon(2, 2, 1.1 * limit);
     let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
     let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::LimitPoint);
     assert!(found.load >= before.max(after) && found.load < 1.0, "{} {before} {after}", found.load);
@@ -392,8 +351,8 @@ fn unit_load(rise: f64, kind: Kind) -> f64 {
 /// The pressure at which a sphere balloons is that of its law and its shape, whatever it is at a load of one.
 #[test]
 fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
-    let limit = (1000..4000).map(|i| sphere_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
-    let (problem, rest) = sphere(2, 2, 0.6 * limit);
+    let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let (problem, rest) = balloon(2, 2, 0.6 * limit);
     let mut workspace = Workspace::new(&problem);
     let mut stepper = stepper(&problem);
     let steps = stepper.next(&problem, &mut workspace, &rest, 1.0).expect("an equilibrium");

@@ -1,0 +1,189 @@
+//! The limit of a body by load steps, where a path cannot be followed: to stable states near by, and by halves between
+//! the last of them and a load at which there is none.
+//!
+//! The energy is minimised at a little more load. Its minimum belongs to the same path if it is near the last state and
+//! stable. Where a chamber balloons instead, or the minimum is far away or not stable, the load has a limit in between.
+
+use mesh::Vec3;
+
+use crate::forward::stability::negative_eigenvalues;
+use crate::forward::stepping::attempt;
+use crate::forward::tangent_system::{at_held_load, factor};
+use crate::forward::{
+    Configuration, Failure, LoadStep, Newton, Problem, Reached, Stepping, Workspace,
+};
+use crate::math::linear::norm;
+
+/// First step of the load, beside it, ...
+const FIRST: f64 = 0.01;
+/// ... the largest, ...
+const LARGEST: f64 = 0.04;
+/// ... and how near the load of a state that was refused has to be.
+const SMALLEST: f64 = 0.0025;
+/// Change of the displacement, beside it, above which a state is another one.
+const NEARBY: f64 = 0.05;
+
+/// How to step.
+pub(super) struct ByLoad<'a> {
+    /// How equilibria are found.
+    pub stepping: &'a Stepping,
+    /// The largest load.
+    pub most: f64,
+}
+
+/// How far the steps came.
+pub(super) struct Came {
+    /// The last stable state.
+    pub last: Reached,
+    /// Why not further.
+    pub end: End,
+}
+
+/// Why load steps end.
+pub(super) enum End {
+    /// The largest load is reached.
+    Most,
+    /// The body does not bear this load.
+    Limit(f64),
+    /// No equilibrium was found, for reasons of the method.
+    Unknown,
+}
+
+/// A state that was not found or is not the next one.
+enum Refused {
+    /// A chamber balloons, or the state is not stable.
+    Limit,
+    /// It is far from the last one: by a shorter step there may be one near by.
+    Far,
+    /// All else.
+    Failed,
+}
+
+impl ByLoad<'_> {
+    /// From a state to the limit. Every state is shown to `observe`.
+    pub fn from(
+        &self,
+        held: &Problem,
+        workspace: &mut Workspace,
+        (rest, mut last): (&[Vec3], Reached),
+        mut observe: impl FnMut(&LoadStep),
+    ) -> Came {
+        let (mut share, mut refused) = (FIRST, None);
+        loop {
+            let further = (last.time * (1.0 + share)).min(self.most);
+            let load = match &refused {
+                Some((beyond, _)) if further >= *beyond => 0.5 * (last.time + beyond),
+                _ => further,
+            };
+            let shortest = last.time * (1.0 + SMALLEST);
+            match self.step(held, workspace, (rest, &last), load) {
+                Ok(step) => {
+                    observe(&step);
+                    let LoadStep { time, u, multipliers, .. } = step;
+                    last = Reached { time, u, multipliers };
+                    share = (2.0 * share).min(LARGEST);
+                }
+                Err(Refused::Far) if load > shortest => share = (0.5 * share).max(SMALLEST),
+                Err(why) => refused = Some((load, why)),
+            }
+            if last.time >= self.most {
+                return Came { last, end: End::Most };
+            }
+            match refused {
+                Some((beyond, why)) if beyond <= last.time * (1.0 + SMALLEST) => {
+                    let end = match why {
+                        Refused::Limit | Refused::Far => End::Limit(beyond),
+                        Refused::Failed => End::Unknown,
+                    };
+                    return Came { last, end };
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The next state at a load.
+    fn step(
+        &self,
+        held: &Problem,
+        workspace: &mut Workspace,
+        (rest, last): (&[Vec3], &Reached),
+        load: f64,
+    ) -> Result<LoadStep, Refused> {
+        let (u, multipliers) = (last.u.clone(), last.multipliers.clone());
+        let start = Configuration { rest, time: last.time, step: None, u, multipliers };
+        let newton = Newton { ballooned: Some(1.0), ..self.stepping.newton };
+        let found = attempt(held, workspace, &start, load, &newton);
+        let step = found.map_err(|failed| {
+            log::debug!("a step to {load:.4} failed ({})", failed.failure);
+            let balloons = matches!(failed.failure, Failure::Balloons { .. });
+            if balloons { Refused::Limit } else { Refused::Failed }
+        })?;
+        let moved: Vec<f64> = step.u.iter().zip(&last.u).map(|(to, from)| to - from).collect();
+        let moved = norm(&moved) / norm(&last.u);
+        let stable = is_stable(held, workspace, &step, rest);
+        log::debug!("step to {load:.4}: moved by {moved:.2e}, stable: {stable}");
+        match stable {
+            false => Err(Refused::Limit),
+            true if moved > NEARBY => Err(Refused::Far),
+            true => Ok(step),
+        }
+    }
+}
+
+fn is_stable(held: &Problem, workspace: &mut Workspace, step: &LoadStep, rest: &[Vec3]) -> bool {
+    let at = step.iterate(held, rest);
+    let constraints = held.constraints(&at);
+    let factor = factor(held, workspace, &at);
+    factor.is_some_and(|factor| {
+        negative_eigenvalues(factor, &at_held_load(held, factor, &constraints)) == 0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forward::{First, Integrator, LimitSearch, Method, State, solve};
+    use crate::testing::{balloon, balloon_pressure};
+
+    const NEWTON: Newton = Newton {
+        iterations: 200,
+        relative: 1e-10,
+        absolute: 1e-12,
+        negligible: 0.0,
+        ballooned: None,
+    };
+
+    #[test]
+    fn load_steps_find_the_limit_of_a_balloon() {
+        let limit = (100..400).map(|i| balloon_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
+        let (problem, rest) = balloon(1, 1, 0.6 * limit);
+        let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
+        let first = solve(&problem, &mut Workspace::new(&problem), &rest, &stepping, |_| {});
+        let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
+        let held = problem.held(1.0, &growing);
+        let first = Reached { time: 1.0, u: first.expect("a state").u, multipliers: Vec::new() };
+        let search = LimitSearch { stepping, most: 3.0 };
+        let zero = vec![0.0; held.dofs()];
+        let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
+        let mut searching = Workspace::new(&held);
+        let start = held.iterate(&rest, &first.u, 1.0);
+        let First::Found(found, _) =
+            search.from(&held, &mut searching, (&start, integrator), |_| ())
+        else {
+            panic!("no limit")
+        };
+        let by_load = ByLoad { stepping: &stepping, most: 3.0 };
+        let came = by_load.from(&held, &mut searching, (&rest, first.clone()), |_| ());
+        let End::Limit(beyond) = came.end else { panic!("not recognised") };
+        let (last, found) = (came.last.time, found.load);
+        assert!(last < found && found < beyond, "{last} {found} {beyond}");
+        assert!(beyond < last * (1.0 + SMALLEST + 1e-12), "{last} {beyond}");
+        let mut loads = Vec::new();
+        let by_load = ByLoad { most: 1.2, ..by_load };
+        let came =
+            by_load.from(&held, &mut searching, (&rest, first), |step| loads.push(step.time));
+        assert!(matches!(came.end, End::Most) && came.last.time == 1.2);
+        assert!(loads.is_sorted() && loads.ends_with(&[1.2]), "{loads:?}");
+    }
+}
