@@ -115,3 +115,105 @@ fn a_limit_that_a_design_cannot_have_is_refused() {
     dir.write("p1.toml", &dir.text("p1.toml").replace("[limit]\nmost = 4\n", ""));
     dir.solver("optimize design.toml -o out").assert_refused(2, &["[limit]", "scene"]);
 }
+
+/// The factors of the limit and of the burst change with the modulus in proportion, as pressure is the only load; by one
+/// number of the law they are compared with two other runs.
+#[test]
+fn limits_have_error_bars() {
+    let dir = chamber::near_its_edges();
+    let scene = dir.text("p1.toml");
+    let uncertain = "\n[uncertainty]\nmodulus = 0.1\nnumbers = { \"material.body.c1\" = 1e3 }\n";
+    let edges = |c1: f64, more: &str| {
+        dir.write("other.toml", &(scene.replace("c1 = 55e3", &format!("c1 = {c1}")) + more));
+        let run = dir.solver("simulate other.toml -o other --restart");
+        run.assert_good();
+        (dir.json("other/report.json")["limit"].clone(), run.stderr)
+    };
+    let (found, said) = edges(55e3, uncertain);
+    let (more, less) = (edges(55.05e3, "").0, edges(54.95e3, "").0);
+    for key in ["factor", "burst"] {
+        let number = |report: &Value| report[key].as_f64().unwrap();
+        let bars = &found["error_bars"][key];
+        assert_eq!(bars["value"], found[key]);
+        let by = |of: &str| {
+            let all = bars["bars"].as_array().unwrap();
+            all.iter().find(|bar| bar["of"] == of).unwrap()["derivative"].as_f64().unwrap()
+        };
+        let (by_modulus, by_c1) = (by("modulus"), by("material.body.c1"));
+        assert!((by_modulus / number(&found) - 1.0).abs() < 1e-6, "{by_modulus} {found}");
+        let slope = (number(&more) - number(&less)) / 100.0;
+        assert!((by_c1 / slope - 1.0).abs() < 1e-4, "{key} {by_c1} {slope}");
+        assert!(said.contains(&format!("limit: {key} ")), "{said}");
+    }
+}
+
+/// The gradient of the term is that of the factor by the shape, the law and the pressure, and the design bears more.
+#[test]
+fn a_design_moves_away_from_its_burst() {
+    let dir = chamber::near_its_edges();
+    let design =
+        dir.text("design.toml").replace("[[shape.level]]\nhandles = 3\niterations = 3\n", "");
+    let design = design.replace("least = 3\nweight = 100\nburst", "burst");
+    dir.write("design.toml", &design);
+    dir.solver("check design.toml --handles 3 --steps 5 --random 1").assert_good();
+    dir.solver("optimize design.toml -o out").assert_good();
+    let text = dir.text("out/history.jsonl");
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let factor = |line: &Value| line["probes"]["burst"].as_f64().unwrap();
+    let (first, last) = (&lines[0], lines.last().unwrap());
+    assert!(factor(last) > factor(first) + 0.02, "{first} {last}");
+    for line in &lines {
+        assert_eq!(line["terms"]["limit"], Value::Null);
+        let (term, expected) =
+            (line["terms"]["burst"].as_f64().unwrap(), 100.0 * (3.0 - factor(line)).powi(2));
+        assert!((term - expected).abs() < 1e-9 * expected, "{line}");
+    }
+    // the report has the same number
+    dir.write("end.toml", &dir.text("p1.toml").replace("body.msh", "out/design.msh"));
+    dir.solver("simulate end.toml -o end").assert_good();
+    let found = dir.json("end/report.json")["limit"]["burst"].as_f64().unwrap();
+    assert!((found / factor(last) - 1.0).abs() < 1e-6, "{found} {last}");
+}
+
+/// What balloons before it tears counts the factor of the limit, and says so.
+#[test]
+fn a_body_that_comes_to_its_limit_first_counts_that_as_its_burst() {
+    let dir = chamber::near_its_edges();
+    let tough = dir.text("p1.toml").replace(chamber::STRETCH_AT_BREAK, "stretch_at_break = 90");
+    dir.write("p1.toml", &tough);
+    let one = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
+    dir.write("design.toml", &one);
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_good();
+    assert!(run.stderr.contains("before the stretch at break"), "{}", run.stderr);
+    for line in dir.text("out/history.jsonl").lines() {
+        let line: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(line["probes"]["burst"], line["probes"]["limit"]);
+        assert_eq!(line["terms"]["burst"], line["terms"]["limit"]);
+    }
+}
+
+#[test]
+fn a_burst_that_a_design_cannot_have_is_refused() {
+    let refused = |file: &str, from: &str, to: &str, words: &[&str]| {
+        let dir = chamber::near_its_edges();
+        let text = dir.text(file);
+        assert!(text.contains(from), "{text}");
+        dir.write(file, &text.replace(from, to));
+        dir.solver("optimize design.toml -o out").assert_refused(2, words);
+    };
+    let goal = chamber::BURST_GOAL;
+    refused("design.toml", goal, "burst = { least = 1, weight = 1 }", &["burst", "above 1"]);
+    refused("design.toml", goal, "burst = { least = 5, weight = 1 }", &["burst", "most = 4"]);
+    refused("design.toml", goal, "burst = { least = 2, weight = 0 }", &["burst", "positive"]);
+    refused("design.toml", "weight = 100\nburst", "burst", &["least and weight go together"]);
+    let both = format!("least = 3\nweight = 100\n{goal}");
+    refused("design.toml", &both, "", &["[limit]", "empty", "burst = {"]);
+    refused("design.toml", "name = \"clear\"", "name = \"burst\"", &["burst", "another"]);
+    refused(
+        "p1.toml",
+        chamber::STRETCH_AT_BREAK,
+        "",
+        &["burst", "no material", "stretch_at_break"],
+    );
+}

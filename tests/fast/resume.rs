@@ -253,12 +253,12 @@ fn a_killed_gauss_newton_run_ends_as_one_that_is_not() {
     assert_same(&dir, &results(&whole));
 }
 
-/// The displacements at the limits lie beside those of the runs.
+/// The displacements at the limits and bursts lie beside those of the runs.
 #[test]
 fn a_design_with_a_limit_that_is_killed_ends_the_same() {
-    let whole = chamber::near_its_limit();
+    let whole = chamber::near_its_edges();
     whole.solver(COMMAND).assert_good();
-    let dir = chamber::near_its_limit();
+    let dir = chamber::near_its_edges();
     assert!(kill_after_every_checkpoint(&dir) > 2, "over before it was killed");
     assert_same(&dir, &results(&whole));
 }

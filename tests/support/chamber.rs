@@ -173,6 +173,25 @@ pub fn near_its_limit() -> Workdir {
     dir
 }
 
+/// When the silicone of [`near_its_edges`] tears: between its state under pressure and its limit.
+pub const STRETCH_AT_BREAK: &str = "stretch_at_break = 2";
+
+/// How far its design is to stay from there.
+pub const BURST_GOAL: &str = "burst = { least = 3, weight = 100 }";
+
+/// The folder of [`near_its_limit`] with a silicone that tears, and a design that asks for that farther away, too.
+///
+/// # Panics
+/// When the folder cannot be written.
+#[must_use]
+pub fn near_its_edges() -> Workdir {
+    let dir = near_its_limit();
+    let tears = format!("d1 = 1e6\n{STRETCH_AT_BREAK}");
+    dir.write("p1.toml", &dir.text("p1.toml").replace("d1 = 1e6", &tears));
+    dir.write("design.toml", &(dir.text("design.toml") + BURST_GOAL + "\n"));
+    dir
+}
+
 /// A scene with a pressure above the limit point, and settings that end the search soon.
 #[must_use]
 pub fn beyond_any_equilibrium(scene: &str) -> String {

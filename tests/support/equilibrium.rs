@@ -1,5 +1,7 @@
 //! Equilibria of small bodies without a scene file.
 
+use std::ops::ControlFlow;
+
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Energies;
 use mechanics::forward::{
@@ -102,12 +104,15 @@ impl Equilibrium {
     }
 
     /// The first limit on the path from rest to the full load, whose states are shown to `observe`.
-    pub fn first_limit(&mut self, observe: impl FnMut(&LoadStep)) -> First {
+    pub fn first_limit(&mut self, mut observe: impl FnMut(&LoadStep)) -> First {
         let zero = vec![0.0; self.problem.dofs()];
         let start = self.problem.iterate(&self.rest, &zero, 0.0);
         let (stepping, integrator) = at_rest(&self.problem);
         let search = LimitSearch { stepping, most: 1.0 };
-        search.from(&self.problem, &mut self.workspace, (&start, integrator), observe)
+        search.from(&self.problem, &mut self.workspace, (&start, integrator), |step| {
+            observe(step);
+            ControlFlow::Continue(())
+        })
     }
 
     /// The path from rest as long as states are wanted, through limits, to the full load at most.

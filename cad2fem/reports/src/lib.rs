@@ -29,7 +29,7 @@ pub use simulation::{
     Status, Task, Timings,
 };
 pub use stability::{
-    DirectIterate, Limit, LimitStatus, PassedPoint, PathState, PointKind, Stability,
+    DirectIterate, Limit, LimitState, LimitStatus, PassedPoint, PathState, PointKind, Stability,
 };
 pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};
 pub use validation::{BandEnd, Comparison, MeasuredPoint, Validation};

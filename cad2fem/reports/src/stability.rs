@@ -1,7 +1,11 @@
 //! How far a state is from losing its stability, and paths through points where it does.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::measured::{Chamber, ErrorBars};
 
 /// A state on a path that is followed by its arc length.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -69,8 +73,12 @@ pub struct Limit {
     pub between: Option<[f64; 2]>,
     /// Factor up to which the state is known to be stable [1].
     pub stable_to: f64,
-    /// Factor at which the largest stretch is that at break, where the material knows it and that comes first [1].
+    /// Factor at which the largest stretch is that at break, where the material knows it and that comes first [1]; below
+    /// 1 where the state at the end is beyond.
     pub burst: Option<f64>,
+    /// Error bars of `factor` and `burst`, where there are such, of a scene with `[uncertainty]`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub error_bars: BTreeMap<String, ErrorBars>,
     /// Largest principal stretch at `stable_to` [1].
     pub largest_stretch: f64,
     /// Why the path could not be followed further, if it could not.
@@ -80,9 +88,24 @@ pub struct Limit {
     /// that slide over each other make small snaps. A limit beyond is known to a quarter of a percent [1].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_load_from: Option<f64>,
+    /// The states on the way, from that at the end of the run on, the limit last where it was found.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path: Vec<LimitState>,
     /// What each iterate of the direct method left, the last one last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub iterates: Vec<DirectIterate>,
+}
+
+/// A state on the way to a limit.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct LimitState {
+    /// Factor on the pressures [1].
+    pub factor: f64,
+    /// Largest principal stretch [1].
+    pub largest_stretch: f64,
+    /// Measures of each chamber, by the tag of its wall.
+    pub chambers: BTreeMap<String, Chamber>,
 }
 
 /// Whether a limit was found.

@@ -11,9 +11,9 @@
 use mesh::Vec3;
 use serde::Serialize;
 
-use crate::element::FunctionSpace;
+use crate::element::{FunctionSpace, add_at};
 use crate::material::Kinematics;
-use crate::math::tensor::Mat3;
+use crate::math::tensor::{Mat3, cofactor};
 use crate::parallel::fill;
 
 /// How far a material may be stretched.
@@ -107,21 +107,106 @@ impl Stretches {
     }
 }
 
+/// The largest principal stretch of a state, that of [`Stretches`], and where it is.
+///
+/// s = max λ = |F N|,   n = F N / s,   S = n Nᵀ
+/// ∂s/∂u_a = S ∇φ_a,   ∂s/∂X_k = −∇uᵀ S ∇ψ_k      at fixed nodal u
+///
+/// φ   basis of the displacement;   ψ   linear basis of the rest shape
+///
+/// It is a maximum: where two points, or two principal stretches of one point, have it together, it has a kink, and this
+/// is its derivative on one side of that.
+#[derive(Clone, Copy, Debug)]
+pub struct LargestStretch {
+    /// s [1].
+    pub value: f64,
+    /// Tetrahedron.
+    pub element: usize,
+    /// Point of its volume rule.
+    pub point: usize,
+}
+
+impl LargestStretch {
+    /// At the displacement u.
+    #[must_use]
+    pub fn of(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Self {
+        let count = space.tets().len();
+        let each = fill(count, 1, (f64::NEG_INFINITY, 0), |range, each| {
+            for (element, own) in range.zip(each) {
+                for (point, grad_u) in space.displacement_gradients(rest, u, element).enumerate() {
+                    let [_, high] = principal(&grad_u);
+                    if high > own.0 {
+                        *own = (high, point);
+                    }
+                }
+            }
+        });
+        let mut found = Self { value: f64::NEG_INFINITY, element: 0, point: 0 };
+        for (element, (value, point)) in each.into_iter().enumerate() {
+            if value > found.value {
+                found = Self { value, element, point };
+            }
+        }
+        found
+    }
+
+    /// ∂s/∂u, three components per node, and ∂s/∂X [1/m], three per vertex.
+    #[must_use]
+    pub fn partials(
+        &self,
+        space: &FunctionSpace,
+        rest: &[Vec3],
+        u: &[f64],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let Self { element, point, .. } = *self;
+        let (mut by_u, mut by_rest) = (vec![0.0; u.len()], vec![0.0; 3 * rest.len()]);
+        let Some(grad_u) = space.displacement_gradients(rest, u, element).nth(point) else {
+            return (by_u, by_rest);
+        };
+        let f = Mat3::identity() + grad_u;
+        let eigen = (f.transpose() * f).symmetric_eigen();
+        let material = eigen.eigenvectors.column(eigen.eigenvalues.imax());
+        let spatial = (f * material).normalize();
+        let slope = spatial * material.transpose();
+        let corners = space.tets()[element];
+        let [a, b, c, d] = corners.map(|v| rest[v]);
+        let edges = Mat3::from_columns(&[b - a, c - a, d - a]);
+        let to_rest = cofactor(&edges) / edges.determinant();
+        let n = space.nodes_per_element();
+        let nodes = &space.element_nodes()[n * element..n * (element + 1)];
+        for (&node, gradient) in nodes.iter().zip(&space.volume_table().gradients[point]) {
+            add_at(&mut by_u, node, &(slope * (to_rest * Vec3::from(*gradient))));
+        }
+        let turned = grad_u.transpose() * slope;
+        for (k, &vertex) in corners[1..].iter().enumerate() {
+            let by = turned * to_rest.column(k);
+            add_at(&mut by_rest, vertex, &-by);
+            add_at(&mut by_rest, corners[0], &by);
+        }
+        (by_u, by_rest)
+    }
+}
+
+/// Smallest and largest principal stretch at ∇u.
+fn principal(grad_u: &Mat3) -> [f64; 2] {
+    let squares = Kinematics::new(grad_u).left_minus_1().symmetric_eigenvalues();
+    [squares.min(), squares.max()].map(|square| (1.0 + square).max(0.0).sqrt())
+}
+
 /// Smallest and largest principal stretch of one element, by ∇u at its quadrature points.
 fn element(gradients: impl Iterator<Item = Mat3>) -> [f64; 2] {
-    let mut range = [1.0_f64, 1.0];
-    for grad_u in gradients {
-        let squares = Kinematics::new(&grad_u).left_minus_1().symmetric_eigenvalues();
-        range[0] = range[0].min((1.0 + squares.min()).max(0.0).sqrt());
-        range[1] = range[1].max((1.0 + squares.max()).sqrt());
-    }
-    range
+    gradients
+        .map(|grad_u| principal(&grad_u))
+        .fold([1.0, 1.0], |range, [low, high]| [range[0].min(low), range[1].max(high)])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::cube;
+    use crate::math::linear::dot;
+    use crate::math::random::Random;
+    use crate::math::taylor::taylor;
+    use crate::testing::{cube, flat};
 
     fn limits(at_break: Option<f64>) -> Limits {
         Limits { fitted: Some([1.0, 2.0]), at_break }
@@ -163,5 +248,35 @@ mod tests {
         assert_eq!((found.warnings(), found.volume_beyond), (Vec::new(), 0.0));
         let unknown = Stretches::of(&space, &rest, &u, Limits::default());
         assert_eq!((unknown.warnings(), unknown.margin), (Vec::new(), None));
+    }
+
+    /// By displacement and by rest shape, with all nodes and vertices moved.
+    #[test]
+    fn derivatives_of_the_largest_stretch_belong_to_it() {
+        for degree in [1, 2, 3] {
+            let mesh = cube(2, 0.2);
+            let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets.clone());
+            let mut random = Random::new(7);
+            let u: Vec<f64> = flat(&random_vectors(&mut random, space.node_count(), 0.01));
+            let found = LargestStretch::of(&space, &mesh.vertices, &u);
+            let largest = Stretches::of(&space, &mesh.vertices, &u, Limits::default()).largest;
+            assert_eq!(found.value, largest);
+            let (by_u, by_rest) = found.partials(&space, &mesh.vertices, &u);
+            let du = flat(&random_vectors(&mut random, space.node_count(), 1e-4));
+            let dx = random_vectors(&mut random, mesh.vertices.len(), 1e-4);
+            let slope = dot(&by_u, &du) + dot(&by_rest, &flat(&dx));
+            let result = taylor(1.0, 6, slope, |by| {
+                let u: Vec<f64> = u.iter().zip(&du).map(|(u, d)| u + by * d).collect();
+                let rest: Vec<Vec3> =
+                    mesh.vertices.iter().zip(&dx).map(|(x, d)| x + by * d).collect();
+                Ok::<_, ()>(LargestStretch::of(&space, &rest, &u).value)
+            });
+            let result = result.expect("values");
+            assert!((result.slope - 2.0).abs() < 0.1, "{degree} {result:?}");
+        }
+    }
+
+    fn random_vectors(random: &mut Random, count: usize, size: f64) -> Vec<Vec3> {
+        (0..count).map(|_| size * random.vector()).collect()
     }
 }

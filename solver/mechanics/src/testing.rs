@@ -220,7 +220,7 @@ pub fn balloon(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec
     let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
     let chamber = Chamber { wall, gas, multiplier: None, memory: None };
     // bulk modulus 2000 times the shear modulus 1
-    let material = NeoHookean(Lame::new(2.9995, 0.49975));
+    let material = NeoHookean(Lame::new(BALLOON_MODULUS, 0.49975));
     let elastic = Elastic::whole(Box::new(material)).with_mean_dilatation();
     let body = BodyEnergies::new(elastic.expect("a term of the volume"));
     let energies = Energies::bodies(vec![body]).with_chamber("wall", chamber);
@@ -229,6 +229,8 @@ pub fn balloon(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec
 
 /// Inner radius of [`balloon`], whose outer one is 1.
 pub const BALLOON: f64 = 0.6;
+/// Young's modulus of [`balloon`], whose shear modulus is 1.
+pub const BALLOON_MODULUS: f64 = 2.9995;
 
 /// Pressure over the shear modulus at a stretch of the inner wall of [`balloon`]: with W' = 2 (λ − λ⁻⁵) of the incompressible law,
 /// ∫ W'/(λ³ − 1) dλ between the stretches of both walls.

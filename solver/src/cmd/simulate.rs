@@ -14,7 +14,7 @@ use mechanics::forward::{
     predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
-use reports::{AsCast, End, ErrorBars, Limit, Simulation, Status};
+use reports::{AsCast, End, ErrorBars, Simulation, Status};
 use scene::{Scene, log_share};
 
 use crate::number;
@@ -30,7 +30,7 @@ use crate::report::summary;
 use crate::report::writer::{Writer, write_beside};
 use crate::report::{reinforcement, threads};
 use crate::study::as_cast;
-use crate::study::limit;
+use crate::study::limit::{self, Edges};
 use crate::study::uncertainty;
 
 /// Solve a scene for its equilibrium under the full load, or through time
@@ -136,10 +136,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
     let (stability, mode) = known.unzip();
     found.stability = stability;
-    let at_limit = run.limit(&end);
-    let (limit, mode_at_limit) = at_limit.unzip();
-    let mode = mode.or_else(|| mode_at_limit.flatten());
-    found.limit = limit;
+    let mut edges = run.edges(&end);
+    if let Some(edges) = &mut edges {
+        uncertainty::report_edges(&scene, &problem, &end, edges);
+    }
+    let at_limit = || edges.as_ref()?.at_limit.as_ref().map(|found| found.mode.clone());
+    let mode = mode.or_else(at_limit);
+    found.limit = edges.map(|edges| edges.limit);
     results::write_end(folder, &problem, &end, mode.as_deref())?;
     found.error_bars = run.error_bars();
     found.wall_s = before_s + start.elapsed().as_secs_f64();
@@ -413,11 +416,11 @@ impl<'a> Run<'a> {
         simulation::end(self.scene, (self.problem, self.probes), end, &spent)
     }
 
-    /// How much more pressure the state at the end bears, where the scene asks for that, and the mode of that limit.
-    fn limit(&self, end: &Iterate) -> Option<(Limit, Option<Vec<f64>>)> {
+    /// How much more pressure the state at the end bears, where the scene asks for that.
+    fn edges(&self, end: &Iterate) -> Option<Edges> {
         let config = self.scene.config.limit.as_ref()?;
         let found = limit::find(self.scene, self.problem, end, config);
-        log::info!("{}", limit::in_words(&found.0));
+        log::info!("{}", limit::in_words(&found.limit));
         Some(found)
     }
 

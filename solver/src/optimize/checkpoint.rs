@@ -78,7 +78,7 @@ pub struct Checkpoint {
     /// What `fab plan` says of the shape at θ, where it is asked.
     #[serde(default)]
     pub mold: Option<Castable>,
-    /// How far the accepted runs are from their limits, where that is asked.
+    /// How far the accepted runs are from their edges, one run after the other, where that is asked.
     #[serde(default)]
     pub margins: Vec<SavedMargin>,
 }
@@ -262,13 +262,12 @@ impl Checkpoint {
     /// When it cannot be written; the one before then still stands.
     pub fn write_with_runs(&mut self, folder: &Path, runs: &[Run]) -> Result<()> {
         let path = self.run_path(folder);
-        self.margins =
-            runs.iter().filter_map(|run| run.margin.as_ref()).map(Margin::saved).collect();
+        self.margins = runs.iter().flat_map(|run| &run.margins).map(Margin::saved).collect();
         let steps: usize = runs.iter().map(|run| run.states.steps()).sum();
         let dofs = runs.first().map_or(0, |run| run.states.last().len());
         let displacements = runs.iter().flat_map(|run| {
-            let at_limit = run.margin.as_ref().map(|margin| margin.displacement(dofs));
-            run.states.displacements().chain(at_limit)
+            let at_edges = run.margins.iter().map(move |margin| margin.displacement(dofs));
+            run.states.displacements().chain(at_edges)
         });
         npy::write_rows(&path, [steps + self.margins.len(), dofs], displacements)?;
         self.files.retain(|name, _| !is_run(name));

@@ -180,7 +180,7 @@ impl Level {
     }
 
     /// An evaluation as it was, from the displacements of all scenarios at the ends of time
-    /// steps, one scenario after the other [m], with those at their limits, where these are known.
+    /// steps, one scenario after the other [m], with those at their edges, where these are known.
     ///
     /// # Errors
     /// When one of them cannot be read.
@@ -193,14 +193,15 @@ impl Level {
         let rest = self.map.shape(theta);
         let (loads, steps) = (self.map.load_variables(theta), self.steps());
         let mut runs = Vec::new();
-        for (i, scenario) in self.scenarios.iter_mut().enumerate() {
+        let mut margins = margins.iter();
+        for scenario in &mut self.scenarios {
             let states: Vec<_> = displacements.by_ref().take(steps).collect();
-            let at_limit = match margins.get(i) {
-                None => None,
-                Some(saved) => displacements.next().map(|u| u.map(|u| Margin::of(*saved, u))),
-            };
-            let margin = at_limit.transpose().map_err(Into::into)?;
-            runs.push(scenario.recall(loads, &rest, states.into_iter(), margin)?);
+            let saved = margins.by_ref().take(scenario.edges());
+            let at_edges =
+                saved.zip(displacements.by_ref()).map(|(saved, u)| Ok(Margin::of(*saved, u?)));
+            let at_edges: Result<Vec<Margin>, E> = at_edges.collect();
+            let found = at_edges.map_err(Into::into)?;
+            runs.push(scenario.recall(loads, &rest, states.into_iter(), found)?);
         }
         Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs) })
     }

@@ -1,53 +1,70 @@
-//! How much more pressure than its loads a body bears: the factor at which it balloons or buckles, and at which it
-//! tears.
+//! How much more pressure than its loads a body bears: the factor at which it balloons or buckles, and at which its
+//! largest stretch is that at break.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use mechanics::energy::{ChamberId, Iterate};
-use mechanics::forward::{self, First, Kind, LimitSearch, Problem, Workspace};
-use mechanics::stretch::Stretches;
-use reports::{DirectIterate, Limit, LimitStatus, PointKind};
+use mechanics::forward::{
+    self, Burst, BurstSearch, First, Kind, LimitSearch, Problem, Torn, Workspace,
+};
+use mechanics::stretch::LargestStretch;
+use reports::{DirectIterate, Limit, LimitState, LimitStatus, PointKind};
 use scene::Scene;
 use scene::config::LimitConfig;
 
+use crate::report::results::chambers;
+
 /// What is known on the way to the limit.
 struct Way {
-    /// Factor and largest stretch of the last state.
-    last: (f64, f64),
-    /// Factor at which the material tears.
-    burst: Option<f64>,
+    /// The states.
+    path: Vec<LimitState>,
+    /// Where the material tears, if it is known when.
+    burst: Option<BurstSearch>,
     /// Factor from which on states were found by load steps.
     by_load_from: Option<f64>,
 }
 
-/// The limit of the state at the end of a run, with the softest mode there over all degrees of freedom, where there is
-/// one.
+/// The edges of a run: its limit, and its burst.
+pub struct Edges {
+    /// For the report.
+    pub limit: Limit,
+    /// The state at the limit, with the softest mode there over all degrees of freedom, where there is one.
+    pub at_limit: Option<Box<forward::Limit>>,
+    /// The state at which the material tears, where there is one.
+    pub burst: Option<Box<Burst>>,
+}
+
+/// The limit of the state at the end of a run, and its burst.
 #[must_use]
-pub fn find(
-    scene: &Scene,
-    problem: &Problem,
-    end: &Iterate,
-    config: &LimitConfig,
-) -> (Limit, Option<Vec<f64>>) {
+pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfig) -> Edges {
     let held = problem.held(end.time, &growing(problem, config));
     let mut workspace = Workspace::new(&held);
-    let mut way = Way { last: (end.time, stretch(scene, end)), burst: None, by_load_from: None };
-    if at_break(scene).is_some_and(|limit| way.last.1 >= limit) {
-        way.burst = Some(end.time);
-    }
+    let burst = scene.stretch_limits().at_break.map(|at_break| BurstSearch::new(end, at_break));
+    let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
     let search = LimitSearch { stepping: scene.stepping(), most: config.most };
     let start = (end, scene.integrator(&scene.body, &held));
     let first = search.from(&held, &mut workspace, start, |step| {
         if step.path.is_none() {
-            way.by_load_from.get_or_insert(way.last.0);
+            way.by_load_from.get_or_insert(way.last()[0]);
         }
-        way.follow(scene, &step.iterate(&held, end.rest));
-        let (factor, stretch) = way.last;
+        way.follow(&held, &step.iterate(&held, end.rest));
+        let [factor, stretch] = way.last();
         log::info!("towards a limit: {factor:.3} × the pressure, largest stretch {stretch:.2}");
+        ControlFlow::Continue(())
     });
-    match first {
+    if let First::Found(found, _) = &first {
+        let multipliers = &found.multipliers;
+        way.follow(&held, &Iterate { u: &found.u, time: found.load, multipliers, ..*end });
+    }
+    let burst = way.burst.as_ref().and_then(|way| {
+        let torn = way.found(&held, &mut workspace, end.rest, &search.stepping);
+        at_burst(torn)
+    });
+    let factor = burst.as_ref().map(|burst| burst.load);
+    let (limit, at_limit) = match first {
         First::Found(found, loads) => {
-            way.follow(scene, &Iterate { u: &found.u, time: found.load, ..*end });
-            let limit = Limit { between: Some(loads), ..at(&found, &way) };
-            (limit, Some(found.mode))
+            (Limit { between: Some(loads), ..at(&found, &way) }, Some(found))
         }
         First::Between(kind, loads) => {
             let (kind, between) = (Some(kind_of(kind)), Some(loads));
@@ -55,9 +72,38 @@ pub fn find(
         }
         First::None => (none(LimitStatus::StableTo, &way), None),
         First::Unstable => (none(LimitStatus::Unstable, &way), None),
+        // nobody stops it here
+        First::Stopped => (none(LimitStatus::NotFound, &way), None),
         First::Lost(failure) => {
             let reason = failure.map_or_else(|| "too many states".to_owned(), |f| f.to_string());
             (Limit { reason: Some(reason), ..none(LimitStatus::NotFound, &way) }, None)
+        }
+    };
+    Edges { limit: Limit { burst: factor, ..limit }, at_limit, burst }
+}
+
+/// The state at which a body bursts, or in the log why there is none.
+fn at_burst(torn: Torn) -> Option<Box<Burst>> {
+    match torn {
+        Torn::At(burst) => return Some(burst),
+        Torn::Never => (),
+        Torn::Between([from, to]) => log::warn!(
+            "the stretch at break is reached between {from:.4} and {to:.4} × the pressure, but no state there was found"
+        ),
+        Torn::Beyond(why) => log::warn!("{}", beyond(why.as_ref())),
+    }
+    None
+}
+
+/// What to say of a body that is torn at its pressure, and of which no state with less stretch was found.
+#[must_use]
+pub fn beyond(why: Option<&forward::Failure>) -> String {
+    match why {
+        None => "its largest stretch is beyond that at break without any pressure".to_owned(),
+        Some(why) => {
+            format!(
+                "its largest stretch is beyond that at break, and none was found at less pressure: {why}"
+            )
         }
     }
 }
@@ -70,26 +116,27 @@ pub fn growing(problem: &Problem, config: &LimitConfig) -> Vec<ChamberId> {
     named.map(|(id, _)| id).collect()
 }
 
-fn stretch(scene: &Scene, at: &Iterate) -> f64 {
-    Stretches::of(at.space, at.rest, at.u, scene.stretch_limits()).largest
-}
-
-fn at_break(scene: &Scene) -> Option<f64> {
-    scene.stretch_limits().at_break
+fn state(held: &Problem, at: &Iterate) -> LimitState {
+    LimitState {
+        factor: at.time,
+        // without a load all stretches are 1
+        largest_stretch: LargestStretch::of(at.space, at.rest, at.u).value.max(1.0),
+        chambers: chambers(&held.energies, at),
+    }
 }
 
 impl Way {
-    /// Takes in a state: the factor at which the stretch passes that at break is between the last one and it.
-    fn follow(&mut self, scene: &Scene, at: &Iterate) {
-        let (factor, largest) = (at.time, stretch(scene, at));
-        if let Some(limit) = at_break(scene)
-            && self.burst.is_none()
-            && largest >= limit
-        {
-            let part = (limit - self.last.1) / (largest - self.last.1);
-            self.burst = Some(self.last.0 + part * (factor - self.last.0));
+    /// Takes in a state.
+    fn follow(&mut self, held: &Problem, at: &Iterate) {
+        if let Some(burst) = &mut self.burst {
+            burst.pass(at);
         }
-        self.last = (factor, largest);
+        self.path.push(state(held, at));
+    }
+
+    /// Factor and largest stretch of the last state.
+    fn last(&self) -> [f64; 2] {
+        self.path.last().map_or([1.0; 2], |last| [last.factor, last.largest_stretch])
     }
 }
 
@@ -100,11 +147,13 @@ fn none(status: LimitStatus, way: &Way) -> Limit {
         factor: None,
         kind: None,
         between: None,
-        stable_to: way.last.0,
-        burst: way.burst,
-        largest_stretch: way.last.1,
+        stable_to: way.last()[0],
+        burst: None,
+        error_bars: BTreeMap::new(),
+        largest_stretch: way.last()[1],
         reason: None,
         by_load_from: way.by_load_from,
+        path: way.path.clone(),
         iterates: Vec::new(),
     }
 }

@@ -1,7 +1,7 @@
-//! Error bars: what probes change by if numbers of the scene are off.
+//! Error bars: what probes, and the factors of a limit and of a burst, change by if numbers of the scene are off.
 //!
 //! To first order, δq = (∂q/∂p) δp for each number p on its own. One sweep of the adjoint per
-//! probe q gives its derivatives by all p, for the run as it is:
+//! probe q, or the covector of an edge, gives its derivatives by all p, for the run as it is:
 //!
 //! modulus    all parameters of all laws that are stresses, or of one volume, by one factor  [1]
 //! wall       the boundary, or the part with a tag, outward by a distance      [m]
@@ -22,6 +22,8 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use measure::probe::Probe;
+use mechanics::adjoint::{Gradient, Grown};
+use mechanics::energy::Iterate;
 use mechanics::forward::{Problem, Trajectory, Workspace};
 use program::KeyPath;
 use reports::{ErrorBar, ErrorBars};
@@ -29,6 +31,7 @@ use scene::Scene;
 use scene::config::{Modulus, UncertaintyConfig, is_pressure};
 
 use crate::number::{Change, Group, Number, Swept, Walls};
+use crate::study::limit::{Edges, growing};
 use crate::study::sensitivity::sensitivities;
 
 /// The larger of the two changes, without sign.
@@ -91,7 +94,8 @@ pub fn report(
     probes: &[Probe],
     run: &Trajectory,
 ) -> Option<BTreeMap<String, ErrorBars>> {
-    let found = error_bars(scene, scene.config.uncertainty.as_ref()?, solver, probes, run);
+    let config = scene.config.uncertainty.as_ref().filter(|_| !probes.is_empty())?;
+    let found = error_bars(scene, config, solver, probes, run);
     match &found {
         Ok(bars) => {
             log::info!("error bars, to first order:");
@@ -120,11 +124,57 @@ pub fn error_bars(
     let mut bars_of = BTreeMap::new();
     for (probe, (value, by)) in probes.iter().zip(found) {
         let swept = Swept::new(scene, problem, walls.as_ref(), &by);
-        let bars: Vec<ErrorBar> = all.iter().map(|off| off.bar(scene, &swept)).collect();
-        let whole = bars.iter().filter(|bar| bar.on.is_none());
-        let together = whole.map(|bar| size(bar).powi(2)).sum::<f64>().sqrt();
-        let unit = probe.kind.unit.to_owned();
-        bars_of.insert(probe.name.clone(), ErrorBars { value, unit, together, bars });
+        bars_of.insert(probe.name.clone(), bars(scene, &all, &swept, (value, probe.kind.unit)));
+    }
+    Ok(bars_of)
+}
+
+/// The bars of a value by its derivatives.
+fn bars(scene: &Scene, all: &[Off], swept: &Swept, (value, unit): (f64, &str)) -> ErrorBars {
+    let bars: Vec<ErrorBar> = all.iter().map(|off| off.bar(scene, swept)).collect();
+    let whole = bars.iter().filter(|bar| bar.on.is_none());
+    let together = whole.map(|bar| size(bar).powi(2)).sum::<f64>().sqrt();
+    ErrorBars { value, unit: unit.to_owned(), together, bars }
+}
+
+/// Adds the error bars of the factors of a limit and of a burst to their report, where the scene asks for them; in the
+/// log, too, with why there are none.
+pub fn report_edges(scene: &Scene, problem: &Problem, end: &Iterate, edges: &mut Edges) {
+    let Some(config) = &scene.config.uncertainty else { return };
+    match of_edges(scene, config, problem, end, edges) {
+        Ok(bars) => {
+            in_words(&bars).iter().for_each(|line| log::info!("limit: {line}"));
+            edges.limit.error_bars = bars;
+        }
+        Err(why) => log::warn!("no error bars of the limit: {why:#}"),
+    }
+}
+
+/// Error bars of the factors of a limit and of a burst, by their names in the report.
+fn of_edges(
+    scene: &Scene,
+    config: &UncertaintyConfig,
+    problem: &Problem,
+    end: &Iterate,
+    edges: &Edges,
+) -> Result<BTreeMap<String, ErrorBars>> {
+    let mut bars_of = BTreeMap::new();
+    let Some(limit) = &scene.config.limit else { return Ok(bars_of) };
+    let all = numbers(scene, config)?;
+    let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), &scene.body)?;
+    let growing = growing(problem, limit);
+    let held = &problem.held(end.time, &growing);
+    let grown = Grown { problem, held, rest: end.rest, time: end.time, growing: &growing };
+    let mut add = |name: &str, value: f64, by: &Gradient| {
+        let swept = Swept::new(scene, problem, walls.as_ref(), by);
+        bars_of.insert(name.to_owned(), bars(scene, &all, &swept, (value, "1")));
+    };
+    if let Some(found) = &edges.at_limit {
+        let by = grown.gradient(&mut Workspace::new(held), found);
+        add("factor", found.load, &by.context("derivatives of the factor")?);
+    }
+    if let Some(burst) = &edges.burst {
+        add("burst", burst.load, &grown.gradient_of_burst(burst));
     }
     Ok(bars_of)
 }
@@ -228,7 +278,8 @@ fn range_of_sources(scene: &Scene) -> [f64; 2] {
 pub fn in_words(bars: &BTreeMap<String, ErrorBars>) -> Vec<String> {
     let mut lines = Vec::new();
     for (name, ErrorBars { value, unit, together, bars }) in bars {
-        lines.push(format!("{name} {value:.3e} {unit}, together ± {together:.1e} {unit}"));
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        lines.push(format!("{name} {value:.3e}{unit}, together ± {together:.1e}{unit}"));
         let mut sorted: Vec<&ErrorBar> = bars.iter().collect();
         sorted.sort_by(|a, b| size(b).total_cmp(&size(a)));
         for bar in sorted {
@@ -242,7 +293,7 @@ pub fn in_words(bars: &BTreeMap<String, ErrorBars>) -> Vec<String> {
             let [down, up] = bar.change;
             let of = &bar.of;
             lines.push(format!(
-                "  {of}{on} {low:+.2}, {high:+.2} {shown}: {down:+.1e}, {up:+.1e} {unit}"
+                "  {of}{on} {low:+.2}, {high:+.2} {shown}: {down:+.1e}, {up:+.1e}{unit}"
             ));
         }
     }

@@ -1,17 +1,18 @@
-//! The gradient of the load of a limit.
+//! The gradient of the load of a limit, or of a burst.
 //!
 //! All loads of a state are held, and the pressures p of some chambers grow to t p. With t the load of the limit,
 //!
 //! dt = Σ λ · ∂R + μ · ∂(V − V*)
 //!
 //! with the covectors of [`Limit::covectors`]. No adjoint system is solved at a limit point. The derivative by p is t
-//! times the one by the pressure t p. Where nothing else loads the body, t p does not change with p.
+//! times the one by the pressure t p. Where nothing else loads the body, t p does not change with p. The load of a burst
+//! changes by what the rest shape does to the stretch, too ([`Burst`]).
 
 use mesh::Vec3;
 
 use super::{Gradient, along};
 use crate::energy::{ChamberId, Iterate, ParameterGradients, ParameterId};
-use crate::forward::{Covector, Failure, Limit, Problem, State, Workspace};
+use crate::forward::{Burst, Covector, Failure, Limit, Problem, State, Workspace};
 
 /// The state whose pressures grow to the limit.
 pub struct Grown<'a> {
@@ -33,23 +34,40 @@ impl Grown<'_> {
     /// # Errors
     /// As [`Limit::covectors`].
     pub fn gradient(&self, workspace: &mut Workspace, limit: &Limit) -> Result<Gradient, Failure> {
-        let mut by_rest = vec![0.0; 3 * self.rest.len()];
+        let covectors = limit.covectors(self.held, workspace, self.rest)?;
+        Ok(self.along_covectors(limit.load, &covectors, vec![0.0; 3 * self.rest.len()]))
+    }
+
+    /// The derivatives of the load of a burst, as those of a run of one time step.
+    #[must_use]
+    pub fn gradient_of_burst(&self, burst: &Burst) -> Gradient {
+        let covectors = std::slice::from_ref(&burst.covector);
+        self.along_covectors(burst.load, covectors, burst.by_rest.clone())
+    }
+
+    /// The derivatives of a load through the equations, added to those by the rest vertices beside them.
+    fn along_covectors(
+        &self,
+        load: f64,
+        covectors: &[Covector],
+        mut by_rest: Vec<f64>,
+    ) -> Gradient {
         let mut parameters = ParameterGradients::new(1);
-        for covector in limit.covectors(self.held, workspace, self.rest)? {
-            let Covector { u, multipliers, lambda, mu } = &covector;
-            let at = Iterate { multipliers, ..self.held.iterate(self.rest, u, limit.load) };
+        for covector in covectors {
+            let Covector { u, multipliers, lambda, mu } = covector;
+            let at = Iterate { multipliers, ..self.held.iterate(self.rest, u, load) };
             let (by, _) = along(self.held, &at, lambda, mu);
             by_rest.iter_mut().zip(&by).for_each(|(sum, by)| *sum += by);
             let at = Iterate { multipliers, ..self.problem.iterate(self.rest, u, self.time) };
             let (_, by) = along(self.problem, &at, lambda, mu);
             for (id, mut by) in by.of_step(0) {
                 if matches!(id, ParameterId::Chamber(id) if self.growing.contains(&id)) {
-                    by.iter_mut().for_each(|by| *by *= limit.load / self.time);
+                    by.iter_mut().for_each(|by| *by *= load / self.time);
                 }
                 parameters.add(0, id, by);
             }
         }
-        let zero = vec![0.0; limit.u.len()];
-        Ok(Gradient { rest: by_rest, parameters, start: State::new(zero.clone(), zero) })
+        let zero = vec![0.0; self.problem.dofs()];
+        Gradient { rest: by_rest, parameters, start: State::new(zero.clone(), zero) }
     }
 }

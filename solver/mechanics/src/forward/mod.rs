@@ -5,6 +5,7 @@
 //! - [`Stepping`]: incremental loading, in load steps of adaptive size;
 //! - [`ArcFollower`]: paths of equilibria through limit points, by their arc length;
 //! - [`Limit`]: loads at which an equilibrium loses its stability, by a direct method;
+//! - [`Burst`]: loads at which the largest stretch is that at break;
 //! - [`Stability`]: how far an equilibrium is from losing it;
 //! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
 //!   [`Integrator`], or quasistatic;
@@ -13,6 +14,7 @@
 mod augmented;
 mod ballooning;
 mod bordered;
+mod burst;
 mod certificate;
 mod cost;
 mod dirichlet;
@@ -38,6 +40,7 @@ mod volumes;
 mod watch;
 mod workspace;
 
+pub use burst::{Burst, BurstSearch, Torn};
 pub use certificate::{Uncertified, certificate};
 pub use cost::{about, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::meaning::meaning;
 
 use super::{
-    ChamberDesign, LIMIT, LevelConfig, LimitGoal, ObjectiveConfig, RobustConfig, ScenarioConfig,
+    ChamberDesign, LevelConfig, LimitGoal, ObjectiveConfig, RobustConfig, ScenarioConfig,
     refuse_outside_of_chambers, scenario,
 };
 
@@ -49,7 +49,7 @@ pub struct DesignConfig {
     /// How the body is to be cast: `fab plan` is asked about every accepted shape.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mold: Option<MoldConfig>,
-    /// How far to stay from where the body balloons or buckles.
+    /// How far to stay from where the body balloons, buckles or tears.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<LimitGoal>,
     /// How to go down.
@@ -376,7 +376,7 @@ impl DesignConfig {
         let mut objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
         if let Some(limit) = &self.limit {
             limit.check(&self.optimizer, &objectives)?;
-            objectives.push(LIMIT);
+            objectives.extend(limit.goals().iter().map(|(name, _)| *name));
         }
         check_shares(&self.objective)?;
         let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();

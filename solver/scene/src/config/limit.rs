@@ -28,21 +28,39 @@ impl Default for LimitConfig {
 /// Name of the term of an objective that counts the limit.
 pub const LIMIT: &str = "limit";
 
-/// How far the body of a design is to stay from where it balloons or buckles. Its scene has the `[limit]` that says of
-/// which pressures. The term `limit` of the objective is weight (least − factor)², or 0 where the factor is more.
+/// Name of the term of an objective that counts the burst.
+pub const BURST: &str = "burst";
+
+/// How far the body of a design is to stay from where it balloons or buckles, from where it tears, or from both. Its
+/// scene has the `[limit]` that says of which pressures. The term `limit` of the objective is weight (least − factor)²,
+/// or 0 where the factor is more; `burst` is the same of the factor at which the largest stretch is that at break.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitGoal {
-    /// Factor on the pressures that the body is to bear, at least [1].
+    /// Factor on the pressures that the body is to bear, at least, before it balloons or buckles [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least: Option<f64>,
+    /// Weight of the term `limit`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weight: Option<f64>,
+    /// Factor on the pressures that the body is to bear, at least, before it tears: `{ least = 1.5, weight = 10 }`. Of a
+    /// body that balloons or buckles first, the factor of that counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst: Option<Least>,
+}
+
+/// A factor that is to be large enough.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Least {
+    /// The factor that counts nothing [1].
     pub least: f64,
     /// Weight of the term.
     pub weight: f64,
 }
 
-impl LimitGoal {
-    /// Checks it alone.
-    pub(super) fn check(&self, optimizer: &OptimizerConfig, objectives: &[&str]) -> Result<()> {
-        let table = KeyPath::table("limit");
+impl Least {
+    fn check(&self, table: KeyPath) -> Result<()> {
         let Self { least, weight } = *self;
         ensure!(
             least.is_finite() && least > 1.0,
@@ -52,6 +70,53 @@ impl LimitGoal {
             weight.is_finite() && weight > 0.0,
             misfit!(table.key("weight"), " = {weight}: must be positive")
         );
+        Ok(())
+    }
+}
+
+impl LimitGoal {
+    /// The factors that count, by the names of their terms.
+    #[must_use]
+    pub fn goals(&self) -> Vec<(&'static str, Least)> {
+        let limit = self.least.zip(self.weight).map(|(least, weight)| Least { least, weight });
+        let named = [(LIMIT, limit), (BURST, self.burst)];
+        named.into_iter().filter_map(|(name, goal)| Some((name, goal?))).collect()
+    }
+
+    /// Where a goal is written.
+    fn path(name: &str) -> KeyPath {
+        let table = KeyPath::table("limit");
+        if name == BURST { table.key(BURST) } else { table }
+    }
+
+    /// Checks it alone.
+    pub(super) fn check(&self, optimizer: &OptimizerConfig, objectives: &[&str]) -> Result<()> {
+        let table = KeyPath::table("limit");
+        ensure!(
+            self.least.is_some() == self.weight.is_some(),
+            misfit!(
+                table,
+                ": least and weight go together; write both, or only burst = {{ least = 1.5, weight = 10 }}"
+            )
+        );
+        let goals = self.goals();
+        ensure!(
+            !goals.is_empty(),
+            misfit!(
+                table,
+                " of the design is empty; expected least and weight, or burst = {{ least = 1.5, weight = 10 }}, or both"
+            )
+        );
+        for (name, goal) in goals {
+            goal.check(Self::path(name))?;
+            ensure!(
+                !objectives.contains(&name),
+                misfit!(
+                    KeyPath::list("objective").named(name),
+                    " beside [limit], whose term has this name; expected another"
+                )
+            );
+        }
         ensure!(
             optimizer.method == OptimizerMethod::LBfgs,
             misfit!(
@@ -60,21 +125,14 @@ impl LimitGoal {
                  expected \"l-bfgs\""
             )
         );
-        ensure!(
-            !objectives.contains(&LIMIT),
-            misfit!(
-                KeyPath::list("objective").named(LIMIT),
-                " beside [limit], whose term has this name; expected another"
-            )
-        );
         Ok(())
     }
 
-    /// Checks it against the scene of its design.
+    /// Checks it against the scene of its design, and the stretch at break of its materials.
     ///
     /// # Errors
-    /// When the scene does not say of which pressures, or does not seek so far.
-    pub fn check_scene(&self, scene: Option<&LimitConfig>) -> Result<()> {
+    /// When the scene does not say of which pressures, or does not seek so far, or no material says when it tears.
+    pub fn check_scene(&self, scene: Option<&LimitConfig>, at_break: Option<f64>) -> Result<()> {
         let table = KeyPath::table("limit");
         let Some(scene) = scene else {
             return Err(misfit!(
@@ -83,12 +141,21 @@ impl LimitGoal {
             )
             .into());
         };
-        let (least, most) = (self.least, scene.most);
+        let most = scene.most;
+        for (name, Least { least, .. }) in self.goals() {
+            ensure!(
+                most >= least,
+                misfit!(
+                    Self::path(name).key("least"),
+                    " = {least}: above most = {most} of [limit] in the scene, up to which a limit is sought"
+                )
+            );
+        }
         ensure!(
-            most >= least,
+            self.burst.is_none() || at_break.is_some(),
             misfit!(
-                table.key("least"),
-                " = {least}: above most = {most} of [limit] in the scene, up to which a limit is sought"
+                table.key(BURST),
+                ": no material of the scene has a stretch_at_break, at which it tears; give it one, or leave burst away"
             )
         );
         Ok(())

@@ -109,8 +109,8 @@ impl UncertaintyConfig {
             );
         }
         ensure!(
-            !scene.probe.is_empty(),
-            "there is no [[probe]]: error bars are of probes; add one for each number that counts"
+            !scene.probe.is_empty() || scene.limit.is_some(),
+            "there is no [[probe]] and no [limit]: error bars are of these; add a probe for each number that counts"
         );
         ensure!(
             pressure.is_none() || scene.chamber.iter().any(|c| is_pressure(c.gas.key())),

@@ -6,7 +6,6 @@ use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mesh::Vec3;
 use scene::Weighted;
-use scene::config::LIMIT;
 
 use super::terms::{Forces, add_partials};
 use super::{Rejected, Run, Scenario};
@@ -42,9 +41,7 @@ impl Scenario {
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         self.add_by_parameters(run, &forces, of, factor, &mut gradient);
-        if of.is_none_or(|name| name == LIMIT) {
-            self.add_limit(run, factor, &mut gradient)?;
-        }
+        self.add_edges(run, of, factor, &mut gradient)?;
         if let Some(offset) = &self.offset {
             offset.add_vjp(designed, &mut gradient.rest);
         }

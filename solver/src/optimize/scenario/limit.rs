@@ -1,41 +1,89 @@
-//! The limit of a run: the factor on the pressures at which the body balloons or buckles, as a term of the objective.
+//! The edges of a run as terms of the objective: the factor on the pressures at which the body balloons or buckles, and
+//! that at which its largest stretch is that at break.
 //!
 //! w (least − t)₊²,   t the factor, at most that up to which a limit is sought
 //!
-//! Next to a run that is linearised its limit is sought by the direct method, from the limit there and its first-order
-//! change with the rest shape; from a run that is not, or where another mode is soft as well, along the path from the
-//! equilibrium on.
+//! Next to a run that is linearised they are sought by direct methods, from those there and their first-order change
+//! with the rest shape; from a run that is not, or where they are not found so, along the path from the equilibrium on.
+//!
+//! Of a body that comes to its limit before it bursts, t of the burst is that of the limit: t is then continuous, and at
+//! a limit point its derivative, too ([`Burst`]).
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use mechanics::adjoint::{Gradient, Grown};
 use mechanics::energy::{ChamberId, Iterate};
 use mechanics::forward::{
-    Configuration, First, Kind, Limit, LimitSearch, Problem, Trajectory, Workspace,
-    solve_multipliers,
+    Burst, BurstSearch, Configuration, Failure, First, Kind, Limit, LimitSearch, Problem, Torn,
+    Trajectory, Workspace, solve_multipliers,
 };
+use mechanics::stretch::LargestStretch;
 use mesh::Vec3;
-use scene::config::LimitGoal;
+use scene::config::{BURST, LIMIT};
 use serde::{Deserialize, Serialize};
 
 use super::{Rejected, Run, Scenario};
-use crate::study::limit::growing;
+use crate::study::limit::{beyond, growing};
 
-/// Change of the factor from the limit of a nearby run, relative to it, above which it may be another limit.
+/// Change of the factor from that of a nearby run, relative to it, above which it may be another one.
 const NEARBY: f64 = 0.2;
 
-/// How far a run is from its limit.
-#[derive(Clone)]
-pub struct Margin {
-    /// Factor on the pressures at the limit, or up to which there is none [1].
-    pub factor: f64,
-    /// The limit; none where it was not reached.
-    pub(super) at: Option<Arc<AtLimit>>,
+/// A factor that is to be large enough.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    /// Name of its term, `LIMIT` or `BURST`.
+    pub name: &'static str,
+    /// The factor that counts nothing [1].
+    pub least: f64,
+    /// Weight of its term in this scenario and level.
+    pub weight: f64,
 }
 
-/// The state at a limit.
-pub(super) struct AtLimit {
-    kind: Kind,
+impl Edge {
+    /// How much a factor counts in the objective.
+    pub fn counts(&self, factor: f64) -> f64 {
+        self.weight * (self.least - factor).max(0.0).powi(2)
+    }
+
+    /// The derivative of that.
+    fn slope(&self, factor: f64) -> f64 {
+        -2.0 * self.weight * (self.least - factor).max(0.0)
+    }
+}
+
+/// How far a run is from an edge.
+#[derive(Clone)]
+pub struct Margin {
+    /// Factor on the pressures there, or up to which there is none [1].
+    pub factor: f64,
+    /// The state there; none where it was not reached.
+    pub(super) at: Option<Arc<AtEdge>>,
+}
+
+/// What is the matter with a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Singled {
+    /// The load turns.
+    LimitPoint,
+    /// Another branch leaves.
+    Bifurcation,
+    /// The largest stretch is that at break.
+    Burst,
+}
+
+impl Singled {
+    fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::LimitPoint => Self::LimitPoint,
+            Kind::Bifurcation => Self::Bifurcation,
+        }
+    }
+}
+
+/// The state at an edge.
+pub(super) struct AtEdge {
+    kind: Singled,
     /// Displacement [m].
     u: Vec<f64>,
 }
@@ -44,7 +92,7 @@ pub(super) struct AtLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedMargin {
     factor: f64,
-    kind: Option<Kind>,
+    kind: Option<Singled>,
 }
 
 impl Margin {
@@ -54,7 +102,7 @@ impl Margin {
         SavedMargin { factor: self.factor, kind: self.at.as_ref().map(|at| at.kind) }
     }
 
-    /// The displacement at the limit [m]; zeros where none was reached.
+    /// The displacement at the edge [m]; zeros where none was reached.
     #[must_use]
     pub fn displacement(&self, dofs: usize) -> Vec<f64> {
         self.at.as_ref().map_or_else(|| vec![0.0; dofs], |at| at.u.clone())
@@ -63,61 +111,135 @@ impl Margin {
     /// A margin as it was kept.
     #[must_use]
     pub fn of(saved: SavedMargin, u: Vec<f64>) -> Self {
-        let at = saved.kind.map(|kind| Arc::new(AtLimit { kind, u }));
+        let at = saved.kind.map(|kind| Arc::new(AtEdge { kind, u }));
         Self { factor: saved.factor, at }
     }
 
-    fn found(limit: Limit) -> Self {
-        let Limit { load, kind, u, .. } = limit;
-        Self { factor: load, at: Some(Arc::new(AtLimit { kind, u })) }
+    fn none_to(most: f64) -> Self {
+        Self { factor: most, at: None }
+    }
+
+    fn limit(limit: &Limit) -> Self {
+        let at = AtEdge { kind: Singled::of(limit.kind), u: limit.u.clone() };
+        Self { factor: limit.load, at: Some(Arc::new(at)) }
+    }
+
+    fn burst(burst: Burst) -> Self {
+        let Burst { load: factor, u, .. } = burst;
+        Self { factor, at: Some(Arc::new(AtEdge { kind: Singled::Burst, u })) }
     }
 }
 
-/// How much a factor counts in an objective.
-pub(super) fn counts(goal: &LimitGoal, factor: f64) -> f64 {
-    (goal.least - factor).max(0.0).powi(2)
-}
-
-/// The problem whose pressures grow, and its end.
+/// The problem whose pressures grow, its end, and how its edges are found.
 struct Growing<'a> {
     held: Problem,
     chambers: Vec<ChamberId>,
     rest: &'a [Vec3],
     time: f64,
+    search: LimitSearch,
+    at_break: Option<f64>,
 }
 
 impl<'a> Growing<'a> {
-    /// The state at a limit of this problem.
-    fn state(&self, workspace: &mut Workspace, factor: f64, at: &AtLimit) -> Configuration<'a> {
+    /// The state at an edge of this problem.
+    fn state(&self, workspace: &mut Workspace, factor: f64, at: &AtEdge) -> Configuration<'a> {
         let here = self.held.iterate(self.rest, &at.u, factor);
         let multipliers = solve_multipliers(&self.held, workspace, &here);
         Configuration { rest: self.rest, time: factor, step: None, u: at.u.clone(), multipliers }
     }
 
-    /// A direct method from a state.
-    fn near(
+    /// A limit by the direct method from a state.
+    fn limit(
         &self,
         workspace: &mut Workspace,
-        search: &LimitSearch,
-        (start, kind): (&Configuration, Kind),
-    ) -> Option<Limit> {
-        Limit::near(&self.held, workspace, start, kind, &search.stepping.newton).ok()
+        start: &Configuration,
+        kind: Kind,
+    ) -> Result<Limit, Failure> {
+        Limit::near(&self.held, workspace, start, kind, &self.search.stepping.newton)
     }
 
-    /// A direct method from the limit of a run with another rest shape, of which it is a little away.
+    /// A burst by Newton's method from a state.
+    fn burst(&self, workspace: &mut Workspace, start: &Configuration) -> Result<Burst, Failure> {
+        let at_break = self.at_break.ok_or(Failure::Inadmissible)?;
+        Burst::near(&self.held, workspace, start, at_break, &self.search.stepping.newton)
+    }
+
+    /// The edge of this rest shape next to that of a run with another one.
     fn next_to(
         &self,
         workspace: &mut Workspace,
-        search: &LimitSearch,
-        (other, factor, at): (&Growing, f64, &AtLimit),
-    ) -> Option<Limit> {
+        edge: &Edge,
+        (other, factor, at): (&Growing, f64, &AtEdge),
+    ) -> Option<Margin> {
+        let found = match at.kind {
+            Singled::LimitPoint => {
+                self.next_limit(workspace, (other, factor, at), Kind::LimitPoint)
+            }
+            Singled::Bifurcation => {
+                self.next_limit(workspace, (other, factor, at), Kind::Bifurcation)
+            }
+            Singled::Burst => self.next_burst(workspace, (other, factor, at)),
+        }?;
+        if at.kind != Singled::Burst && edge.name == BURST {
+            // it may burst before that now
+            let u = &found.at.as_ref()?.u;
+            let stretch = LargestStretch::of(&self.held.space, self.rest, u).value;
+            if self.at_break.is_none_or(|at_break| stretch >= at_break) {
+                return None;
+            }
+        }
+        ((found.factor / factor - 1.0).abs() < NEARBY).then_some(found)
+    }
+
+    fn next_limit(
+        &self,
+        workspace: &mut Workspace,
+        (other, factor, at): (&Growing, f64, &AtEdge),
+        kind: Kind,
+    ) -> Option<Margin> {
         let there = other.state(workspace, factor, at);
-        let motion: Vec<Vec3> = self.rest.iter().zip(other.rest).map(|(x, y)| x - y).collect();
-        let moved = Limit::predicted(&other.held, workspace, &there, at.kind, &motion).ok()?;
-        let start = Configuration { rest: self.rest, ..moved };
-        let limit = self.near(workspace, search, (&start, at.kind))?;
-        let next = (limit.load / factor - 1.0).abs() < NEARBY;
-        (next && limit.others == 0 && limit.load > self.time).then_some(limit)
+        let moved = Limit::predicted(&other.held, workspace, &there, kind, &self.motion(other));
+        let start = Configuration { rest: self.rest, ..moved.ok()? };
+        let limit = self.limit(workspace, &start, kind).ok()?;
+        (limit.others == 0 && limit.load > self.time).then(|| Margin::limit(&limit))
+    }
+
+    fn next_burst(
+        &self,
+        workspace: &mut Workspace,
+        (other, factor, at): (&Growing, f64, &AtEdge),
+    ) -> Option<Margin> {
+        let there = other.state(workspace, factor, at);
+        let moved = Burst::predicted(&other.held, workspace, &there, &self.motion(other));
+        let start = Configuration { rest: self.rest, ..moved.ok()? };
+        let burst = self.burst(workspace, &start).ok()?;
+        (burst.negative == 0 && burst.load > 0.0).then(|| Margin::burst(burst))
+    }
+
+    fn motion(&self, other: &Growing) -> Vec<Vec3> {
+        self.rest.iter().zip(other.rest).map(|(x, y)| x - y).collect()
+    }
+
+    /// The derivatives of the factor of a margin.
+    fn gradient(
+        &self,
+        workspace: &mut Workspace,
+        problem: &Problem,
+        factor: f64,
+        at: &AtEdge,
+    ) -> Result<Gradient, Failure> {
+        let Self { held, chambers, rest, time, .. } = self;
+        let grown = Grown { problem, held, rest, time: *time, growing: chambers };
+        let state = self.state(workspace, factor, at);
+        let kind = match at.kind {
+            Singled::LimitPoint => Kind::LimitPoint,
+            Singled::Bifurcation => Kind::Bifurcation,
+            Singled::Burst => {
+                return Ok(grown.gradient_of_burst(&self.burst(workspace, &state)?));
+            }
+        };
+        let limit = self.limit(workspace, &state, kind)?;
+        grown.gradient(workspace, &limit)
     }
 }
 
@@ -125,83 +247,151 @@ impl Scenario {
     fn growing<'a>(&self, problem: &Problem, rest: &'a [Vec3]) -> Option<Growing<'a>> {
         let (config, time) = (self.scene.config.limit.as_ref()?, self.times[0]);
         let chambers = growing(problem, config);
-        Some(Growing { held: problem.held(time, &chambers), chambers, rest, time })
+        let search = LimitSearch { stepping: self.stepping, most: config.most };
+        let at_break = self.scene.stretch_limits().at_break;
+        let held = problem.held(time, &chambers);
+        Some(Growing { held, chambers, rest, time, search, at_break })
     }
 
-    fn search(&self) -> Option<LimitSearch> {
-        let most = self.scene.config.limit.as_ref()?.most;
-        Some(LimitSearch { stepping: self.stepping, most })
-    }
-
-    /// The margin of the equilibrium at the end of some states, where the objective asks for it.
-    pub(super) fn margin(
+    /// The margins of the equilibrium at the end of some states, one for each edge that the objective counts.
+    pub(super) fn margins(
         &mut self,
         problem: &Problem,
         rest: &[Vec3],
         states: &Trajectory,
-    ) -> Result<Option<Margin>, Rejected> {
-        if self.limit.is_none() {
-            return Ok(None);
+    ) -> Result<Vec<Margin>, Rejected> {
+        if self.edges.is_empty() {
+            return Ok(Vec::new());
         }
-        let (Some(growing), Some(search)) = (self.growing(problem, rest), self.search()) else {
-            return Ok(None);
-        };
+        let Some(growing) = self.growing(problem, rest) else { return Ok(Vec::new()) };
         let mut workspace = Workspace::new(&growing.held);
-        if let Some(run) = &self.nearby
-            && let Some(Margin { factor, at: Some(at) }) = &run.margin
-            && let Some(other) = self.growing(&run.problem, &run.rest)
-            && let Some(limit) = growing.next_to(&mut workspace, &search, (&other, *factor, at))
-        {
-            return Ok(Some(Margin::found(limit)));
+        if let Some(found) = self.margins_nearby(&growing, &mut workspace) {
+            return Ok(found);
         }
         let u = states.last();
         let at = problem.iterate(rest, &u, growing.time);
         let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
         let end = Iterate { multipliers: &multipliers, ..at };
-        let start = (&end, self.start.clone());
-        match search.from(&growing.held, &mut workspace, start, |_| ()) {
-            First::Found(limit, _) => Ok(Some(Margin::found(*limit))),
-            First::None => Ok(Some(Margin { factor: search.most, at: None })),
+        self.margins_on_path(&growing, &mut workspace, &end)
+    }
+
+    /// The margins next to those of the run that was linearised.
+    fn margins_nearby(&self, growing: &Growing, workspace: &mut Workspace) -> Option<Vec<Margin>> {
+        let run = self.nearby.as_ref()?;
+        let other = self.growing(&run.problem, &run.rest)?;
+        let one = |(edge, Margin { factor, at }): (&Edge, &Margin)| {
+            growing.next_to(workspace, edge, (&other, *factor, at.as_deref()?))
+        };
+        self.edges.iter().zip(&run.margins).map(one).collect()
+    }
+
+    /// The margins along the path from an equilibrium on.
+    fn margins_on_path(
+        &self,
+        growing: &Growing,
+        workspace: &mut Workspace,
+        end: &Iterate,
+    ) -> Result<Vec<Margin>, Rejected> {
+        let Growing { held, rest, search, .. } = growing;
+        let bursts = self.edges.iter().any(|edge| edge.name == BURST);
+        let at_break = growing.at_break.filter(|_| bursts);
+        let mut way = at_break.map(|at_break| BurstSearch::new(end, at_break));
+        let needs_limit = self.edges.iter().any(|edge| edge.name == LIMIT);
+        let is_enough = |way: &Option<BurstSearch>| {
+            !needs_limit && way.as_ref().is_some_and(BurstSearch::has_passed)
+        };
+        let first = if is_enough(&way) {
+            First::Stopped
+        } else {
+            search.from(held, workspace, (end, self.start.clone()), |step| {
+                if let Some(way) = &mut way {
+                    way.pass(&step.iterate(held, rest));
+                }
+                if is_enough(&way) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+        };
+        if let (First::Found(limit, _), Some(way)) = (&first, &mut way) {
+            let multipliers = &limit.multipliers;
+            let at = held.iterate(rest, &limit.u, limit.load);
+            way.pass(&Iterate { multipliers, ..at });
+        }
+        let torn =
+            way.map_or(Torn::Never, |way| way.found(held, workspace, rest, &search.stepping));
+        let mut torn = Some(torn);
+        let of = |edge: &Edge| match torn.take_if(|_| edge.name == BURST) {
+            None => self.at_first(&first, search.most),
+            Some(torn) => self.at_burst(torn, &first, search.most),
+        };
+        self.edges.iter().map(of).collect()
+    }
+
+    /// The margin of the first limit of a path.
+    fn at_first(&self, first: &First, most: f64) -> Result<Margin, Rejected> {
+        match first {
+            First::Found(limit, _) => Ok(Margin::limit(limit)),
+            First::None => Ok(Margin::none_to(most)),
             First::Between(_, [from, to]) => Err(self.reject(format!(
                 "its limit lies between {from:.4} and {to:.4} times the pressure, but no state there was found"
             ))),
             First::Unstable => Err(self.reject("its equilibrium is not stable")),
+            First::Stopped => Err(self.reject("its limit was not sought")),
             First::Lost(why) => {
-                let why = why.map_or_else(|| "too many states".to_owned(), |why| why.to_string());
+                let why =
+                    why.as_ref().map_or_else(|| "too many states".to_owned(), ToString::to_string);
                 Err(self.reject(format!("no limit was found on its path: {why}")))
             }
         }
     }
 
-    /// Adds to dJ what the factor of the limit of a run counts in it.
-    pub(super) fn add_limit(
+    /// The margin of the burst, or of the limit that comes before it.
+    fn at_burst(&self, torn: Torn, first: &First, most: f64) -> Result<Margin, Rejected> {
+        match torn {
+            Torn::At(burst) => Ok(Margin::burst(*burst)),
+            Torn::Between([from, to]) => Err(self.reject(format!(
+                "it reaches the stretch at break between {from:.4} and {to:.4} times the pressure, but no state there \
+                 was found"
+            ))),
+            Torn::Beyond(why) => Err(self.reject(beyond(why.as_ref()))),
+            Torn::Never => {
+                if let First::Found(limit, _) = first {
+                    log::info!(
+                        "it reaches its limit, at {:.3} × the pressure, before the stretch at break: \"{BURST}\" counts \
+                         that factor",
+                        limit.load
+                    );
+                }
+                self.at_first(first, most)
+            }
+        }
+    }
+
+    /// Adds to dJ what the factors of the edges of a run count in it, of all terms or of one.
+    pub(super) fn add_edges(
         &self,
         run: &Run,
+        of: Option<&str>,
         factor: f64,
         gradient: &mut Gradient,
     ) -> Result<(), Rejected> {
-        let Some((goal, weight)) = &self.limit else { return Ok(()) };
-        let Some(Margin { factor: load, at: Some(at) }) = &run.margin else { return Ok(()) };
-        let by_load = -2.0 * factor * weight * (goal.least - load).max(0.0);
-        let (Some(growing), Some(search)) = (self.growing(&run.problem, &run.rest), self.search())
-        else {
-            return Ok(());
-        };
-        if by_load == 0.0 {
-            return Ok(());
-        }
-        let mut workspace = Workspace::new(&growing.held);
-        let state = growing.state(&mut workspace, *load, at);
-        let limit = growing.near(&mut workspace, &search, (&state, at.kind));
-        let limit = limit.ok_or_else(|| self.reject("its limit was not found again"))?;
-        let Growing { held, chambers, rest, time } = &growing;
-        let problem = &*run.problem;
-        let grown = Grown { problem, held, rest, time: *time, growing: chambers };
-        let by = grown.gradient(&mut workspace, &limit).map_err(|why| self.reject(why))?;
-        gradient.rest.iter_mut().zip(&by.rest).for_each(|(sum, by)| *sum += by_load * by);
-        for (id, by) in by.parameters.of_step(0) {
-            let by = by.iter().map(|by| by_load * by).collect();
-            gradient.parameters.add(run.states.steps() - 1, id, by);
+        for (edge, margin) in self.edges.iter().zip(&run.margins) {
+            if of.is_some_and(|name| name != edge.name) {
+                continue;
+            }
+            let Margin { factor: load, at: Some(at) } = margin else { continue };
+            let by_load = factor * edge.slope(*load);
+            if by_load == 0.0 {
+                continue;
+            }
+            let Some(growing) = self.growing(&run.problem, &run.rest) else { continue };
+            let mut workspace = Workspace::new(&growing.held);
+            let by = growing.gradient(&mut workspace, &run.problem, *load, at).map_err(|why| {
+                self.reject(format!("the state of \"{}\" was not found again: {why}", edge.name))
+            })?;
+            gradient.rest.iter_mut().zip(&by.rest).for_each(|(sum, by)| *sum += by_load * by);
+            for (id, by) in by.parameters.of_step(0) {
+                let by = by.iter().map(|by| by_load * by).collect();
+                gradient.parameters.add(run.states.steps() - 1, id, by);
+            }
         }
         Ok(())
     }

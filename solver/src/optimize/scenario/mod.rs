@@ -24,10 +24,11 @@ use mechanics::forward::{
 use mechanics::memory::Need;
 use mesh::Vec3;
 use program::Heartbeat;
-use scene::config::{DesignConfig, LIMIT, LevelConfig, LimitGoal, ScenarioConfig};
+use scene::config::{DesignConfig, Least, LevelConfig, LimitGoal, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
 pub use self::changes::scene_of;
+use self::limit::Edge;
 pub use self::limit::{Margin, SavedMargin};
 pub use self::run::Run;
 use super::offset::Offset;
@@ -97,9 +98,9 @@ pub struct Scenario {
     /// Whether the scene goes through time; else it is one equilibrium.
     transient: bool,
     terms: Vec<Weighted>,
-    /// What the limit of a run counts, with its weight here.
-    limit: Option<(LimitGoal, f64)>,
-    /// The run that was linearised last, where its limit is known.
+    /// The edges of a run that count, in the order of [`LimitGoal::goals`].
+    edges: Vec<Edge>,
+    /// The run that was linearised last, where its edges are known.
     nearby: Option<Run>,
     /// What the last solve from rest did not reach, if it failed, and why.
     unreached: Option<(Arc<Problem>, Unreached)>,
@@ -129,8 +130,14 @@ impl Scenario {
         };
         terms.iter_mut().for_each(|term| term.factor = factor(&term.name));
         if let Some(goal) = &design.limit {
-            goal.check_scene(scene.config.limit.as_ref())?;
+            goal.check_scene(scene.config.limit.as_ref(), scene.stretch_limits().at_break)?;
         }
+        let goals = design.limit.iter().flat_map(LimitGoal::goals);
+        let counted = |(name, Least { least, weight })| {
+            let weight = weight * factor(name);
+            Edge { name, least, weight }
+        };
+        let edges = goals.map(counted).collect();
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
         Ok(Self {
@@ -142,7 +149,7 @@ impl Scenario {
             state_memory: design.optimizer.state_memory / design.scenarios().len() as f64,
             transient: scene.config.time.is_some(),
             terms,
-            limit: design.limit.map(|goal| (goal, goal.weight * factor(LIMIT))),
+            edges,
             nearby: None,
             unreached: None,
             linearization: None,
@@ -160,11 +167,11 @@ impl Scenario {
         &self.problem
     }
 
-    /// What its solves need; that of a limit has a factor of its own.
+    /// What its solves need; those of its edges have a factor of their own.
     #[must_use]
     pub fn memory(&self) -> Need {
         let one = self.workspace.memory();
-        std::iter::once(one).chain(self.limit.map(|_| one)).sum()
+        std::iter::once(one).chain((!self.edges.is_empty()).then_some(one)).sum()
     }
 
     /// Whether the scene goes through time.
@@ -179,10 +186,16 @@ impl Scenario {
         self.times.len()
     }
 
+    /// Number of edges that the objective counts, each with a margin of every run.
+    #[must_use]
+    pub fn edges(&self) -> usize {
+        self.edges.len()
+    }
+
     /// Names of the terms, in the order of the design file.
     pub fn term_names(&self) -> impl Iterator<Item = &str> {
-        let limit = self.limit.is_some().then_some(LIMIT);
-        self.terms.iter().map(|term| term.name.as_str()).chain(limit)
+        let edges = self.edges.iter().map(|edge| edge.name);
+        self.terms.iter().map(|term| term.name.as_str()).chain(edges)
     }
 
     /// What messages begin with.
@@ -240,11 +253,11 @@ impl Scenario {
             Near::Carried(guide) => self.solve(&problem, &rest, guided(guide), self.patient())?,
             Near::Rest => self.solve(&problem, &rest, None, self.patient())?,
         };
-        let margin = self.margin(&problem, &rest, &states)?;
-        Ok(self.evaluated(problem, rest, (states, margin), newton_iterations))
+        let margins = self.margins(&problem, &rest, &states)?;
+        Ok(self.evaluated(problem, rest, (states, margins), newton_iterations))
     }
 
-    /// A run as it was, from its displacements at the ends of time steps [m], and its margin.
+    /// A run as it was, from its displacements at the ends of time steps [m], and its margins.
     ///
     /// # Errors
     /// When one of them cannot be read, or the scene does not admit the loads.
@@ -253,11 +266,11 @@ impl Scenario {
         loads: &[f64],
         designed: &[Vec3],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-        margin: Option<Margin>,
+        margins: Vec<Margin>,
     ) -> Result<Run> {
         let times = self.times.clone().into_iter();
         let states = self.states(loads, designed, times.zip(displacements))?;
-        Ok(self.evaluated(self.under(loads)?, self.rest(designed), (states, margin), 0))
+        Ok(self.evaluated(self.under(loads)?, self.rest(designed), (states, margins), 0))
     }
 
     /// States with displacements at times [s, m], as those of a run.
@@ -303,11 +316,11 @@ impl Scenario {
         &mut self,
         problem: Arc<Problem>,
         rest: Vec<Vec3>,
-        (states, margin): (Trajectory, Option<Margin>),
+        (states, margins): (Trajectory, Vec<Margin>),
         newton_iterations: usize,
     ) -> Run {
         let (states, terms) = (Arc::new(states), BTreeMap::new());
-        let run = Run { problem, rest, states, margin, objective: 0.0, terms, newton_iterations };
+        let run = Run { problem, rest, states, margins, objective: 0.0, terms, newton_iterations };
         self.rated(&run)
     }
 
@@ -386,7 +399,7 @@ impl Scenario {
     /// an interrupted search continues with the same bits.
     pub fn linearize(&mut self, run: &Run) {
         self.linearization = None;
-        self.nearby = run.margin.as_ref().map(|_| run.clone());
+        self.nearby = (!run.margins.is_empty()).then(|| run.clone());
         if self.transient {
             return;
         }
@@ -433,7 +446,7 @@ impl Scenario {
         body.used_tags().map(one).collect()
     }
 
-    /// The probes of the scene at the end of a run, in the units of their kinds, and the factor of its limit.
+    /// The probes of the scene at the end of a run, in the units of their kinds, and the factors of its edges.
     ///
     /// # Errors
     /// As [`Scene::probes`].
@@ -442,7 +455,8 @@ impl Scenario {
         body.mesh.vertices.clone_from(&run.rest);
         let probes = self.scene.probes(&body, &run.problem.space)?;
         let mut found = run.at_end(|end| measure(&probes, &run.problem, end));
-        found.extend(run.margin.as_ref().map(|margin| (LIMIT.to_owned(), margin.factor)));
+        let edges = self.edges.iter().zip(&run.margins);
+        found.extend(edges.map(|(edge, margin)| (edge.name.to_owned(), margin.factor)));
         Ok(found)
     }
 

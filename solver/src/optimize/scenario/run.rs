@@ -18,8 +18,8 @@ pub struct Run {
     pub rest: Vec<Vec3>,
     /// All states.
     pub states: Arc<Trajectory>,
-    /// How far its end is from its limit, where the objective asks for it.
-    pub margin: Option<Margin>,
+    /// How far its end is from each of the edges that the objective counts.
+    pub margins: Vec<Margin>,
     /// Σ of the terms.
     pub objective: f64,
     /// Weighted value of each term, by the user's name.

@@ -6,9 +6,7 @@ use measure::quantity::{Equilibrium, Partials, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
-use scene::config::LIMIT;
 
-use super::limit::counts;
 use super::{Run, Scenario};
 
 /// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
@@ -71,8 +69,8 @@ impl Scenario {
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
-        if let (Some((goal, weight)), Some(margin)) = (&self.limit, &run.margin) {
-            terms.insert(LIMIT.to_owned(), weight * counts(goal, margin.factor));
+        for (edge, margin) in self.edges.iter().zip(&run.margins) {
+            terms.insert(edge.name.to_owned(), edge.counts(margin.factor));
         }
         terms
     }

@@ -4,6 +4,8 @@
 //! The energy is minimised at a little more load. Its minimum belongs to the same path if it is near the last state and
 //! stable. Where a chamber balloons instead, or the minimum is far away or not stable, the load has a limit in between.
 
+use std::ops::ControlFlow;
+
 use mesh::Vec3;
 
 use crate::forward::stability::negative_eigenvalues;
@@ -43,6 +45,8 @@ pub(super) struct Came {
 pub(super) enum End {
     /// The largest load is reached.
     Most,
+    /// The observer wanted no more.
+    Stopped,
     /// The body does not bear this load.
     Limit(f64),
     /// No equilibrium was found, for reasons of the method.
@@ -60,13 +64,13 @@ enum Refused {
 }
 
 impl ByLoad<'_> {
-    /// From a state to the limit. Every state is shown to `observe`.
+    /// From a state to the limit. Every state is shown to `observe`, which may end it.
     pub fn from(
         &self,
         held: &Problem,
         workspace: &mut Workspace,
         (rest, mut last): (&[Vec3], Reached),
-        mut observe: impl FnMut(&LoadStep),
+        mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
     ) -> Came {
         let (mut share, mut refused) = (FIRST, None);
         loop {
@@ -78,9 +82,12 @@ impl ByLoad<'_> {
             let shortest = last.time * (1.0 + SMALLEST);
             match self.step(held, workspace, (rest, &last), load) {
                 Ok(step) => {
-                    observe(&step);
+                    let goes_on = observe(&step);
                     let LoadStep { time, u, multipliers, .. } = step;
                     last = Reached { time, u, multipliers };
+                    if goes_on.is_break() && time < self.most {
+                        return Came { last, end: End::Stopped };
+                    }
                     share = (2.0 * share).min(LARGEST);
                 }
                 Err(Refused::Far) if load > shortest => share = (0.5 * share).max(SMALLEST),
@@ -169,20 +176,23 @@ mod tests {
         let mut searching = Workspace::new(&held);
         let start = held.iterate(&rest, &first.u, 1.0);
         let First::Found(found, _) =
-            search.from(&held, &mut searching, (&start, integrator), |_| ())
+            search.from(&held, &mut searching, (&start, integrator), |_| ControlFlow::Continue(()))
         else {
             panic!("no limit")
         };
         let by_load = ByLoad { stepping: &stepping, most: 3.0 };
-        let came = by_load.from(&held, &mut searching, (&rest, first.clone()), |_| ());
+        let came = by_load
+            .from(&held, &mut searching, (&rest, first.clone()), |_| ControlFlow::Continue(()));
         let End::Limit(beyond) = came.end else { panic!("not recognised") };
         let (last, found) = (came.last.time, found.load);
         assert!(last < found && found < beyond, "{last} {found} {beyond}");
         assert!(beyond < last * (1.0 + SMALLEST + 1e-12), "{last} {beyond}");
         let mut loads = Vec::new();
         let by_load = ByLoad { most: 1.2, ..by_load };
-        let came =
-            by_load.from(&held, &mut searching, (&rest, first), |step| loads.push(step.time));
+        let came = by_load.from(&held, &mut searching, (&rest, first), |step| {
+            loads.push(step.time);
+            ControlFlow::Continue(())
+        });
         assert!(matches!(came.end, End::Most) && came.last.time == 1.2);
         assert!(loads.is_sorted() && loads.ends_with(&[1.2]), "{loads:?}");
     }

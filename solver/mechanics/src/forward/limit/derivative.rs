@@ -30,6 +30,7 @@ const SHORTER: f64 = 0.1;
 
 /// dt = λ · ∂R + μ · ∂(V − V*) at some states: with the derivatives of the equations by anything there it gives that
 /// of the load of a limit.
+#[derive(Clone, Debug)]
 pub struct Covector {
     /// Displacement [m].
     pub u: Vec<f64>,

@@ -4,6 +4,8 @@
 //! corrector goes to and fro between both sides, or the body snaps by little. From such a place on, states are found
 //! [by load steps](super::by_load), and a limit is what no stable state near by lies beyond.
 
+use std::ops::ControlFlow;
+
 use mesh::Vec3;
 
 use super::Limit;
@@ -33,6 +35,8 @@ pub enum First {
     None,
     /// The start is not stable.
     Unstable,
+    /// Not sought further, as the observer said.
+    Stopped,
     /// No next state on the path, and why; none after too many.
     Lost(Option<Failure>),
 }
@@ -50,6 +54,8 @@ enum Along {
     Whole,
     /// Nowhere: its start is not stable.
     Unstable,
+    /// As far as the observer wanted.
+    Stopped,
     /// To what was found, from the last stable state.
     To(Reached, First),
 }
@@ -65,13 +71,13 @@ pub struct LimitSearch {
 
 impl LimitSearch {
     /// The first limit of a problem whose loads grow from a state on ([`Problem::held`]). Every state on the way is
-    /// shown to `observe`; one that is no point of a path was found by a load step.
+    /// shown to `observe`, which may end it; one that is no point of a path was found by a load step.
     pub fn from(
         &self,
         held: &Problem,
         workspace: &mut Workspace,
         (start, integrator): (&Iterate, Integrator),
-        mut observe: impl FnMut(&LoadStep),
+        mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
     ) -> First {
         let (time, u, multipliers) = (start.time, start.u.to_vec(), start.multipliers.to_vec());
         let reached = Reached { time, u, multipliers };
@@ -79,6 +85,7 @@ impl LimitSearch {
         let (last, found) = match self.along(&on, workspace, reached, &mut observe) {
             Along::Whole => return First::None,
             Along::Unstable => return First::Unstable,
+            Along::Stopped => return First::Stopped,
             Along::To(last, found) => (last, found),
         };
         let kinks = held.energies.contact.is_some();
@@ -94,11 +101,12 @@ impl LimitSearch {
         let last = came.last.time;
         match (came.end, found) {
             (End::Most, _) => First::None,
+            (End::Stopped, _) => First::Stopped,
             (_, found @ (First::Found(..) | First::Between(..))) if last <= begun => found,
             (End::Limit(beyond), _) => {
                 // next to it, the path may be smooth enough for a direct method
                 let bracket = First::Between(Kind::LimitPoint, [last, beyond]);
-                match self.along(&on, workspace, came.last, |_| ()) {
+                match self.along(&on, workspace, came.last, |_| ControlFlow::Continue(())) {
                     Along::To(_, First::Found(limit, loads)) if limit.load <= beyond => {
                         First::Found(limit, loads)
                     }
@@ -116,7 +124,7 @@ impl LimitSearch {
         on: &On,
         workspace: &mut Workspace,
         from: Reached,
-        mut observe: impl FnMut(&LoadStep),
+        mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
     ) -> Along {
         let On { held, rest, integrator } = on;
         let mut stepper = TimeStepper::within(self.stepping, integrator.clone(), from);
@@ -133,7 +141,12 @@ impl LimitSearch {
             let Some(point) = step.path.as_deref() else { continue };
             match point.passed.first() {
                 None if states == 1 && point.stability.negative > 0 => return Along::Unstable,
-                None => observe(&step),
+                None => {
+                    let goes_on = observe(&step);
+                    if !step.ends_time_step && goes_on.is_break() {
+                        return Along::Stopped;
+                    }
+                }
                 Some(&passed) => {
                     let between = (&stepper, &follower);
                     let found = self.at(held, workspace, between, rest, (&step, passed));

@@ -22,7 +22,7 @@ mod corrector;
 mod direction;
 mod narrow;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use std::sync::Arc;
 

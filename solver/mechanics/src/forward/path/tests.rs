@@ -1,6 +1,7 @@
 //! Paths, and the limits on them, beside closed forms.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 use super::*;
 use crate::adjoint::Grown;
@@ -16,10 +17,10 @@ use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
 use crate::testing::{self, balloon, balloon_pressure};
 
-const NEWTON: Newton =
+pub(in crate::forward) const NEWTON: Newton =
     Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0, ballooned: None };
 
-fn stepper(problem: &Problem) -> TimeStepper {
+pub(in crate::forward) fn stepper(problem: &Problem) -> TimeStepper {
     let zero = vec![0.0; problem.dofs()];
     let start = State::new(zero.clone(), zero);
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
@@ -362,7 +363,8 @@ fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
     let start = steps.iterate(&held, &rest);
     let integrator = stepper.progress.integrator.clone();
     let search = LimitSearch { stepping: stepper.stepping, most: 3.0 };
-    let First::Found(found, _) = search.from(&held, &mut workspace, (&start, integrator), |_| ())
+    let First::Found(found, _) =
+        search.from(&held, &mut workspace, (&start, integrator), |_| ControlFlow::Continue(()))
     else {
         panic!("no limit")
     };

@@ -1,0 +1,185 @@
+//! The load at which a body bursts: its largest principal stretch is that at break,
+//!
+//! R(u, P̂, t) = 0,   V = V*,   s(u, X) = s_b
+//!
+//! with s that of [`LargestStretch`]. Newton's method on all of it converges quadratically from a state near by, also
+//! where the tangent J of forces and volumes is nearly singular, as the row of s borders it. With the adjoint of s,
+//! J (λ, μ) = (∂s/∂u, 0), a change of the equations by anything changes the load by
+//!
+//! dt = (∂s − λ · ∂R + μ · ∂(V − V*)) / c,   c = λ · ∂R/∂t − μ · ∂(V − V*)/∂t
+//!
+//! Near a limit point λ is a multiple of the mode φ and the part of ∂s is small beside it: dt becomes that of the limit.
+//!
+//! Source: the adjoint method, as in [`adjoint`](crate::adjoint); implicit function theorem.
+
+mod search;
+
+pub use search::{BurstSearch, Torn};
+
+use mesh::Vec3;
+
+use super::limit::Covector;
+use super::newton::Newton;
+use super::stability::negative_eigenvalues;
+use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor, with_load};
+use super::{Configuration, Failure, Problem, Workspace};
+use crate::energy::{Iterate, Multiplier};
+use crate::math::linear::dot;
+use crate::stretch::LargestStretch;
+
+/// Newton iterations, at most.
+const ITERATIONS: usize = 25;
+/// Relative change of the load, and relative error of the stretch, that is none.
+const SETTLED: f64 = 1e-9;
+/// Half of the difference of a predictor, as a fraction of the motion.
+const DIFFERENCE: f64 = 1e-5;
+
+/// An equilibrium whose largest stretch is that at break.
+#[derive(Clone, Debug)]
+pub struct Burst {
+    /// Load.
+    pub load: f64,
+    /// Displacement [m].
+    pub u: Vec<f64>,
+    /// Multipliers of the chambers with a prescribed volume.
+    pub multipliers: Vec<Multiplier>,
+    /// Negative eigenvalues of the tangent: none where the body is stable.
+    pub negative: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// What makes changes of the equations a change of the load.
+    pub covector: Covector,
+    /// Change of the load by the rest vertices [1/m], beside that through the equations; three components per vertex.
+    pub by_rest: Vec<f64>,
+}
+
+impl Burst {
+    /// The state next to another one.
+    ///
+    /// # Errors
+    /// [`Failure`] where Newton's method does not come to one.
+    pub fn near(
+        problem: &Problem,
+        workspace: &mut Workspace,
+        start: &Configuration,
+        at_break: f64,
+        newton: &Newton,
+    ) -> Result<Self, Failure> {
+        let mut state = start.clone();
+        let (mut peak, mut changed) = (0.0_f64, f64::INFINITY);
+        for iterations in 0..=ITERATIONS {
+            let at = state.iterate(problem);
+            let now = Residual::of(problem, workspace, &at);
+            peak = peak.max(now.scale);
+            let (residual, wanted) = (now.norm(), newton.wanted(now.scale, peak));
+            if !residual.is_finite() {
+                return Err(Failure::Inadmissible);
+            }
+            let largest = LargestStretch::of(at.space, at.rest, at.u);
+            let over = largest.value - at_break;
+            log::debug!("burst {iterations}  |g| {residual:.2e} N  stretch {:.6}", largest.value);
+            let placed = over.abs() <= SETTLED * at_break
+                && changed <= SETTLED * state.time.abs()
+                && now.largest_gap() <= newton.relative;
+            if placed && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at))
+            {
+                return Self::at(problem, workspace, &state, (&now, &largest), iterations);
+            }
+            if iterations == ITERATIONS {
+                return Err(Failure::IterationLimit { iterations, residual, wanted });
+            }
+            let before = state.time;
+            state = step(problem, workspace, &state, &now, (&largest, over))?;
+            changed = (state.time - before).abs();
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    /// A state near the burst of a moved rest shape, from that at the burst: all equations to first order.
+    ///
+    /// # Errors
+    /// [`Failure`] where they have no solution.
+    pub fn predicted<'a>(
+        problem: &Problem,
+        workspace: &mut Workspace,
+        burst: &Configuration<'a>,
+        motion: &[Vec3],
+    ) -> Result<Configuration<'a>, Failure> {
+        let at = burst.iterate(problem);
+        let mut moved = |by: f64| {
+            let rest: Vec<Vec3> = at.rest.iter().zip(motion).map(|(x, d)| x + by * d).collect();
+            Residual::of(problem, workspace, &Iterate { rest: &rest, ..at })
+        };
+        let (mut change, after) = (moved(-DIFFERENCE), moved(DIFFERENCE));
+        let slope = |before: f64, after: f64| (after - before) / (2.0 * DIFFERENCE);
+        change.force.iter_mut().zip(&after.force).for_each(|(r, after)| *r = slope(*r, *after));
+        let gaps: Vec<f64> =
+            change.gaps().iter().zip(after.gaps()).map(|(r, after)| slope(*r, after)).collect();
+        for (constraint, gap) in change.constraints.iter_mut().zip(gaps) {
+            constraint.volume = constraint.wanted + gap;
+        }
+        let largest = LargestStretch::of(at.space, at.rest, at.u);
+        let (_, by_rest) = largest.partials(at.space, at.rest, at.u);
+        let over = by_rest.chunks(3).zip(motion).map(|(by, d)| dot(by, d.as_slice())).sum();
+        step(problem, workspace, burst, &change, (&largest, over))
+    }
+
+    /// What is known of a state that is found.
+    fn at(
+        problem: &Problem,
+        workspace: &mut Workspace,
+        state: &Configuration,
+        (now, largest): (&Residual, &LargestStretch),
+        iterations: usize,
+    ) -> Result<Self, Failure> {
+        let at = state.iterate(problem);
+        let rate = LoadRate::of(problem, workspace, &at);
+        let (by_u, mut by_rest) = largest.partials(at.space, at.rest, at.u);
+        let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
+        let held = at_held_load(problem, factor, &now.constraints);
+        let negative = negative_eigenvalues(factor, &held);
+        let none = vec![0.0; now.constraints.len()];
+        let found = held.solve(factor, &problem.restrict(&by_u), &none);
+        let (lambda, pressures) = found.ok_or(Failure::Singular)?;
+        let by_load = dot(&lambda, &rate.force) - dot(&pressures, &rate.gaps);
+        if by_load == 0.0 || !by_load.is_finite() {
+            return Err(Failure::Singular);
+        }
+        let scaled = |x: &[f64], by: f64| -> Vec<f64> { x.iter().map(|x| by * x).collect() };
+        let mut mu = vec![0.0; state.multipliers.len()];
+        for (constraint, pressure) in now.constraints.iter().zip(&pressures) {
+            mu[constraint.multiplier] = pressure / by_load;
+        }
+        by_rest.iter_mut().for_each(|by| *by /= by_load);
+        let Configuration { time: load, u, multipliers, .. } = state.clone();
+        let lambda = problem.prolong(&scaled(&lambda, -1.0 / by_load));
+        let covector = Covector { u: u.clone(), multipliers: multipliers.clone(), lambda, mu };
+        Ok(Self { load, u, multipliers, negative, iterations, covector, by_rest })
+    }
+}
+
+/// One step of Newton's method on the equations and the stretch, which is `over` that at break.
+fn step<'a>(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    state: &Configuration<'a>,
+    now: &Residual,
+    (largest, over): (&LargestStretch, f64),
+) -> Result<Configuration<'a>, Failure> {
+    let at = state.iterate(problem);
+    let rate = LoadRate::of(problem, workspace, &at);
+    let (by_u, _) = largest.partials(at.space, at.rest, at.u);
+    // supports are held
+    let row = Row { u: problem.restrict(&by_u), load: 0.0 };
+    let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
+    let tangent = with_load(problem, factor, &now.constraints, &rate, row);
+    let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
+    let mut lower = now.gaps();
+    lower.push(-over);
+    let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
+    let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+    Ok(step.cut(problem, workspace, state))
+}
+
+#[cfg(test)]
+mod tests;
