@@ -85,6 +85,8 @@ mod numbers;
 mod optimize;
 #[path = "fast/page.rs"]
 mod page;
+#[path = "fast/path_page.rs"]
+mod path_page;
 #[path = "fast/pick.rs"]
 mod pick;
 #[path = "fast/places.rs"]

@@ -110,6 +110,7 @@ fn viewer() -> Markup {
             form #panel {}
         }
         section #history hidden { h2 { "History of the optimisation" } }
+        section #path hidden { h2 { "Path" } }
         section #response hidden { h2 { "Response" } }
     }
 }

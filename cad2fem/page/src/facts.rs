@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use maud::{Markup, html};
 use mesh::io::read_text;
 use program::InputFile;
-use reports::{Chamber, End, ErrorBar};
+use reports::{Chamber, End, ErrorBar, ErrorBars, PointKind};
 
 use crate::prose::{digits, markdown, quantity};
 use crate::reported::{CastSheet, Design, Plan, Provenance, Run, read};
@@ -60,7 +60,7 @@ fn largest_displacement(end: &End) -> Option<f64> {
 /// # Errors
 /// If a report cannot be read.
 pub fn results(survey: &Survey) -> Result<Markup> {
-    let (mut rows, mut probes) = (Vec::new(), Vec::new());
+    let (mut rows, mut probes, mut limits) = (Vec::new(), Vec::new(), Vec::new());
     for folder in &survey.runs {
         let report: Run = read(&folder.join("report.json"))?;
         let end = report.end.as_ref();
@@ -79,13 +79,19 @@ pub fn results(survey: &Survey) -> Result<Markup> {
             html! { (report.tets.map_or_else(String::new, |count| count.to_string())) },
             html! { (time.unwrap_or_default()) },
         ]);
-        end.into_iter().for_each(|end| probe_rows(&name(folder), end, &mut probes));
+        if let Some(end) = end {
+            probe_rows(&name(folder), end, &mut probes);
+            limit_rows(&name(folder), end, &mut limits);
+        }
     }
     let heads = ["simulation", "status", "largest displacement", "chambers", "tetrahedra", "time"];
     let probe_heads = ["simulation", "probe", "value", "may be off by", "because of"];
+    let limit_heads =
+        ["simulation", "edge", "factor on the pressure", "may be off by", "because of"];
     let content = html! {
         @if !rows.is_empty() { (table(&heads, &rows)) }
         @if !probes.is_empty() { h3 { "Probes" } (table(&probe_heads, &probes)) }
+        @if !limits.is_empty() { h3 { "Limits" } (table(&limit_heads, &limits)) }
         @for folder in &survey.designs { (terms_of(folder)?) }
     };
     Ok(section("results", "Results", &content))
@@ -94,22 +100,39 @@ pub fn results(survey: &Survey) -> Result<Markup> {
 fn probe_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
     for (probe, found) in end.probes.iter().flatten() {
         let bars = end.error_bars.as_ref().and_then(|bars| bars.get(probe));
-        let number = |value: f64| quantity(value, &found.unit);
-        let value = found.value.map(number);
-        let each = bars.iter().flat_map(|bars| &bars.bars).filter(|bar| bar.on.is_none());
-        let reason = |bar: &ErrorBar| {
-            let [down, up] = bar.change.map(number);
-            format!("{}: {down} to {up}", bar.of)
-        };
-        let reasons: Vec<String> = each.map(reason).collect();
-        let together = bars.map(|bars| format!("± {}", number(bars.together)));
-        rows.push(vec![
-            html! { (run) },
-            html! { (probe) },
-            html! { (value.unwrap_or_default()) },
-            html! { (together.unwrap_or_default()) },
-            lines(&reasons),
-        ]);
+        let value = found.value.map(|value| quantity(value, &found.unit));
+        rows.push(row_with_bars([run, probe, &value.unwrap_or_default()], bars, &found.unit));
+    }
+}
+
+/// Three cells, what the value of the last may be off by, and because of what.
+fn row_with_bars(cells: [&str; 3], bars: Option<&ErrorBars>, unit: &str) -> Vec<Markup> {
+    let number = |value: f64| quantity(value, unit);
+    let each = bars.iter().flat_map(|bars| &bars.bars).filter(|bar| bar.on.is_none());
+    let reason = |bar: &ErrorBar| {
+        let [down, up] = bar.change.map(number);
+        format!("{}: {down} to {up}", bar.of)
+    };
+    let reasons: Vec<String> = each.map(reason).collect();
+    let together = bars.map(|bars| format!("± {}", number(bars.together)));
+    let mut row = texts(cells);
+    row.extend([html! { (together.unwrap_or_default()) }, lines(&reasons)]);
+    row
+}
+
+/// The factors of a limit and of a burst.
+fn limit_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
+    let Some(limit) = &end.limit else { return };
+    let kind = match limit.kind {
+        Some(PointKind::LimitPoint) => "no equilibrium beyond",
+        Some(PointKind::Bifurcation) => "buckles",
+        None => "stable at least to",
+    };
+    let value = digits(limit.factor.unwrap_or(limit.stable_to));
+    rows.push(row_with_bars([run, kind, &value], limit.error_bars.get("factor"), "1"));
+    if let Some(burst) = limit.burst {
+        let cells = [run, "stretch at break", &digits(burst)];
+        rows.push(row_with_bars(cells, limit.error_bars.get("burst"), "1"));
     }
 }
 

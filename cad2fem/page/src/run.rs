@@ -163,6 +163,7 @@ impl Source {
             "steps": self.report.steps,
             "probes": end.and_then(|end| end.probes.as_ref()),
             "errorBars": end.and_then(|end| end.error_bars.as_ref()),
+            "limit": end.and_then(|end| end.limit.as_ref()),
             "stretch": end.map(|end| &end.stretch_range),
             "wall": self.wall(walls),
         }))

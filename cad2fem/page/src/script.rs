@@ -32,6 +32,7 @@ const MODULES: &[(&str, &str)] = &[
     ("page/reinforcement", include_str!("../web/reinforcement.js")),
     ("page/load", include_str!("../web/load.js")),
     ("page/mold", include_str!("../web/mold.js")),
+    ("page/path", include_str!("../web/path.js")),
     ("page/response", include_str!("../web/response.js")),
     ("page/shapes", include_str!("../web/shapes.js")),
     ("page/stage", include_str!("../web/stage.js")),

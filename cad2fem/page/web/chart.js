@@ -42,7 +42,7 @@ function extent(values, log) {
 
 /**
  * A chart of `series`: name, color and points { x, y, off?, large?, shown?, label?, pick? }, where
- * `off` is half the length of an error bar. `bands` are [from, to, text] along x.
+ * `off` is half the length of an error bar. Of `marks` no line is drawn. `bands` are [from, to, text] along x.
  */
 export function chart({ series, x, y, log = false, bands = [], read }) {
   // as wide as the screen, so that letters keep their size
@@ -67,9 +67,9 @@ export function chart({ series, x, y, log = false, bands = [], read }) {
   for (const v of ticks(xs, Math.round(width / 100))) svg.append(element('text', { x: across(v), y: HEIGHT - ROOM.bottom + 18, 'text-anchor': 'middle' }, v));
   svg.append(element('text', { x: (ROOM.left + width) / 2, y: HEIGHT - 6, 'text-anchor': 'middle' }, x));
   svg.append(element('text', { x: 14, y: HEIGHT / 2, 'text-anchor': 'middle', transform: `rotate(-90 14 ${HEIGHT / 2})` }, y));
-  for (const { points, color } of series) {
+  for (const { points, color, marks } of series) {
     const seen = points.filter((p) => Number.isFinite(p.y) && (!log || p.y > 0));
-    svg.append(element('polyline', { points: seen.map((p) => `${across(p.x)},${up(p.y)}`).join(' '), fill: 'none', stroke: color, 'stroke-width': 2 }));
+    if (!marks) svg.append(element('polyline', { points: seen.map((p) => `${across(p.x)},${up(p.y)}`).join(' '), fill: 'none', stroke: color, 'stroke-width': 2 }));
     for (const p of seen) {
       if (p.off) svg.append(element('path', { d: bar(across(p.x), up(p.y - p.off), up(p.y + p.off)), stroke: color, 'stroke-width': 2, fill: 'none' }));
       svg.append(dot(p, across(p.x), up(p.y), color, read));

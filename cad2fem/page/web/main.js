@@ -8,6 +8,7 @@ import { Load } from 'page/load';
 import { Grip } from 'page/grip';
 import { Mold } from 'page/mold';
 import { Pointer, drawn as mark, label } from 'page/pointer';
+import { path } from 'page/path';
 import { response } from 'page/response';
 import { download, fileName, picture } from 'page/save';
 import { Shapes, sets } from 'page/shapes';
@@ -164,12 +165,14 @@ function scale({ title, unit, range, ramp = RAMP }) {
 }
 
 const history = new History(at('history'), data.designs, (design, set) => go(Shapes, (view) => view.choose(view.designs.indexOf(design), set)));
-response(at('response'), data.runs, (run, step) => go(Load, async (view) => {
+const pick = (run, step) => go(Load, async (view) => {
   const state = run.states.findIndex((s) => s.step === step);
   await view.choose(data.runs.indexOf(run));
   if (state >= 0) view.to(state + 1);
   await view.refresh();
-}), fileName(data.title, 'curve.csv'));
+});
+path(at('path'), data.runs, pick);
+response(at('response'), data.runs, pick, fileName(data.title, 'curve.csv'));
 
 at('viewer').addEventListener('keydown', (event) => {
   const by = { ',': -1, '.': 1 }[event.key];
