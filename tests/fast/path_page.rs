@@ -15,7 +15,7 @@ fn circles(color: &str, pixels: f64) -> String {
 fn a_path_is_drawn_with_its_limit_and_its_burst() {
     let Some(program) = Chromium::installed() else { return };
     let dir = chamber::near_its_edges();
-    let follow = "[solver]\nfollow = \"arc-length\"\n\n[uncertainty]\nmodulus = 0.1\n";
+    let follow = "[solver]\nfollow = \"arc-length\"\n";
     dir.write("path.toml", &format!("{}\n{follow}", dir.text("p1.toml")));
     dir.solver("simulate path.toml -o out/run").assert_good();
     let made: Run = dir.command_of("cad2fem", "report out -o page.html").output().unwrap().into();

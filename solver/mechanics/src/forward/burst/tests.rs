@@ -87,9 +87,9 @@ fn radius(case: &Case) -> f64 {
     corners.map(|(&v, part)| *part * at.rest[v]).sum::<Vec3>().norm()
 }
 
-/// The closed form of the pressure at which the stretch at the radius of the point is that at break. The stretch of one
-/// point is less accurate than the pressure of a limit: 3.3 % off in the pressure on the coarse mesh, and at most half of
-/// that on one of half the size. The inner wall is at break a little before: within 15 %.
+/// The closed form of the pressure at which the stretch at the radius of the point is that at break. The largest stretch of
+/// all points is less accurate than the pressure of a limit, and too large: its pressure is 3.3 % off on the coarse mesh, and
+/// at most half of that on one of half the size.
 #[test]
 fn a_sphere_bursts_at_the_pressure_of_its_closed_form() {
     let mut errors = Vec::new();
@@ -102,8 +102,6 @@ fn a_sphere_bursts_at_the_pressure_of_its_closed_form() {
         let inside = (1.0 + (AT_BREAK.powi(3) - 1.0) * (radius(&case) / BALLOON).powi(3)).cbrt();
         let (found, expected) = (0.3 * burst.load, balloon_pressure(inside));
         errors.push((found / expected - 1.0).abs());
-        let wall = balloon_pressure(AT_BREAK);
-        assert!(found > wall && found < 1.15 * wall, "{found} {wall}");
         assert_eq!(burst.negative, 0);
         assert!(burst.iterations <= 6, "{}", burst.iterations);
     }

@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 
 use mesh::Vec3;
 
+use crate::energy::Iterate;
 use crate::forward::stability::negative_eigenvalues;
 use crate::forward::stepping::attempt;
 use crate::forward::tangent_system::{at_held_load, factor};
@@ -24,6 +25,8 @@ const LARGEST: f64 = 0.04;
 const SMALLEST: f64 = 0.0025;
 /// Change of the displacement, beside it, above which a state is another one.
 const NEARBY: f64 = 0.05;
+/// Growth of a chamber in a search without end that is the growth of a balloon.
+const GROWN: f64 = 0.2;
 
 /// How to step.
 pub(super) struct ByLoad<'a> {
@@ -123,7 +126,10 @@ impl ByLoad<'_> {
         let found = attempt(held, workspace, &start, load, &newton);
         let step = found.map_err(|failed| {
             log::debug!("a step to {load:.4} failed ({})", failed.failure);
-            let balloons = matches!(failed.failure, Failure::Balloons { .. });
+            let [from, to] = [&last.u, &failed.u].map(|u| held.iterate(rest, u, load));
+            let mut grown = volumes(held, &to).zip(volumes(held, &from));
+            let balloons = matches!(failed.failure, Failure::Balloons { .. })
+                || grown.any(|(after, before)| after > (1.0 + GROWN) * before);
             if balloons { Refused::Limit } else { Refused::Failed }
         })?;
         let moved: Vec<f64> = step.u.iter().zip(&last.u).map(|(to, from)| to - from).collect();
@@ -136,6 +142,11 @@ impl ByLoad<'_> {
             true => Ok(step),
         }
     }
+}
+
+/// Volume of each chamber [m³].
+fn volumes(held: &Problem, at: &Iterate) -> impl Iterator<Item = f64> {
+    held.energies.chambers().map(|(_, named)| named.chamber.state(at).0)
 }
 
 fn is_stable(held: &Problem, workspace: &mut Workspace, step: &LoadStep, rest: &[Vec3]) -> bool {
