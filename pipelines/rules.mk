@@ -341,6 +341,8 @@ build/gripper-authors/selections/%.obj: build/gripper-authors/model/model.json |
 	@mkdir -p $(@D)
 	$(BIN)/cad2fem offset $(<D)/patches/$*.stl --distance 5.8e-4 -o $@
 
+build/gripper-authors/baseline/report.json: $(call seen,pipelines/gripper/authors/body.toml)
+
 build/gripper-authors/tagged.msh: $(patsubst %,build/gripper-authors/selections/%.obj,s1 s2 s3 s4)
 
 # The arm at its targets.
