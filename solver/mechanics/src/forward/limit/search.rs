@@ -103,18 +103,20 @@ impl LimitSearch {
             (End::Most, _) => First::None,
             (End::Stopped, _) => First::Stopped,
             (_, found @ (First::Found(..) | First::Between(..))) if last <= begun => found,
-            (End::Limit(beyond), _) => {
-                // next to it, the path may be smooth enough for a direct method
-                let bracket = First::Between(Kind::LimitPoint, [last, beyond]);
+            (end, found) => {
+                let (beyond, otherwise) = match (end, found) {
+                    (End::Limit(to), _) => (to, First::Between(Kind::LimitPoint, [last, to])),
+                    (_, First::Lost(why)) => (self.most, First::Lost(why)),
+                    _ => (self.most, First::Lost(None)),
+                };
+                // next to the limit, the path may be smooth enough for a direct method
                 match self.along(&on, workspace, came.last, |_| ControlFlow::Continue(())) {
                     Along::To(_, First::Found(limit, loads)) if limit.load <= beyond => {
                         First::Found(limit, loads)
                     }
-                    _ => bracket,
+                    _ => otherwise,
                 }
             }
-            (End::Unknown, First::Lost(why)) => First::Lost(why),
-            (End::Unknown, _) => First::Lost(None),
         }
     }
 
