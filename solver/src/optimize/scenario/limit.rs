@@ -6,8 +6,8 @@
 //! Next to a run that is linearised they are sought by direct methods, from those there and their first-order change
 //! with the rest shape; from a run that is not, or where they are not found so, along the path from the equilibrium on.
 //!
-//! Of a body that comes to its limit before it bursts, t of the burst is that of the limit: t is then continuous, and at
-//! a limit point its derivative, too ([`Burst`]).
+//! A body may come to its limit before it bursts. Then the factor of the limit stands in for that of the burst. So the
+//! factor is continuous, and so is its derivative at a limit point ([`Burst`]).
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

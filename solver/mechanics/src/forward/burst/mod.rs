@@ -23,7 +23,7 @@ use super::newton::Newton;
 use super::stability::negative_eigenvalues;
 use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor, with_load};
 use super::{Configuration, Failure, Problem, Workspace};
-use crate::energy::{Iterate, Multiplier};
+use crate::energy::Multiplier;
 use crate::math::linear::dot;
 use crate::stretch::LargestStretch;
 
@@ -31,8 +31,6 @@ use crate::stretch::LargestStretch;
 const ITERATIONS: usize = 25;
 /// Relative change of the load, and relative error of the stretch, that is none.
 const SETTLED: f64 = 1e-9;
-/// Half of the difference of a predictor, as a fraction of the motion.
-const DIFFERENCE: f64 = 1e-5;
 
 /// An equilibrium whose largest stretch is that at break.
 #[derive(Clone, Debug)]
@@ -106,18 +104,7 @@ impl Burst {
         motion: &[Vec3],
     ) -> Result<Configuration<'a>, Failure> {
         let at = burst.iterate(problem);
-        let mut moved = |by: f64| {
-            let rest: Vec<Vec3> = at.rest.iter().zip(motion).map(|(x, d)| x + by * d).collect();
-            Residual::of(problem, workspace, &Iterate { rest: &rest, ..at })
-        };
-        let (mut change, after) = (moved(-DIFFERENCE), moved(DIFFERENCE));
-        let slope = |before: f64, after: f64| (after - before) / (2.0 * DIFFERENCE);
-        change.force.iter_mut().zip(&after.force).for_each(|(r, after)| *r = slope(*r, *after));
-        let gaps: Vec<f64> =
-            change.gaps().iter().zip(after.gaps()).map(|(r, after)| slope(*r, after)).collect();
-        for (constraint, gap) in change.constraints.iter_mut().zip(gaps) {
-            constraint.volume = constraint.wanted + gap;
-        }
+        let change = Residual::change(problem, workspace, &at, motion);
         let largest = LargestStretch::of(at.space, at.rest, at.u);
         let (_, by_rest) = largest.partials(at.space, at.rest, at.u);
         let over = by_rest.chunks(3).zip(motion).map(|(by, d)| dot(by, d.as_slice())).sum();

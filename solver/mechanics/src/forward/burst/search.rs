@@ -28,7 +28,7 @@ pub enum Torn {
     At(Box<Burst>),
     /// Between two loads, at which no state was found.
     Between([f64; 2]),
-    /// Its stretch at the start is beyond that at break, and no state with less was found.
+    /// The first state is stretched beyond the break, and no state with less stretch was found.
     Beyond(Option<Failure>),
     /// Not on the way.
     Never,

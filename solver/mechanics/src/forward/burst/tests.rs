@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::adjoint::Grown;
-use crate::energy::{ChamberId, ParameterId};
+use crate::energy::{ChamberId, Iterate, ParameterId};
 use crate::forward::path::tests::{NEWTON, stepper};
 use crate::forward::{First, LimitSearch};
 use crate::math::random::Random;
@@ -120,7 +120,7 @@ fn a_body_that_is_torn_at_its_load_bursts_at_less() {
     assert!((burst.u[0] - below.burst().u[0]).abs() < 1e-7);
 }
 
-/// Its stretch at the limit is less than this one.
+/// The largest stretch at its limit is below 4, the stretch at break.
 #[test]
 fn a_sphere_that_balloons_first_does_not_burst() {
     let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
