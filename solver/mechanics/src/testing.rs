@@ -200,31 +200,47 @@ pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
 #[must_use]
 pub fn balloon(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
     let mesh = eighth_shell(levels, layers, BALLOON);
+    // bulk modulus 2000 times the shear modulus 1
+    let material = NeoHookean(Lame::new(BALLOON_MODULUS, 0.49975));
+    let elastic = Elastic::whole(Box::new(material)).with_mean_dilatation();
+    let body = BodyEnergies::new(elastic.expect("a term of the volume"));
+    let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
+    let problem = shell_problem(&mesh, |space| {
+        let wall = shell_wall(&mesh, space, BALLOON);
+        let chamber = Chamber { wall, gas, multiplier: None, memory: None };
+        Energies::bodies(vec![body]).with_chamber("wall", chamber)
+    });
+    (problem, mesh.vertices)
+}
+
+/// An [`eighth_shell`] with quadratic displacements that slides along the planes of symmetry.
+pub fn shell_problem(mesh: &TetMesh, energies: impl FnOnce(&FunctionSpace) -> Energies) -> Problem {
     let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
     let nodes = space.node_positions(&mesh.vertices);
     let fixed: Vec<bool> =
         nodes.iter().flat_map(|x| [x.x < 1e-12, x.y < 1e-12, x.z < 1e-12]).collect();
-    let boundary = mesh::topology::boundary(&mesh).facets;
+    let energies = energies(&space);
+    Problem::new(space, energies, &fixed)
+}
+
+/// The wall of an [`eighth_shell`] at a radius, as the planes of symmetry complete it.
+///
+/// # Panics
+/// Where the mesh is no eighth.
+pub fn shell_wall(mesh: &TetMesh, space: &FunctionSpace, radius: f64) -> Wall {
+    let boundary = mesh::topology::boundary(mesh).facets;
     let on =
         |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
     let planes: Vec<_> = (0..3)
         .map(|axis| {
             let cut = boundary.iter().filter(|f| on(f, &|x| x[axis] < 1e-12));
             let cut: Vec<[usize; 3]> = cut.copied().collect();
-            Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut).expect("a plane")
+            Plane::find(mesh, &boundary, &["cut".to_owned()], &cut).expect("a plane")
         })
         .collect();
-    let wall = boundary.iter().filter(|f| on(f, &|x| x.norm() < BALLOON + 1e-9));
+    let wall = boundary.iter().filter(|f| on(f, &|x| (x.norm() - radius).abs() < 1e-9));
     let wall: Vec<[usize; 3]> = wall.copied().collect();
-    let wall = Wall::cut_by(&planes, &space, &wall);
-    let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
-    let chamber = Chamber { wall, gas, multiplier: None, memory: None };
-    // bulk modulus 2000 times the shear modulus 1
-    let material = NeoHookean(Lame::new(BALLOON_MODULUS, 0.49975));
-    let elastic = Elastic::whole(Box::new(material)).with_mean_dilatation();
-    let body = BodyEnergies::new(elastic.expect("a term of the volume"));
-    let energies = Energies::bodies(vec![body]).with_chamber("wall", chamber);
-    (Problem::new(space, energies, &fixed), mesh.vertices)
+    Wall::cut_by(&planes, space, &wall)
 }
 
 /// Inner radius of [`balloon`], whose outer one is 1.

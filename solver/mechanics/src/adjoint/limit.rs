@@ -1,4 +1,4 @@
-//! The gradient of the load of a limit, or of a burst.
+//! The gradient of the load of a limit or of a burst, and of the slope of the pressure.
 //!
 //! All loads of a state are held, and the pressures p of some chambers grow to t p. With t the load of the limit,
 //!
@@ -6,13 +6,16 @@
 //!
 //! with the covectors of [`Limit::covectors`]. No adjoint system is solved at a limit point. The derivative by p is t
 //! times the one by the pressure t p. Where nothing else loads the body, t p does not change with p. The load of a burst
-//! changes by what the rest shape does to the stretch, too ([`Burst`]).
+//! changes by what the rest shape does to the stretch, too ([`Burst`]), and the slope by what it does to the volumes
+//! ([`PressureSlope`]).
 
 use mesh::Vec3;
 
 use super::{Gradient, along};
 use crate::energy::{ChamberId, Iterate, ParameterGradients, ParameterId};
-use crate::forward::{Burst, Covector, Failure, Limit, Problem, State, Workspace};
+use crate::forward::{
+    Burst, Configuration, Covector, Failure, Limit, PressureSlope, Problem, State, Workspace,
+};
 
 /// The state whose pressures grow to the limit.
 pub struct Grown<'a> {
@@ -35,27 +38,41 @@ impl Grown<'_> {
     /// As [`Limit::covectors`].
     pub fn gradient(&self, workspace: &mut Workspace, limit: &Limit) -> Result<Gradient, Failure> {
         let covectors = limit.covectors(self.held, workspace, self.rest)?;
-        Ok(self.along_covectors(limit.load, &covectors, vec![0.0; 3 * self.rest.len()]))
+        Ok(self.along_covectors(&covectors, vec![0.0; 3 * self.rest.len()]))
     }
 
     /// The derivatives of the load of a burst, as those of a run of one time step.
     #[must_use]
     pub fn gradient_of_burst(&self, burst: &Burst) -> Gradient {
         let covectors = std::slice::from_ref(&burst.covector);
-        self.along_covectors(burst.load, covectors, burst.by_rest.clone())
+        self.along_covectors(covectors, burst.by_rest.clone())
     }
 
-    /// The derivatives of a load through the equations, added to those by the rest vertices beside them.
-    fn along_covectors(
+    /// The derivatives of the slope of the pressure, as those of a run of one time step.
+    ///
+    /// # Errors
+    /// As [`PressureSlope::covectors`].
+    pub fn gradient_of_slope(
         &self,
-        load: f64,
-        covectors: &[Covector],
-        mut by_rest: Vec<f64>,
-    ) -> Gradient {
+        workspace: &mut Workspace,
+        state: &Configuration,
+        slope: &PressureSlope,
+    ) -> Result<Gradient, Failure> {
+        let covectors = slope.covectors(self.held, workspace, state)?;
+        let by_rest = slope.by_rest(self.held, state, self.growing);
+        let mut gradient = self.along_covectors(&covectors, by_rest);
+        for (id, by) in slope.by_pressures(self.held, state, self.growing) {
+            gradient.parameters.add(0, ParameterId::Chamber(id), vec![by]);
+        }
+        Ok(gradient)
+    }
+
+    /// The derivatives through the equations, added to those by the rest vertices beside them.
+    fn along_covectors(&self, covectors: &[Covector], mut by_rest: Vec<f64>) -> Gradient {
         let mut parameters = ParameterGradients::new(1);
         for covector in covectors {
-            let Covector { u, multipliers, lambda, mu } = covector;
-            let at = Iterate { multipliers, ..self.held.iterate(self.rest, u, load) };
+            let Covector { u, multipliers, lambda, mu, load } = covector;
+            let at = Iterate { multipliers, ..self.held.iterate(self.rest, u, *load) };
             let (by, _) = along(self.held, &at, lambda, mu);
             by_rest.iter_mut().zip(&by).for_each(|(sum, by)| *sum += by);
             let at = Iterate { multipliers, ..self.problem.iterate(self.rest, u, self.time) };

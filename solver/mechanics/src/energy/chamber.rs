@@ -89,6 +89,12 @@ impl Chamber {
         self.wall.volume(iterate.space, rest_positions(iterate))
     }
 
+    /// Adds a multiple of ∂(V − V₀)/∂X with u held [m²], three components per vertex.
+    pub fn add_growth_by_rest(&self, iterate: &Iterate, factor: f64, out: &mut [f64]) {
+        self.wall.add_volume_gradient(iterate.space, positions(iterate), factor, out);
+        self.wall.add_volume_gradient(iterate.space, rest_positions(iterate), -factor, out);
+    }
+
     /// Adds μ_i ∂(V − V*)/∂X of the volume i that it prescribes, three components per
     /// vertex; the result is μ_i ∂(V − V*)/∂p for the number that prescribes it.
     pub fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {

@@ -6,6 +6,7 @@
 //! - [`ArcFollower`]: paths of equilibria through limit points, by their arc length;
 //! - [`Limit`]: loads at which an equilibrium loses its stability, by a direct method;
 //! - [`Burst`]: loads at which the largest stretch is that at break;
+//! - [`PressureSlope`]: how much less the pressure rises with the volume than on the way to an equilibrium;
 //! - [`Stability`]: how far an equilibrium is from losing it;
 //! - [`TimeStepper`]: time steps by the backward differentiation formulas (BDF) of an
 //!   [`Integrator`], or quasistatic;
@@ -25,6 +26,7 @@ mod line_search;
 mod neighbours;
 mod newton;
 mod path;
+mod pressure_slope;
 mod problem;
 mod softest_mode;
 mod stability;
@@ -49,6 +51,7 @@ pub use limit::{Covector, First, Left, Limit, LimitSearch};
 pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Failure, Newton};
 pub use path::{ArcFollower, ArcLength, ArcProgress};
+pub use pressure_slope::PressureSlope;
 pub use problem::{Configuration, Problem};
 pub use softest_mode::SoftestMode;
 pub use stability::{Kind, Stability};

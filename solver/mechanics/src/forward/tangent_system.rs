@@ -11,13 +11,15 @@ use nalgebra::DMatrix;
 use super::bordered::Bordered;
 use super::{Configuration, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate};
-use crate::math::linear::{Factorization, Precision, norm};
+use crate::math::linear::{Factorization, Precision, dot, norm};
 
 /// Half of the difference of loads that gives derivatives by the load. Most loads are linear in t: what counts is
 /// rounding.
 pub const DIFFERENCE: f64 = 1e-4;
 /// Half of the difference of rest shapes, as a fraction of the motion.
 const OF_MOTION: f64 = 1e-5;
+/// Largest motion of the differences of tangents, beside the extent of the body.
+const MOTION: f64 = 1e-5;
 /// Fraction of the free path of surfaces that a step goes.
 const NEARLY: f64 = 0.9;
 /// Halvings of a step to a state with finite energy, at most.
@@ -181,6 +183,82 @@ pub fn with_load(
 pub fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
     let negative = |c: &Constraint| problem.restrict(&c.gradient).iter().map(|g| -g).collect();
     constraints.iter().map(negative).collect()
+}
+
+/// A direction of the unknowns: of the free degrees of freedom [m], and of the pressures of the prescribed volumes in
+/// their order [Pa].
+pub struct Direction {
+    /// v.
+    pub v: Vec<f64>,
+    /// The pressures that go with v.
+    pub pressures: Vec<f64>,
+}
+
+impl Direction {
+    /// J v at an iterate: forces on the free degrees of freedom, and volumes.
+    pub fn times_tangent(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        at: &Iterate,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let hessian = workspace.hessian(problem, at, Hessian::Exact);
+        let mut force = workspace.linear().multiply(&hessian, &self.v);
+        workspace.recycle(hessian);
+        let across = across(problem, &problem.constraints(at));
+        for (column, pressure) in across.iter().zip(&self.pressures) {
+            force.iter_mut().zip(column).for_each(|(f, c)| *f += pressure * c);
+        }
+        let volumes = across.iter().map(|row| dot(row, &self.v)).collect();
+        (force, volumes)
+    }
+
+    /// (∂J/∂z · v) v, the second derivative of the equations along the direction: a difference of two tangents.
+    pub fn curvature(
+        &self,
+        problem: &Problem,
+        workspace: &mut Workspace,
+        state: &Configuration,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let by = self.step(&state.iterate(problem));
+        let mut at = |by: f64| {
+            let moved = self.moved(problem, state, by);
+            self.times_tangent(problem, workspace, &moved.iterate(problem))
+        };
+        let (plus, minus) = (at(by), at(-by));
+        let slope = |plus: &[f64], minus: &[f64]| -> Vec<f64> {
+            plus.iter().zip(minus).map(|(p, m)| (p - m) / (2.0 * by)).collect()
+        };
+        (slope(&plus.0, &minus.0), slope(&plus.1, &minus.1))
+    }
+
+    /// A state that is moved by a multiple of the direction.
+    pub fn moved<'a>(
+        &self,
+        problem: &Problem,
+        state: &Configuration<'a>,
+        by: f64,
+    ) -> Configuration<'a> {
+        let mut moved = state.clone();
+        let motion = problem.prolong(&self.v);
+        moved.u.iter_mut().zip(&motion).for_each(|(u, v)| *u += by * v);
+        let multipliers = moved.multipliers.iter_mut().zip(&self.pressures);
+        multipliers.for_each(|(m, p)| m.pressure += by * p);
+        moved
+    }
+
+    /// The multiple that differences of tangents move by.
+    pub fn step(&self, at: &Iterate) -> f64 {
+        let largest = self.v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        MOTION * extent(at) / largest.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Diagonal of the body at rest [m].
+fn extent(at: &Iterate) -> f64 {
+    let corner =
+        |pick: fn(f64, f64) -> f64| at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick));
+    (corner(f64::max) - corner(f64::min)).norm()
 }
 
 /// A step from a state: changes of the unknowns [m], of the multipliers of the prescribed volumes in their order

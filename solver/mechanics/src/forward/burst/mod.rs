@@ -140,7 +140,8 @@ impl Burst {
         by_rest.iter_mut().for_each(|by| *by /= by_load);
         let Configuration { time: load, u, multipliers, .. } = state.clone();
         let lambda = problem.prolong(&scaled(&lambda, -1.0 / by_load));
-        let covector = Covector { u: u.clone(), multipliers: multipliers.clone(), lambda, mu };
+        let covector =
+            Covector { u: u.clone(), multipliers: multipliers.clone(), lambda, mu, load };
         Ok(Self { load, u, multipliers, negative, iterations, covector, by_rest })
     }
 }

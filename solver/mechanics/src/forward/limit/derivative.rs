@@ -18,10 +18,10 @@
 use mesh::Vec3;
 use nalgebra::DMatrix;
 
-use super::{Limit, Null, factor_pinned, largest_entry, slopes, step_along};
+use super::{Limit, factor_pinned, largest_entry, slopes};
 use crate::energy::Multiplier;
 use crate::forward::stability::Kind;
-use crate::forward::tangent_system::{LoadRate, Residual, across};
+use crate::forward::tangent_system::{Direction, LoadRate, Residual, across};
 use crate::forward::{Configuration, Failure, Problem, Workspace};
 use crate::math::linear::dot;
 
@@ -40,6 +40,8 @@ pub struct Covector {
     pub lambda: Vec<f64>,
     /// μ [1/m³].
     pub mu: Vec<f64>,
+    /// The load of the state.
+    pub load: f64,
 }
 
 impl Limit {
@@ -70,6 +72,7 @@ impl Limit {
             multipliers,
             lambda: scaled(&self.mode, factor),
             mu: scaled(&self.mode_pressures, -factor),
+            load: self.load,
         }
     }
 
@@ -85,7 +88,7 @@ impl Limit {
         let constraints = Residual::of(problem, workspace, &at).constraints;
         let pressures = constraints.iter().map(|c| self.mode_pressures[c.multiplier]);
         let v = problem.restrict(&self.mode);
-        let null = Null { pressures: pressures.collect(), stiffness: 0.0, v };
+        let null = Direction { pressures: pressures.collect(), v };
         let (by_u, by_pressures, by_load) = slopes(problem, workspace, &state, &null);
         let rate = LoadRate::of(problem, workspace, &at);
         let pin = factor_pinned(problem, workspace, &at, largest_entry(&null.v)?)?;
@@ -104,7 +107,7 @@ impl Limit {
         for (constraint, b) in constraints.iter().zip(&b) {
             of_path.mu[constraint.multiplier] = -b / c;
         }
-        let moved = SHORTER * step_along(&at, &null.v);
+        let moved = SHORTER * null.step(&at);
         let by = 0.5 / (moved * c);
         Ok(vec![of_path, self.covector(moved, by), self.covector(-moved, -by)])
     }

@@ -33,7 +33,7 @@ use crate::forward::bordered::Bordered;
 use crate::forward::newton::Newton;
 use crate::forward::stability::{Kind, negative_eigenvalues, softest};
 use crate::forward::tangent_system::{
-    DIFFERENCE, LoadRate, Residual, Step, across, at_held_load, factor, with_supports,
+    DIFFERENCE, Direction, LoadRate, Residual, Step, across, at_held_load, factor, with_supports,
 };
 use crate::forward::{Configuration, Failure, Problem, Workspace};
 use crate::math::linear::{Factorization, Precision, dot, norm};
@@ -46,8 +46,6 @@ const CORRECTIONS: usize = 8;
 const ROUGH: f64 = 1e-5;
 /// Relative change of the load that is none.
 const SETTLED: f64 = 1e-9;
-/// Largest motion of the differences of tangents, beside the extent of the body.
-const MOTION: f64 = 1e-5;
 
 /// An equilibrium at which the tangent is singular.
 #[derive(Clone, Debug)]
@@ -83,17 +81,17 @@ pub struct Left {
     pub load: f64,
 }
 
-/// v, the pressures that go with it, and g.
+/// v with the pressures that go with it, and g.
 struct Null {
-    v: Vec<f64>,
-    pressures: Vec<f64>,
+    direction: Direction,
     stiffness: f64,
 }
 
 impl Null {
     /// The share of the mode in what a unit of the load does to the equations.
     fn along(&self, rate: &LoadRate) -> f64 {
-        dot(&self.v, &rate.force) - dot(&self.pressures, &rate.gaps)
+        let Direction { v, pressures } = &self.direction;
+        dot(v, &rate.force) - dot(pressures, &rate.gaps)
     }
 }
 
@@ -150,8 +148,9 @@ impl Limit {
             state = sought.step(problem, workspace, &state, &now, Some(&null))?;
             state = back_to_path(problem, workspace, state, &sought, newton)?;
             changed = (state.time - before).abs();
-            let length = norm(&null.v);
-            mode = null.v.iter().map(|v| v / length).collect();
+            let v = &null.direction.v;
+            let length = norm(v);
+            mode = v.iter().map(|v| v / length).collect();
         }
         unreachable!("the last iteration returns")
     }
@@ -166,10 +165,10 @@ impl Limit {
         history: Vec<Left>,
     ) -> Self {
         let mut mode_pressures = vec![0.0; state.multipliers.len()];
-        for (constraint, pressure) in now.constraints.iter().zip(&null.pressures) {
+        for (constraint, pressure) in now.constraints.iter().zip(&null.direction.pressures) {
             mode_pressures[constraint.multiplier] = *pressure;
         }
-        let (mode, by_load) = (problem.prolong(&null.v), null.along(rate));
+        let (mode, by_load) = (problem.prolong(&null.direction.v), null.along(rate));
         let Configuration { time: load, u, multipliers, .. } = state;
         Self { load, u, multipliers, mode, mode_pressures, by_load, kind, others: 0, history }
     }
@@ -278,25 +277,7 @@ fn null_vector(
     let found = pin.solve(factor, columns.clone(), columns, corner, &zero, one);
     let (v, mut pressures) = found.ok_or(Failure::Singular)?;
     let g = pressures.pop().ok_or(Failure::Singular)?;
-    Ok(Null { v, pressures, stiffness: -g })
-}
-
-/// J v at an iterate: forces on the free degrees of freedom, and volumes.
-fn tangent_times(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    at: &Iterate,
-    null: &Null,
-) -> (Vec<f64>, Vec<f64>) {
-    let hessian = workspace.hessian(problem, at, Hessian::Exact);
-    let mut force = workspace.linear().multiply(&hessian, &null.v);
-    workspace.recycle(hessian);
-    let across = across(problem, &problem.constraints(at));
-    for (column, pressure) in across.iter().zip(&null.pressures) {
-        force.iter_mut().zip(column).for_each(|(f, c)| *f += pressure * c);
-    }
-    let volumes = across.iter().map(|row| dot(row, &null.v)).collect();
-    (force, volumes)
+    Ok(Null { direction: Direction { v, pressures }, stiffness: -g })
 }
 
 /// ∂g/∂u, ∂g/∂P̂ and ∂g/∂t.
@@ -304,43 +285,18 @@ fn slopes(
     problem: &Problem,
     workspace: &mut Workspace,
     state: &Configuration,
-    null: &Null,
+    null: &Direction,
 ) -> (Vec<f64>, Vec<f64>, f64) {
-    let at = state.iterate(problem);
-    let by = step_along(&at, &null.v);
-    let v = problem.prolong(&null.v);
-    let mut moved = |by: f64| {
-        let u: Vec<f64> = state.u.iter().zip(&v).map(|(u, v)| u + by * v).collect();
-        let mut multipliers = state.multipliers.clone();
-        multipliers.iter_mut().zip(&null.pressures).for_each(|(m, p)| m.pressure += by * p);
-        let at = Iterate { u: &u, multipliers: &multipliers, ..at };
-        tangent_times(problem, workspace, &at, null)
-    };
-    let (plus, minus) = (moved(by), moved(-by));
-    let slope = |plus: &[f64], minus: &[f64]| -> Vec<f64> {
-        plus.iter().zip(minus).map(|(p, m)| -(p - m) / (2.0 * by)).collect()
-    };
+    let (by_u, by_pressures) = null.curvature(problem, workspace, state);
+    let negative = |x: Vec<f64>| x.iter().map(|x| -x).collect();
     let mut loaded = |time: f64| {
         let u = with_supports(problem, &state.u, time);
-        let at = Iterate { u: &u, time, ..at };
-        let (force, volumes) = tangent_times(problem, workspace, &at, null);
+        let at = Iterate { u: &u, time, ..state.iterate(problem) };
+        let (force, volumes) = null.times_tangent(problem, workspace, &at);
         dot(&force, &null.v) + dot(&volumes, &null.pressures)
     };
-    let by_load = -(loaded(at.time) - loaded(at.time - DIFFERENCE)) / DIFFERENCE;
-    (slope(&plus.0, &minus.0), slope(&plus.1, &minus.1), by_load)
-}
-
-/// How far differences of tangents move along a mode.
-fn step_along(at: &Iterate, mode: &[f64]) -> f64 {
-    let largest = mode.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    MOTION * extent(at) / largest.max(f64::MIN_POSITIVE)
-}
-
-/// Diagonal of the body at rest [m].
-fn extent(at: &Iterate) -> f64 {
-    let corner =
-        |pick: fn(f64, f64) -> f64| at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick));
-    (corner(f64::max) - corner(f64::min)).norm()
+    let by_load = -(loaded(state.time) - loaded(state.time - DIFFERENCE)) / DIFFERENCE;
+    (negative(by_u), negative(by_pressures), by_load)
 }
 
 /// What is sought, and how the last factorisation is to be used.
@@ -371,7 +327,8 @@ impl Sought<'_> {
         let mut lower = now.gaps();
         let row = match null {
             Some(null) => {
-                let (by_u, by_pressure, by_load) = slopes(problem, workspace, state, null);
+                let (by_u, by_pressure, by_load) =
+                    slopes(problem, workspace, state, &null.direction);
                 (0..volumes).for_each(|i| corner[(volumes, i)] = by_pressure[i]);
                 corner[(volumes, volumes)] = by_load;
                 lower.push(null.stiffness);
