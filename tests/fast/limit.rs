@@ -117,7 +117,7 @@ fn a_limit_that_a_design_cannot_have_is_refused() {
 }
 
 /// The factors of the limit and of the burst change with the modulus in proportion, as pressure is the only load; by one
-/// number of the law they are compared with two other runs.
+/// number of the law they and the slope are compared with two other runs.
 #[test]
 fn limits_have_error_bars() {
     let dir = chamber::near_its_edges();
@@ -131,7 +131,7 @@ fn limits_have_error_bars() {
     };
     let (found, said) = edges(55e3, uncertain);
     let (more, less) = (edges(55.05e3, "").0, edges(54.95e3, "").0);
-    for key in ["factor", "burst"] {
+    for key in ["factor", "burst", "slope"] {
         let number = |report: &Value| report[key].as_f64().unwrap();
         let bars = &found["error_bars"][key];
         assert_eq!(bars["value"], found[key]);
@@ -140,7 +140,9 @@ fn limits_have_error_bars() {
             all.iter().find(|bar| bar["of"] == of).unwrap()["derivative"].as_f64().unwrap()
         };
         let (by_modulus, by_c1) = (by("modulus"), by("material.body.c1"));
-        assert!((by_modulus / number(&found) - 1.0).abs() < 1e-6, "{by_modulus} {found}");
+        if key != "slope" {
+            assert!((by_modulus / number(&found) - 1.0).abs() < 1e-6, "{by_modulus} {found}");
+        }
         let slope = (number(&more) - number(&less)) / 100.0;
         assert!((by_c1 / slope - 1.0).abs() < 1e-4, "{key} {by_c1} {slope}");
         assert!(said.contains(&format!("limit: {key} ")), "{said}");
@@ -173,6 +175,33 @@ fn a_design_moves_away_from_its_burst() {
     dir.solver("simulate end.toml -o end").assert_good();
     let found = dir.json("end/report.json")["limit"]["burst"].as_f64().unwrap();
     assert!((found / factor(last) - 1.0).abs() < 1e-6, "{found} {last}");
+}
+
+/// The gradient of the term is that of the slope by the shape, the law and the pressure. No path is followed.
+#[test]
+fn a_design_makes_its_pressure_rise_more_steeply() {
+    let dir = chamber::near_its_limit();
+    let text = dir.text("design.toml");
+    let goal = "least = 3\nweight = 100";
+    assert!(text.contains(goal), "{text}");
+    dir.write("design.toml", &text.replace(goal, "slope = { least = 0.9, weight = 100 }"));
+    dir.solver("check design.toml --handles 3 --steps 5 --random 1").assert_good();
+    dir.solver("optimize design.toml -o out").assert_good();
+    let text = dir.text("out/history.jsonl");
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let slope = |line: &Value| line["probes"]["slope"].as_f64().unwrap();
+    let (first, last) = (&lines[0], lines.last().unwrap());
+    assert!(slope(last) > slope(first) + 0.01, "{first} {last}");
+    for line in &lines {
+        assert_eq!(line["probes"]["limit"], Value::Null);
+        let (term, expected) =
+            (line["terms"]["slope"].as_f64().unwrap(), 100.0 * (0.9 - slope(line)).powi(2));
+        assert!((term - expected).abs() < 1e-9, "{line}");
+    }
+    dir.write("end.toml", &dir.text("p1.toml").replace("body.msh", "out/design.msh"));
+    dir.solver("simulate end.toml -o end").assert_good();
+    let found = dir.json("end/report.json")["limit"]["slope"].as_f64().unwrap();
+    assert!((found / slope(last) - 1.0).abs() < 1e-6, "{found} {last}");
 }
 
 /// What balloons before it tears counts the factor of the limit, and says so.
@@ -210,6 +239,7 @@ fn a_burst_that_a_design_cannot_have_is_refused() {
     let both = format!("least = 3\nweight = 100\n{goal}");
     refused("design.toml", &both, "", &["[limit]", "empty", "burst = {"]);
     refused("design.toml", "name = \"clear\"", "name = \"burst\"", &["burst", "another"]);
+    refused("design.toml", goal, "slope = { least = 0, weight = 1 }", &["slope", "above 0"]);
     refused(
         "p1.toml",
         chamber::STRETCH_AT_BREAK,

@@ -50,5 +50,6 @@ fn a_path_is_drawn_with_its_limit_and_its_burst() {
     let text = browser.evaluate("document.getElementById('results').textContent");
     let text = text.as_str().unwrap();
     assert!(text.contains("Limits") && text.contains("no equilibrium beyond"), "{text}");
+    assert!(text.contains("slope of the pressure"), "{text}");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }

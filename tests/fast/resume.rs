@@ -256,9 +256,15 @@ fn a_killed_gauss_newton_run_ends_as_one_that_is_not() {
 /// The displacements at the limits and bursts lie beside those of the runs.
 #[test]
 fn a_design_with_a_limit_that_is_killed_ends_the_same() {
-    let whole = chamber::near_its_edges();
+    let workdir = || {
+        let dir = chamber::near_its_edges();
+        let design = dir.text("design.toml") + "slope = { least = 0.9, weight = 1 }\n";
+        dir.write("design.toml", &design);
+        dir
+    };
+    let whole = workdir();
     whole.solver(COMMAND).assert_good();
-    let dir = chamber::near_its_edges();
+    let dir = workdir();
     assert!(kill_after_every_checkpoint(&dir) > 2, "over before it was killed");
     assert_same(&dir, &results(&whole));
 }

@@ -120,7 +120,7 @@ fn row_with_bars(cells: [&str; 3], bars: Option<&ErrorBars>, unit: &str) -> Vec<
     row
 }
 
-/// The factors of a limit and of a burst.
+/// The factors of a limit and of a burst, and the slope of the pressure.
 fn limit_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
     let Some(limit) = &end.limit else { return };
     let kind = match limit.kind {
@@ -133,6 +133,10 @@ fn limit_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
     if let Some(burst) = limit.burst {
         let cells = [run, "stretch at break", &digits(burst)];
         rows.push(row_with_bars(cells, limit.error_bars.get("burst"), "1"));
+    }
+    if let Some(slope) = limit.slope {
+        let cells = [run, "slope of the pressure, of 1 in proportion", &digits(slope)];
+        rows.push(row_with_bars(cells, limit.error_bars.get("slope"), "1"));
     }
 }
 

@@ -76,7 +76,11 @@ pub struct Limit {
     /// Factor at which the largest stretch is that at break, where the material knows it and that comes first [1]; below
     /// 1 where the state at the end is beyond.
     pub burst: Option<f64>,
-    /// Error bars of `factor` and `burst`, where there are such, of a scene with `[uncertainty]`.
+    /// Slope dP/dV of the pressure at the end over P/ΔV from rest to there [1]: 1 where the body answers in proportion, 0
+    /// where it balloons. With several chambers, their work stands for the volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slope: Option<f64>,
+    /// Error bars of `factor`, `burst` and `slope`, where there are such, of a scene with `[uncertainty]`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub error_bars: BTreeMap<String, ErrorBars>,
     /// Largest principal stretch at `stable_to` [1].

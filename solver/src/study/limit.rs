@@ -1,12 +1,13 @@
 //! How much more pressure than its loads a body bears: the factor at which it balloons or buckles, and at which its
-//! largest stretch is that at break.
+//! largest stretch is that at break; and how much less the pressure rises there than on the way to it.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use mechanics::energy::{ChamberId, Iterate};
 use mechanics::forward::{
-    self, Burst, BurstSearch, First, Kind, LimitSearch, Problem, Torn, Workspace,
+    self, Burst, BurstSearch, Configuration, First, Kind, LimitSearch, PressureSlope, Problem,
+    Torn, Workspace,
 };
 use mechanics::stretch::LargestStretch;
 use reports::{DirectIterate, Limit, LimitState, LimitStatus, PointKind};
@@ -25,7 +26,7 @@ struct Way {
     by_load_from: Option<f64>,
 }
 
-/// The edges of a run: its limit, and its burst.
+/// The edges of a run: its limit, its burst and the slope of its pressure.
 pub struct Edges {
     /// For the report.
     pub limit: Limit,
@@ -33,13 +34,17 @@ pub struct Edges {
     pub at_limit: Option<Box<forward::Limit>>,
     /// The state at which the material tears, where there is one.
     pub burst: Option<Box<Burst>>,
+    /// The slope of the pressure at the end, where the tangent is regular.
+    pub slope: Option<PressureSlope>,
 }
 
 /// The limit of the state at the end of a run, and its burst.
 #[must_use]
 pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfig) -> Edges {
-    let held = problem.held(end.time, &growing(problem, config));
+    let growing = growing(problem, config);
+    let held = problem.held(end.time, &growing);
     let mut workspace = Workspace::new(&held);
+    let slope = PressureSlope::of(&held, &mut workspace, &configuration(end), &growing).ok();
     let burst = scene.stretch_limits().at_break.map(|at_break| BurstSearch::new(end, at_break));
     let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
     let search = LimitSearch { stepping: scene.stepping(), most: config.most };
@@ -79,7 +84,15 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
             (Limit { reason: Some(reason), ..none(LimitStatus::NotFound, &way) }, None)
         }
     };
-    Edges { limit: Limit { burst: factor, ..limit }, at_limit, burst }
+    let limit = Limit { burst: factor, slope: slope.as_ref().map(|slope| slope.value), ..limit };
+    Edges { limit, at_limit, burst, slope }
+}
+
+/// A state that is no step in time, on its own.
+#[must_use]
+pub fn configuration<'a>(at: &Iterate<'a>) -> Configuration<'a> {
+    let Iterate { rest, time, .. } = *at;
+    Configuration { rest, time, step: None, u: at.u.to_vec(), multipliers: at.multipliers.to_vec() }
 }
 
 /// The state at which a body bursts, or in the log why there is none.
@@ -149,6 +162,7 @@ fn none(status: LimitStatus, way: &Way) -> Limit {
         between: None,
         stable_to: way.last()[0],
         burst: None,
+        slope: None,
         error_bars: BTreeMap::new(),
         largest_stretch: way.last()[1],
         reason: None,
@@ -214,6 +228,9 @@ pub fn in_words(limit: &Limit) -> String {
     }
     if let Some(burst) = limit.burst {
         text += &format!("; the stretch at break is reached at {}", times(burst));
+    }
+    if let Some(slope) = limit.slope {
+        text += &format!("; slope of the pressure {slope:.3} of that in proportion");
     }
     text
 }

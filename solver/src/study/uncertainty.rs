@@ -1,4 +1,4 @@
-//! Error bars: what probes, and the factors of a limit and of a burst, change by if numbers of the scene are off.
+//! Error bars: what probes, the factors of a limit and of a burst, and the slope of the pressure change by if numbers of the scene are off.
 //!
 //! To first order, δq = (∂q/∂p) δp for each number p on its own. One sweep of the adjoint per
 //! probe q, or the covector of an edge, gives its derivatives by all p, for the run as it is:
@@ -31,7 +31,7 @@ use scene::Scene;
 use scene::config::{Modulus, UncertaintyConfig, is_pressure};
 
 use crate::number::{Change, Group, Number, Swept, Walls};
-use crate::study::limit::{Edges, growing};
+use crate::study::limit::{Edges, configuration, growing};
 use crate::study::sensitivity::sensitivities;
 
 /// The larger of the two changes, without sign.
@@ -137,7 +137,7 @@ fn bars(scene: &Scene, all: &[Off], swept: &Swept, (value, unit): (f64, &str)) -
     ErrorBars { value, unit: unit.to_owned(), together, bars }
 }
 
-/// Adds the error bars of the factors of a limit and of a burst to their report, where the scene asks for them; in the
+/// Adds the error bars of the factors of a limit and of a burst, and of the slope, to their report, where the scene asks for them; in the
 /// log, too, with why there are none.
 pub fn report_edges(scene: &Scene, problem: &Problem, end: &Iterate, edges: &mut Edges) {
     let Some(config) = &scene.config.uncertainty else { return };
@@ -150,7 +150,7 @@ pub fn report_edges(scene: &Scene, problem: &Problem, end: &Iterate, edges: &mut
     }
 }
 
-/// Error bars of the factors of a limit and of a burst, by their names in the report.
+/// Error bars of the factors of a limit and of a burst, and of the slope, by their names in the report.
 fn of_edges(
     scene: &Scene,
     config: &UncertaintyConfig,
@@ -175,6 +175,10 @@ fn of_edges(
     }
     if let Some(burst) = &edges.burst {
         add("burst", burst.load, &grown.gradient_of_burst(burst));
+    }
+    if let Some(slope) = &edges.slope {
+        let by = grown.gradient_of_slope(&mut Workspace::new(held), &configuration(end), slope);
+        add("slope", slope.value, &by.context("derivatives of the slope")?);
     }
     Ok(bars_of)
 }

@@ -31,9 +31,13 @@ pub const LIMIT: &str = "limit";
 /// Name of the term of an objective that counts the burst.
 pub const BURST: &str = "burst";
 
-/// How far the body of a design is to stay from where it balloons or buckles, from where it tears, or from both. Its
+/// Name of the term of an objective that counts the slope of the pressure.
+pub const SLOPE: &str = "slope";
+
+/// How far the body of a design is to stay from where it balloons or buckles, and from where it tears. Its
 /// scene has the `[limit]` that says of which pressures. The term `limit` of the objective is weight (least − factor)²,
-/// or 0 where the factor is more; `burst` is the same of the factor at which the largest stretch is that at break.
+/// or 0 where the factor is more; `burst` is the same of the factor at which the largest stretch is that at break, and
+/// `slope` the same of the slope of the pressure at the equilibrium itself.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitGoal {
@@ -47,24 +51,34 @@ pub struct LimitGoal {
     /// body that balloons or buckles first, the factor of that counts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<Least>,
+    /// Slope of the pressure by the volume, over pressure by change of volume from rest, at least:
+    /// `{ least = 0.5, weight = 10 }`. 1 where the body answers in proportion, 0 where it balloons. It needs no path and no
+    /// limit, and does not see where a body buckles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope: Option<Least>,
 }
 
-/// A factor that is to be large enough.
+/// A number that is to be large enough.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Least {
-    /// The factor that counts nothing [1].
+    /// The number that counts nothing [1].
     pub least: f64,
     /// Weight of the term.
     pub weight: f64,
 }
 
 impl Least {
-    fn check(&self, table: KeyPath) -> Result<()> {
-        let Self { least, weight } = *self;
+    fn check(&self, name: &str) -> Result<()> {
+        let (table, Self { least, weight }) = (LimitGoal::path(name), *self);
+        let (bound, of) = if name == SLOPE {
+            (0.0, "the slope where it balloons")
+        } else {
+            (1.0, "the pressure of the scene")
+        };
         ensure!(
-            least.is_finite() && least > 1.0,
-            misfit!(table.key("least"), " = {least}: must be above 1, the pressure of the scene")
+            least.is_finite() && least > bound,
+            misfit!(table.key("least"), " = {least}: must be above {bound}, {of}")
         );
         ensure!(
             weight.is_finite() && weight > 0.0,
@@ -75,18 +89,18 @@ impl Least {
 }
 
 impl LimitGoal {
-    /// The factors that count, by the names of their terms.
+    /// What counts, by the names of the terms; the slope last.
     #[must_use]
     pub fn goals(&self) -> Vec<(&'static str, Least)> {
         let limit = self.least.zip(self.weight).map(|(least, weight)| Least { least, weight });
-        let named = [(LIMIT, limit), (BURST, self.burst)];
+        let named = [(LIMIT, limit), (BURST, self.burst), (SLOPE, self.slope)];
         named.into_iter().filter_map(|(name, goal)| Some((name, goal?))).collect()
     }
 
     /// Where a goal is written.
     fn path(name: &str) -> KeyPath {
         let table = KeyPath::table("limit");
-        if name == BURST { table.key(BURST) } else { table }
+        if name == LIMIT { table } else { table.key(name) }
     }
 
     /// Checks it alone.
@@ -96,7 +110,8 @@ impl LimitGoal {
             self.least.is_some() == self.weight.is_some(),
             misfit!(
                 table,
-                ": least and weight go together; write both, or only burst = {{ least = 1.5, weight = 10 }}"
+                ": least and weight go together; write both, or only burst = {{ least = 1.5, weight = 10 }} or \
+                 slope = {{ least = 0.5, weight = 10 }}"
             )
         );
         let goals = self.goals();
@@ -104,11 +119,12 @@ impl LimitGoal {
             !goals.is_empty(),
             misfit!(
                 table,
-                " of the design is empty; expected least and weight, or burst = {{ least = 1.5, weight = 10 }}, or both"
+                " of the design is empty; expected least and weight, burst = {{ least = 1.5, weight = 10 }} or \
+                 slope = {{ least = 0.5, weight = 10 }}, or several of them"
             )
         );
         for (name, goal) in goals {
-            goal.check(Self::path(name))?;
+            goal.check(name)?;
             ensure!(
                 !objectives.contains(&name),
                 misfit!(
@@ -144,7 +160,7 @@ impl LimitGoal {
         let most = scene.most;
         for (name, Least { least, .. }) in self.goals() {
             ensure!(
-                most >= least,
+                name == SLOPE || most >= least,
                 misfit!(
                     Self::path(name).key("least"),
                     " = {least}: above most = {most} of [limit] in the scene, up to which a limit is sought"

@@ -1,9 +1,10 @@
-//! The edges of a run as terms of the objective: the factor on the pressures at which the body balloons or buckles, and
-//! that at which its largest stretch is that at break.
+//! The edges of a run as terms of the objective: the factor on the pressures at which the body balloons or buckles, that
+//! at which its largest stretch is that at break, and the slope of the pressure, which needs no state beside the
+//! equilibrium.
 //!
-//! w (least − t)₊²,   t the factor, at most that up to which a limit is sought
+//! w (least − t)₊²,   t the factor, at most that up to which a limit is sought, or the slope
 //!
-//! Next to a run that is linearised they are sought by direct methods, from those there and their first-order change
+//! Factors: next to a run that is linearised they are sought by direct methods, from those there and their first-order change
 //! with the rest shape; from a run that is not, or where they are not found so, along the path from the equilibrium on.
 //!
 //! A body may come to its limit before it bursts. Then the factor of the limit stands in for that of the burst. So the
@@ -15,33 +16,38 @@ use std::sync::Arc;
 use mechanics::adjoint::{Gradient, Grown};
 use mechanics::energy::{ChamberId, Iterate};
 use mechanics::forward::{
-    Burst, BurstSearch, Configuration, Failure, First, Kind, Limit, LimitSearch, Problem, Torn,
-    Trajectory, Workspace, solve_multipliers,
+    Burst, BurstSearch, Configuration, Failure, First, Kind, Limit, LimitSearch, PressureSlope,
+    Problem, Torn, Trajectory, Workspace, solve_multipliers,
 };
 use mechanics::stretch::LargestStretch;
 use mesh::Vec3;
-use scene::config::{BURST, LIMIT};
+use scene::config::{BURST, LIMIT, SLOPE};
 use serde::{Deserialize, Serialize};
 
 use super::{Rejected, Run, Scenario};
-use crate::study::limit::{beyond, growing};
+use crate::study::limit::{beyond, configuration, growing};
 
 /// Change of the factor from that of a nearby run, relative to it, above which it may be another one.
 const NEARBY: f64 = 0.2;
 
-/// A factor that is to be large enough.
+/// A number that is to be large enough.
 #[derive(Clone, Copy)]
 pub(super) struct Edge {
-    /// Name of its term, `LIMIT` or `BURST`.
+    /// Name of its term, `LIMIT`, `BURST` or `SLOPE`.
     pub name: &'static str,
-    /// The factor that counts nothing [1].
+    /// The number that counts nothing [1].
     pub least: f64,
     /// Weight of its term in this scenario and level.
     pub weight: f64,
 }
 
 impl Edge {
-    /// How much a factor counts in the objective.
+    /// Whether it is a factor on the pressures.
+    fn is_factor(&self) -> bool {
+        self.name != SLOPE
+    }
+
+    /// How much a number counts in the objective.
     pub fn counts(&self, factor: f64) -> f64 {
         self.weight * (self.least - factor).max(0.0).powi(2)
     }
@@ -55,9 +61,9 @@ impl Edge {
 /// How far a run is from an edge.
 #[derive(Clone)]
 pub struct Margin {
-    /// Factor on the pressures there, or up to which there is none [1].
+    /// Factor on the pressures there, or up to which there is none, or the slope [1].
     pub factor: f64,
-    /// The state there; none where it was not reached.
+    /// The state there, or that of the slope; none where it was not reached.
     pub(super) at: Option<Arc<AtEdge>>,
 }
 
@@ -70,6 +76,8 @@ enum Singled {
     Bifurcation,
     /// The largest stretch is that at break.
     Burst,
+    /// It is the equilibrium itself.
+    End,
 }
 
 impl Singled {
@@ -124,6 +132,11 @@ impl Margin {
         Self { factor: limit.load, at: Some(Arc::new(at)) }
     }
 
+    fn slope(slope: &PressureSlope, u: Vec<f64>) -> Self {
+        let at = AtEdge { kind: Singled::End, u };
+        Self { factor: slope.value, at: Some(Arc::new(at)) }
+    }
+
     fn burst(burst: Burst) -> Self {
         let Burst { load: factor, u, .. } = burst;
         Self { factor, at: Some(Arc::new(AtEdge { kind: Singled::Burst, u })) }
@@ -143,9 +156,19 @@ struct Growing<'a> {
 impl<'a> Growing<'a> {
     /// The state at an edge of this problem.
     fn state(&self, workspace: &mut Workspace, factor: f64, at: &AtEdge) -> Configuration<'a> {
-        let here = self.held.iterate(self.rest, &at.u, factor);
+        let time = if at.kind == Singled::End { self.time } else { factor };
+        let here = self.held.iterate(self.rest, &at.u, time);
         let multipliers = solve_multipliers(&self.held, workspace, &here);
-        Configuration { rest: self.rest, time: factor, step: None, u: at.u.clone(), multipliers }
+        Configuration { rest: self.rest, time, step: None, u: at.u.clone(), multipliers }
+    }
+
+    /// The slope of the pressure at the equilibrium.
+    fn slope(
+        &self,
+        workspace: &mut Workspace,
+        end: &Configuration,
+    ) -> Result<PressureSlope, Failure> {
+        PressureSlope::of(&self.held, workspace, end, &self.chambers)
     }
 
     /// A limit by the direct method from a state.
@@ -179,6 +202,7 @@ impl<'a> Growing<'a> {
                 self.next_limit(workspace, (other, factor, at), Kind::Bifurcation)
             }
             Singled::Burst => self.next_burst(workspace, (other, factor, at)),
+            Singled::End => None,
         }?;
         if at.kind != Singled::Burst && edge.name == BURST {
             // it may burst before that now
@@ -237,6 +261,10 @@ impl<'a> Growing<'a> {
             Singled::Burst => {
                 return Ok(grown.gradient_of_burst(&self.burst(workspace, &state)?));
             }
+            Singled::End => {
+                let slope = self.slope(workspace, &state)?;
+                return grown.gradient_of_slope(workspace, &state, &slope);
+            }
         };
         let limit = self.limit(workspace, &state, kind)?;
         grown.gradient(workspace, &limit)
@@ -265,14 +293,43 @@ impl Scenario {
         }
         let Some(growing) = self.growing(problem, rest) else { return Ok(Vec::new()) };
         let mut workspace = Workspace::new(&growing.held);
-        if let Some(found) = self.margins_nearby(&growing, &mut workspace) {
-            return Ok(found);
-        }
         let u = states.last();
         let at = problem.iterate(rest, &u, growing.time);
         let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
         let end = Iterate { multipliers: &multipliers, ..at };
-        self.margins_on_path(&growing, &mut workspace, &end)
+        let mut margins = match self.factors().next() {
+            None => Vec::new(),
+            Some(_) => match self.margins_nearby(&growing, &mut workspace) {
+                Some(found) => found,
+                None => self.margins_on_path(&growing, &mut workspace, &end)?,
+            },
+        };
+        if self.factors().count() < self.edges.len() {
+            margins.push(self.margin_of_slope(&growing, &mut workspace, &end)?);
+        }
+        Ok(margins)
+    }
+
+    /// The edges that are factors, which come first.
+    fn factors(&self) -> impl Iterator<Item = &Edge> {
+        self.edges.iter().filter(|edge| edge.is_factor())
+    }
+
+    /// The margin of the slope at an equilibrium.
+    fn margin_of_slope(
+        &self,
+        growing: &Growing,
+        workspace: &mut Workspace,
+        end: &Iterate,
+    ) -> Result<Margin, Rejected> {
+        let state = Configuration { rest: growing.rest, ..configuration(end) };
+        let slope = growing
+            .slope(workspace, &state)
+            .map_err(|why| self.reject(format!("the pressure has no slope: {why}")))?;
+        if slope.negative > 0 {
+            return Err(self.reject("its equilibrium is not stable"));
+        }
+        Ok(Margin::slope(&slope, state.u))
     }
 
     /// The margins next to those of the run that was linearised.
@@ -282,7 +339,7 @@ impl Scenario {
         let one = |(edge, Margin { factor, at }): (&Edge, &Margin)| {
             growing.next_to(workspace, edge, (&other, *factor, at.as_deref()?))
         };
-        self.edges.iter().zip(&run.margins).map(one).collect()
+        self.factors().zip(&run.margins).map(one).collect()
     }
 
     /// The margins along the path from an equilibrium on.
@@ -322,7 +379,7 @@ impl Scenario {
             None => self.at_first(&first, search.most),
             Some(torn) => self.at_burst(torn, &first, search.most),
         };
-        self.edges.iter().map(of).collect()
+        self.factors().map(of).collect()
     }
 
     /// The margin of the first limit of a path.
