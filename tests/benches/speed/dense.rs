@@ -1,16 +1,22 @@
-//! What the machine can do at most: dense products and factorisations.
+//! What the machine can do at most: dense products and factorisations, and sums of long vectors.
 
 use std::time::Instant;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
+use faer::traits::RealField;
 use faer::{Accum, Mat, Par, Spec};
+use rayon::prelude::*;
 
 use crate::row::{Row, Seconds, Work};
 
 /// Order of the matrices that are multiplied.
 const PRODUCT: usize = 4000;
+/// Length of the vectors that are added: far longer than what caches hold.
+const VECTOR: usize = 30_000_000;
+/// Numbers that a thread adds at once.
+const CHUNK: usize = 1 << 16;
 /// Runs of each.
 const RUNS: usize = 3;
 
@@ -25,15 +31,42 @@ pub fn name(what: &str, threads: usize) -> String {
     format!("{what}, {threads} thread{}", if threads == 1 { "" } else { "s" })
 }
 
+/// C = A B in double and in single precision, and a = b + s c.
+pub fn limits() -> Vec<Row> {
+    let mut rows = products::<f64>("dgemm");
+    rows.extend(products::<f32>("sgemm"));
+    rows.extend(triad());
+    rows
+}
+
 /// C = A B.
-pub fn products() -> Vec<Row> {
+fn products<T: RealField + From<f32>>(what: &str) -> Vec<Row> {
     let n = PRODUCT;
-    let a = Mat::<f64>::from_fn(n, n, |i, j| ((i * 7 + j * 3) % 11) as f64);
-    let mut c = Mat::<f64>::zeros(n, n);
+    let a = Mat::<T>::from_fn(n, n, |i, j| (((i * 7 + j * 3) % 11) as f32).into());
+    let mut c = Mat::<T>::zeros(n, n);
     let one = |(threads, par)| {
-        let mut run = || matmul(c.as_mut(), Accum::Replace, a.as_ref(), a.as_ref(), 1.0, par);
+        let mut run =
+            || matmul(c.as_mut(), Accum::Replace, a.as_ref(), a.as_ref(), 1.0_f32.into(), par);
         let flops = Work::Flops(2.0 * (n as f64).powi(3));
-        row(name("dgemm", threads), n, flops, (0..RUNS).map(|_| timed(&mut run)).collect())
+        row(name(what, threads), n, flops, (0..RUNS).map(|_| timed(&mut run)).collect())
+    };
+    threads().map(one).into_iter().collect()
+}
+
+/// a = b + s c of long vectors in double precision, as in McCalpin's STREAM: b and c read, a written.
+fn triad() -> Vec<Row> {
+    let (mut a, b, c) = (vec![0.0; VECTOR], vec![1.0; VECTOR], vec![2.0; VECTOR]);
+    let one = |(threads, _)| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let mut run = || {
+            let parts = a.par_chunks_mut(CHUNK).zip(b.par_chunks(CHUNK)).zip(c.par_chunks(CHUNK));
+            parts.for_each(|((a, b), c)| {
+                a.iter_mut().zip(b).zip(c).for_each(|((a, b), c)| *a = b + 0.5 * c);
+            });
+        };
+        let seconds = pool.install(|| (0..RUNS).map(|_| timed(&mut run)).collect());
+        let bytes = Work::Bytes(3.0 * size_of::<f64>() as f64 * VECTOR as f64);
+        Row { body: format!("{VECTOR} numbers"), ..row(name("triad", threads), 0, bytes, seconds) }
     };
     threads().map(one).into_iter().collect()
 }

@@ -73,8 +73,8 @@ fn run(words: &[String], compare: bool) -> Result<()> {
     let solved: Vec<&str> = bars.iter().map(String::as_str).chain(PUBLISHED).collect();
     let solved: Vec<&str> =
         solved.into_iter().filter(|name| wanted(&format!("static solve/{name}"))).collect();
-    if wanted("dgemm") || !solved.is_empty() {
-        now.rows.extend(dense::products());
+    if ["dgemm", "sgemm", "triad"].iter().any(|what| wanted(what)) || !solved.is_empty() {
+        now.rows.extend(dense::limits());
     }
     let mut kernels = kernels::Kernels::new(folder.join("criterion"), &wanted);
     for body in BODIES {
