@@ -29,7 +29,7 @@ use crate::math::linear::dot;
 const SHORTER: f64 = 0.1;
 
 /// dt = λ · ∂R + μ · ∂(V − V*) at some states: with the derivatives of the equations by anything there it gives that
-/// of the load of a limit.
+/// of the load of a limit or a burst, or of the slope of the pressure.
 #[derive(Clone, Debug)]
 pub struct Covector {
     /// Displacement [m].

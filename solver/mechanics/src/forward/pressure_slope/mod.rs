@@ -48,7 +48,7 @@ impl PressureSlope {
     /// The slope by the pressures of some chambers, which grow in proportion to the load ([`Problem::held`]).
     ///
     /// # Errors
-    /// [`Failure`] where the tangent is singular, or no pressure acts.
+    /// [`Failure`] where the tangent is singular, and [`Failure::NoLoad`] where no pressure acts.
     pub fn of(
         held: &Problem,
         workspace: &mut Workspace,
@@ -66,6 +66,9 @@ impl PressureSlope {
         let volumes = vec![0.0; now.constraints.len()];
         let (v, pressures) = tangent.solve(factor, &force, &volumes).ok_or(Failure::Singular)?;
         let compliance = dot(&force, &v);
+        if compliance == 0.0 {
+            return Err(Failure::NoLoad);
+        }
         let value = work(held, state, growing) / compliance;
         if !value.is_finite() {
             return Err(Failure::Singular);

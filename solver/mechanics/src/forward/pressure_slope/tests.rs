@@ -167,5 +167,5 @@ fn a_body_without_pressure_has_none() {
     let held = case.held();
     let state = case.at(&case.rest, 1.0);
     let slope = PressureSlope::of(&held, &mut Workspace::new(&held), &state, &case.growing());
-    assert!(matches!(slope, Err(Failure::Singular)));
+    assert!(matches!(slope, Err(Failure::NoLoad)));
 }
