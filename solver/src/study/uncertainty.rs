@@ -176,7 +176,8 @@ fn of_edges(
     if let Some(burst) = &edges.burst {
         add("burst", burst.load, &grown.gradient_of_burst(burst));
     }
-    if let Some(slope) = &edges.slope {
+    // in contact the tangent jumps, and the slope has no derivative
+    if let Some(slope) = edges.slope.as_ref().filter(|_| scene.config.contact().is_none()) {
         let by = grown.gradient_of_slope(&mut Workspace::new(held), &configuration(end), slope);
         add("slope", slope.value, &by.context("derivatives of the slope")?);
     }

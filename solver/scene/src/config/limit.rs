@@ -53,7 +53,7 @@ pub struct LimitGoal {
     pub burst: Option<Least>,
     /// Slope of the pressure by the volume, over pressure by change of volume from rest, at least:
     /// `{ least = 0.5, weight = 10 }`. 1 where the body answers in proportion, 0 where it balloons. It needs no path and no
-    /// limit, and does not see where a body buckles.
+    /// limit, and does not see where a body buckles. In contact it has no gradient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope: Option<Least>,
 }
@@ -147,10 +147,19 @@ impl LimitGoal {
     /// Checks it against the scene of its design, and the stretch at break of its materials.
     ///
     /// # Errors
-    /// When the scene does not say of which pressures, or does not seek so far, or no material says when it tears.
-    pub fn check_scene(&self, scene: Option<&LimitConfig>, at_break: Option<f64>) -> Result<()> {
+    /// When the scene does not say of which pressures, or does not seek so far, when no material says when it tears, or
+    /// when the slope is to be raised in contact.
+    pub fn check_scene(&self, scene: &SimConfig, at_break: Option<f64>) -> Result<()> {
         let table = KeyPath::table("limit");
-        let Some(scene) = scene else {
+        ensure!(
+            self.slope.is_none() || scene.contact().is_none(),
+            misfit!(
+                table.key(SLOPE),
+                " does not go with the [contact] of the scene: the stiffness jumps where facets slide over each other, so \
+                 that the slope has no gradient there; leave one of both away, or write least and weight"
+            )
+        );
+        let Some(scene) = &scene.limit else {
             return Err(misfit!(
                 table,
                 " of the design: its scene has no [limit], which says of which pressures"

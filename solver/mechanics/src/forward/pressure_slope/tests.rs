@@ -86,7 +86,8 @@ fn limit() -> f64 {
     (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max)
 }
 
-/// Of a pressure p, the stretch λ is that where the closed form is p, and s = (dp/dλ / 3 λ²) (λ³ − 1)/p.
+/// The closed form gives the pressure p at a stretch λ of the inner wall. The volume goes with λ³, so that
+/// s = (dp/dλ) (λ³ − 1) / (3 λ² p).
 #[test]
 fn the_slope_of_a_sphere_is_that_of_its_closed_form() {
     let mut before = 1.0;
