@@ -12,6 +12,7 @@
 //! Source: Golub and Van Loan, "Matrix Computations", sections 2.1.4 and 11.5.
 
 mod cholesky;
+mod columns;
 mod conjugate_gradients;
 mod direct;
 mod elimination;

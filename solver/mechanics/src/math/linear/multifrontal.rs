@@ -18,9 +18,10 @@ use faer::linalg::cholesky::llt::factor::{
 };
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, MatRef, Par, Spec};
+use faer::{Accum, MatMut, Par, Spec};
 use rayon::prelude::*;
 
+use super::columns::Columns;
 use super::direct::BadPivots;
 use super::extend_add::extend_add;
 use super::matrix::Triangle;
@@ -71,8 +72,8 @@ impl Supernode {
     }
 
     /// L₁₁ over L₂₁ in its part of the factor.
-    pub(super) fn front<'a, T>(&self, own: &'a [T]) -> MatRef<'a, T> {
-        MatRef::from_column_major_slice(own, self.height(), self.width())
+    pub(super) fn front<'a, T: Scalar>(&self, own: &'a [T]) -> Columns<'a, T> {
+        Columns::new(own, self.height())
     }
 }
 

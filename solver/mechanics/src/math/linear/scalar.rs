@@ -1,17 +1,32 @@
 //! Numbers of a factor, and indices of its entries.
 
-use std::ops::{AddAssign, Mul, SubAssign};
+use std::ops::{AddAssign, Div, Mul, Neg, SubAssign};
 
 use faer::traits::RealField;
+use pulp::Simd;
 
 /// Precision of a factor.
-pub trait Scalar: RealField + Copy + AddAssign + SubAssign + Mul<Output = Self> {
+pub trait Scalar:
+    RealField
+    + Copy
+    + AddAssign
+    + SubAssign
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
     /// Relative error of a pivot by rounding, about.
     const PIVOT_ROUNDING: f64;
     /// The nearest number.
     fn narrow(value: f64) -> Self;
     /// This number in double precision.
     fn widen(self) -> f64;
+    /// The whole vectors that numbers fill from the first on.
+    fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::SimdVec<S>];
+    /// The same, to be changed.
+    fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::SimdVec<S>];
+    /// The first lanes of a vector.
+    fn first<S: Simd>(simd: S, count: usize) -> Self::SimdMask<S>;
 }
 
 impl Scalar for f64 {
@@ -23,6 +38,21 @@ impl Scalar for f64 {
 
     fn narrow(value: f64) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn vectors<S: Simd>(numbers: &[Self]) -> &[S::f64s] {
+        S::as_simd_f64s(numbers).0
+    }
+
+    #[inline(always)]
+    fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [S::f64s] {
+        S::as_mut_simd_f64s(numbers).0
+    }
+
+    #[inline(always)]
+    fn first<S: Simd>(simd: S, count: usize) -> S::m64s {
+        simd.mask_between_m64s(0, count as u64).mask()
     }
 }
 
@@ -36,6 +66,21 @@ impl Scalar for f32 {
     #[allow(clippy::cast_possible_truncation)]
     fn narrow(value: f64) -> Self {
         value as Self
+    }
+
+    #[inline(always)]
+    fn vectors<S: Simd>(numbers: &[Self]) -> &[S::f32s] {
+        S::as_simd_f32s(numbers).0
+    }
+
+    #[inline(always)]
+    fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [S::f32s] {
+        S::as_mut_simd_f32s(numbers).0
+    }
+
+    #[inline(always)]
+    fn first<S: Simd>(simd: S, count: usize) -> S::m32s {
+        simd.mask_between_m32s(0, count as u32).mask()
     }
 }
 

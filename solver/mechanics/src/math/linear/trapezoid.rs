@@ -2,13 +2,9 @@
 //! the large fronts at the top of the elimination tree are read by all threads, in blocks of
 //! columns; the blocks do not depend on the number of threads.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
+use super::columns::Columns;
 use super::scalar::Scalar;
 
 /// Entries of a front that are worth several threads.
@@ -21,61 +17,38 @@ const ROWS: usize = 512;
 const COLUMNS: usize = 8;
 
 /// x ← L₁₁⁻¹ x and y ← y − L₂₁ x, in place of x and y one after the other.
-pub fn forward<T: Scalar>(front: MatRef<'_, T>, xy: &mut [T]) {
-    let (height, width) = front.shape();
-    let block = if height * width < LARGE { width } else { BLOCK };
-    for first in (0..width).step_by(block) {
-        let end = (first + block).min(width);
-        let columns = front.subcols(first, end - first);
+pub fn forward<T: Scalar>(front: Columns<'_, T>, xy: &mut [T]) {
+    let width = front.count();
+    if xy.len() * width < LARGE {
+        return front.forward(0, xy);
+    }
+    for first in (0..width).step_by(BLOCK) {
+        let end = (first + BLOCK).min(width);
+        let columns = front.part(first, end - first);
         let (known, rest) = xy[first..].split_at_mut(end - first);
-        let top = columns.subrows(first, end - first);
-        solve_lower_triangular_in_place(top, column(known), Par::Seq);
-        let known = MatRef::from_column_major_slice(known, end - first, 1);
-        let subtract = |row: usize, rest: &mut [T]| {
-            let part = columns.subrows(end + row, rest.len());
-            matmul(column(rest), Accum::Add, part, known, T::narrow(-1.0), Par::Seq);
-        };
-        if block == width {
-            if !rest.is_empty() {
-                subtract(0, rest);
-            }
-        } else {
-            let parts = rest.par_chunks_mut(ROWS).enumerate();
-            parts.for_each(|(i, rest)| subtract(i * ROWS, rest));
-        }
+        columns.forward(first, known);
+        let parts = rest.par_chunks_mut(ROWS).enumerate();
+        parts.for_each(|(i, rest)| columns.subtract(end + i * ROWS, known, rest));
     }
 }
 
 /// x ← L₁₁⁻ᵀ (x − L₂₁ᵀ y), in place of x, after which y follows.
-pub fn backward<T: Scalar>(front: MatRef<'_, T>, xy: &mut [T]) {
-    let (height, width) = front.shape();
-    let block = if height * width < LARGE { width } else { BLOCK };
-    for first in (0..width).step_by(block).rev() {
-        let end = (first + block).min(width);
-        let columns = front.subcols(first, end - first);
-        let (sought, known) = xy[first..].split_at_mut(end - first);
-        let below = columns.subrows(end, height - end);
-        let subtract = |first: usize, sought: &mut [T]| {
-            let part = below.subcols(first, sought.len()).transpose();
-            let known = MatRef::from_column_major_slice(known, height - end, 1);
-            matmul(column(sought), Accum::Add, part, known, T::narrow(-1.0), Par::Seq);
-        };
-        if block == width {
-            if !known.is_empty() {
-                subtract(0, sought);
-            }
-        } else {
-            let parts = sought.par_chunks_mut(COLUMNS).enumerate();
-            parts.for_each(|(i, sought)| subtract(i * COLUMNS, sought));
-        }
-        let top = columns.subrows(first, end - first);
-        solve_upper_triangular_in_place(top.transpose(), column(sought), Par::Seq);
+pub fn backward<T: Scalar>(front: Columns<'_, T>, xy: &mut [T]) {
+    let width = front.count();
+    if xy.len() * width < LARGE {
+        return front.backward(0, xy);
     }
-}
-
-fn column<T>(values: &mut [T]) -> MatMut<'_, T> {
-    let len = values.len();
-    MatMut::from_column_major_slice_mut(values, len, 1)
+    for first in (0..width).step_by(BLOCK).rev() {
+        let end = (first + BLOCK).min(width);
+        let columns = front.part(first, end - first);
+        let (sought, known) = xy[first..].split_at_mut(end - first);
+        let parts = sought.par_chunks_mut(COLUMNS).enumerate();
+        parts.for_each(|(i, sought)| {
+            let part = columns.part(i * COLUMNS, sought.len());
+            part.subtract_transposed(end, known, sought);
+        });
+        columns.backward(first, sought);
+    }
 }
 
 #[cfg(test)]
@@ -92,7 +65,7 @@ mod tests {
         let values: Vec<f64> = (0..width)
             .flat_map(|j| (0..height).map(move |i| if i < j { f64::NAN } else { entry(i, j) }))
             .collect();
-        let front = MatRef::from_column_major_slice(&values, height, width);
+        let front = Columns::new(&values, height);
         let start: Vec<f64> = (0..height).map(|i| (i as f64).sin()).collect();
         let mut down = start.clone();
         forward(front, &mut down);
