@@ -9,9 +9,12 @@ use super::direct::{BadPivots, Cost, DirectSolver, Factor, Memory, Pivot, Precis
 use super::indefinite::Indefinite;
 use super::matrix::{Triangle, norm};
 use super::multifrontal::Fronts;
-use super::scalar::Scalar;
+use super::scalar::{Scalar, narrow};
 use super::symbolic::{Symbolic, symbolic};
 use crate::math::pool::Pool;
+
+/// Numbers that are worth a task of their own.
+const PIECE: usize = 1 << 14;
 
 /// The symbolic factorisation of a pattern.
 pub struct Multifrontal {
@@ -25,6 +28,8 @@ struct Tree {
     fronts: Fronts,
     /// The unknown at each position of the factor.
     order: Vec<usize>,
+    /// The position of each unknown.
+    position: Vec<u32>,
 }
 
 impl Multifrontal {
@@ -38,8 +43,10 @@ impl Multifrontal {
         let Structure { pattern, groups, memory } = structure;
         let Symbolic { order, supernodes } = symbolic(pattern, groups);
         let fronts = Fronts::new(supernodes, pattern, &order);
+        let mut position = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = narrow(i));
         let (pattern, memory) = (Arc::clone(pattern), (*memory).clone());
-        Box::new(Self { pattern, tree: Arc::new(Tree { fronts, order }), memory })
+        Box::new(Self { pattern, tree: Arc::new(Tree { fronts, order, position }), memory })
     }
 
     /// Room for a factor in single precision.
@@ -126,9 +133,11 @@ impl Tree {
 
     /// x ← scale A⁻¹ x / scale.
     fn apply_inverse<T: Scalar>(&self, values: &[T], x: &mut [f64], scale: f64) {
-        let mut y: Vec<T> = self.order.iter().map(|&i| T::narrow(x[i] / scale)).collect();
+        let order = self.order.par_iter().with_min_len(PIECE);
+        let mut y: Vec<T> = order.map(|&i| T::narrow(x[i] / scale)).collect();
         self.fronts.solve(values, &mut y);
-        self.order.iter().zip(y).for_each(|(&i, y)| x[i] = scale * y.widen());
+        let position = self.position.par_iter().with_min_len(PIECE);
+        x.par_iter_mut().zip(position).for_each(|(x, &at)| *x = scale * y[at as usize].widen());
     }
 }
 

@@ -3,6 +3,7 @@
 //! Source: Nocedal and Wright, "Numerical Optimization", algorithm 5.3 and, for negative
 //! curvature, section 7.1.
 
+use super::matrix::add_scaled;
 use super::{dot, norm};
 
 /// Steps without progress after which a solution has come to rounding.
@@ -19,11 +20,10 @@ pub fn conjugate_gradients(
     let size = norm(b).max(f64::MIN_POSITIVE);
     let mut x = vec![0.0; b.len()];
     let mut r = b.to_vec();
-    let mut z = precondition(&r);
-    let mut p = z.clone();
-    let mut rz = dot(&r, &z);
+    let mut p = precondition(&r);
+    let mut rz = dot(&r, &p);
     // where a matrix proves not positive definite at once, a descent
-    let mut best = (z.clone(), if norm(b) > 0.0 { f64::INFINITY } else { 0.0 });
+    let mut best = (p.clone(), if norm(b) > 0.0 { f64::INFINITY } else { 0.0 });
     let (mut since, mut curved) = (0, false);
     for step in 1..=stop.steps {
         let ap = multiply(&p);
@@ -33,8 +33,8 @@ pub fn conjugate_gradients(
             break;
         }
         let alpha = rz / curvature;
-        x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
-        r.iter_mut().zip(&ap).for_each(|(r, a)| *r -= alpha * a);
+        add_scaled(&mut x, alpha, &p);
+        add_scaled(&mut r, -alpha, &ap);
         let residual = norm(&r) / size;
         since += 1;
         if residual < best.1 {
@@ -44,10 +44,12 @@ pub fn conjugate_gradients(
         if best.1 <= stop.tolerance || since >= STALLED_STEPS || stop.is_hopeless(step, best.1) {
             break;
         }
-        z = precondition(&r);
+        let mut z = precondition(&r);
         let next = dot(&r, &z);
         let beta = next / rz;
-        p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
+        // z + beta p
+        add_scaled(&mut z, beta, &p);
+        p = z;
         rz = next;
     }
     Gradients { x: best.0, residual: best.1, curved }

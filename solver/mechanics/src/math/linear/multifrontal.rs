@@ -238,7 +238,7 @@ fn place_entries(
     pattern: &Triangle,
     order: &[usize],
 ) -> Vec<(u32, u32)> {
-    let Triangle { column_start, rows } = pattern;
+    let Triangle { column_start, rows, .. } = pattern;
     let n = order.len();
     let mut position = vec![0; n];
     order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = i);

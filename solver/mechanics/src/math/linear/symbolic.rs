@@ -98,7 +98,7 @@ pub fn factor_structure(
 /// The lower triangle of the graph of the groups, in compressed columns, and the number that
 /// each group has in it.
 fn quotient(pattern: &Triangle, groups: &[Range<usize>]) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
-    let Triangle { column_start, rows } = pattern;
+    let Triangle { column_start, rows, .. } = pattern;
     let n = pattern.size();
     let mut by_first: Vec<usize> = (0..groups.len()).collect();
     by_first.sort_unstable_by_key(|&g| groups[g].start);
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn groups_are_eliminated_as_one() {
         let rows = vec![0, 1, 2, 1, 2, 2, 3, 4, 3, 4, 4];
-        let pattern = Triangle { column_start: vec![0, 3, 5, 8, 10, 11], rows };
+        let pattern = Triangle::new(vec![0, 3, 5, 8, 10, 11], &rows);
         let found = symbolic(&pattern, &[3..5, 0..2, 2..3]);
         assert_eq!(found.order, [3, 4, 0, 1, 2]);
         let columns = found.supernodes.iter().flat_map(|(columns, _)| columns.clone());
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "the same neighbours")]
     fn a_group_of_unlike_unknowns_is_refused() {
-        let pattern = Triangle { column_start: vec![0, 2, 4, 5], rows: vec![0, 1, 1, 2, 2] };
+        let pattern = Triangle::new(vec![0, 2, 4, 5], &[0, 1, 1, 2, 2]);
         let _ = symbolic(&pattern, &[0..2, 2..3]);
     }
 }
