@@ -102,9 +102,8 @@ impl Run {
         scene.check_loads()?;
         scene.warn_of_growth();
         workspace.watch = Some(watch(workspace.watch.take()));
-        let timed = scene.config.time.is_some();
         let predicted_s =
-            predicted_time(&problem, &workspace, timed.then_some(scene.times().len()));
+            predicted_time(&problem, &workspace, scene.config.steps(scene.times().len()));
         let course = Course::new(&scene, &problem, &mut workspace, start);
         workspace.watch = None;
         let course = match course {

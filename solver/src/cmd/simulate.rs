@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let timed = scene.config.time.is_some();
     let time_steps_done = if timed { done } else { 0 };
     let steps = steps_of(&scene, arguments, time_steps_done);
-    let predicted_s = predicted_time(&problem, &workspace, timed.then_some(steps.len()));
+    let predicted_s = predicted_time(&problem, &workspace, scene.config.steps(steps.len()));
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     let pictures = !arguments.final_only;

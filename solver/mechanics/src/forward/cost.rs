@@ -2,7 +2,7 @@
 //!
 //! T = I (a P m² + f F + s L) / R
 //!
-//! I  Newton iterations: [`STATIC`] in a static scene, [`STEP`] or [`CONTACT_STEP`] in a time step
+//! I  Newton iterations, by the kind of the steps ([`Steps`])
 //! P  quadrature points, one of an element of degree 1;  m  nodes of an element
 //! F  operations of a factorisation;  L  entries of the factor
 //! R  operations per second of a matrix product in single precision, measured in some
@@ -15,8 +15,10 @@
 use super::{Problem, Workspace};
 use crate::math::linear::product_speed;
 
-/// Newton iterations of a static scene.
+/// Newton iterations to the first load of a static scene, and of a time step without inertia.
 const STATIC: f64 = 9.0;
+/// Newton iterations of a further load step.
+const LOAD_STEP: f64 = 5.0;
 /// Newton iterations of a time step without contact.
 const STEP: f64 = 4.0;
 /// Newton iterations of a time step with contact.
@@ -24,17 +26,29 @@ const CONTACT_STEP: f64 = 7.0;
 /// Operations at a quadrature point for each pair of nodes: a. It is that of degree 2; other degrees take 1500.
 const ASSEMBLY: f64 = 1100.0;
 /// Share of the operations of a factorisation in an iteration: f.
-const FACTORIZATIONS: f64 = 0.9;
+const FACTORIZATIONS: f64 = 0.75;
 /// Operations for each entry of the factor in the solves of an iteration: s.
-const SOLVES: f64 = 750.0;
+const SOLVES: f64 = 560.0;
 
-/// Predicted time of a run [s]. None of the time steps means a static scene.
+/// The steps of a run, and how many.
+#[derive(Clone, Copy, Debug)]
+pub enum Steps {
+    /// Load steps of a static scene.
+    Load(usize),
+    /// Time steps without inertia.
+    Quasistatic(usize),
+    /// Time steps with inertia.
+    Dynamic(usize),
+}
+
+/// Predicted time of a run [s].
 #[must_use]
-pub fn predicted_time(problem: &Problem, workspace: &Workspace, time_steps: Option<usize>) -> f64 {
-    let iterations = match time_steps {
-        None => STATIC,
-        Some(steps) if problem.energies.contact.is_some() => CONTACT_STEP * steps as f64,
-        Some(steps) => STEP * steps as f64,
+pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) -> f64 {
+    let iterations = match steps {
+        Steps::Load(count) => STATIC + LOAD_STEP * count.saturating_sub(1) as f64,
+        Steps::Quasistatic(count) => STATIC * count as f64,
+        Steps::Dynamic(count) if problem.energies.contact.is_some() => CONTACT_STEP * count as f64,
+        Steps::Dynamic(count) => STEP * count as f64,
     };
     let space = &problem.space;
     // strain of degree 1 is constant in an element: one point stands for all

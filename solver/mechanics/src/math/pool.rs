@@ -1,7 +1,7 @@
 //! Buffers that are used again.
 //!
 //! The system clears every page of memory that it hands out. Large buffers that come and
-//! go in every factorisation are kept instead, and cleared here, in the cache.
+//! go in every factorisation are kept instead.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -20,23 +20,28 @@ impl<T> Default for Pool<T> {
 }
 
 impl<T: Copy> Pool<T> {
-    /// A buffer of a length, filled with a value.
-    pub fn filled(&self, len: usize, value: T) -> Vec<T> {
+    /// A buffer of a length that is going to be overwritten: with what it had, and a value where
+    /// it is new.
+    pub fn overwritable(&self, len: usize, value: T) -> Vec<T> {
         if len < SHORTEST {
             return vec![value; len];
         }
         let mut buffer = self.take(len);
-        buffer.clear();
+        buffer.truncate(len);
         buffer.resize(len, value);
         buffer
     }
 
-    /// A buffer of a length that is going to be overwritten: with what it had, and a value where
-    /// it is new.
-    pub fn overwritable(&self, len: usize, value: T) -> Vec<T> {
+    /// [`Self::overwritable`], of that length or longer. A buffer that is never cut is never filled
+    /// again.
+    pub fn at_least(&self, len: usize, value: T) -> Vec<T> {
+        if len < SHORTEST {
+            return vec![value; len];
+        }
         let mut buffer = self.take(len);
-        buffer.truncate(len);
-        buffer.resize(len, value);
+        if buffer.len() < len {
+            buffer.resize(len, value);
+        }
         buffer
     }
 
@@ -68,21 +73,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn buffers_come_back_filled_and_the_best_fit_first() {
+    fn buffers_come_back_and_the_best_fit_first() {
         let pool = Pool::default();
-        let [small, large] = [2, 5].map(|n| pool.filled(n * SHORTEST, 1.0));
+        let [small, large] = [2, 5].map(|n| pool.overwritable(n * SHORTEST, 1.0));
         let places = [small.as_ptr(), large.as_ptr()];
         pool.give(large);
         pool.give(small);
-        let again = pool.filled(2 * SHORTEST - 1, 0.0);
+        let again = pool.overwritable(2 * SHORTEST - 1, 0.0);
         assert_eq!((again.as_ptr(), again.len()), (places[0], 2 * SHORTEST - 1));
-        assert!(again.iter().all(|&v| v == 0.0));
-        let other = pool.filled(3 * SHORTEST, 0.0);
+        assert!(again.iter().all(|&v| v == 1.0));
+        let other = pool.overwritable(3 * SHORTEST, 0.0);
         assert_eq!(other.as_ptr(), places[1]);
         // what is too short is dropped when something longer is made
         pool.give(again);
-        let longest = pool.filled(9 * SHORTEST, 0.0);
-        assert_eq!(longest.len(), 9 * SHORTEST);
+        let longest = pool.overwritable(9 * SHORTEST, 0.0);
+        assert!(longest == vec![0.0; 9 * SHORTEST]);
+        pool.give(longest);
+        assert_eq!(pool.at_least(4 * SHORTEST, 1.0), vec![0.0; 9 * SHORTEST]);
         assert!(pool.free.lock().expect("no thread failed").is_empty());
     }
 }

@@ -33,7 +33,8 @@ fn runs_with_mean_dilatation_have_their_gradients() {
         check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| value(&firm, &points(x)));
         let by = gradient.parameters.total(ParameterId::Material(0));
         let by: Vec<f64> = by.iter().zip(firm.law).map(|(g, c)| g * c).collect();
-        check_gradient(&[1.0; 4], &by, 1e-3, |p| {
+        // steps of a hundredth: those of a thousandth end at the residual of Newton's method
+        check_gradient(&[1.0; 4], &by, 1e-2, |p| {
             let law = std::array::from_fn(|k| p[k] * firm.law[k]);
             value(&Numbers { law, ..firm }, &rest)
         });

@@ -16,6 +16,7 @@ mod columns;
 mod conjugate_gradients;
 mod direct;
 mod elimination;
+mod entries;
 mod extend_add;
 mod factorization;
 mod indefinite;

@@ -16,13 +16,15 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
     LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
 };
+use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, Par, Spec};
+use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::direct::BadPivots;
+use super::entries::{Run, place_entries};
 use super::extend_add::extend_add;
 use super::matrix::Triangle;
 use super::replacing;
@@ -31,6 +33,13 @@ use crate::math::pool::Pool;
 
 /// Floating-point operations that are worth a task of their own.
 const TASK: f64 = 2e7;
+
+/// Columns of a front that are worked on at once.
+const BLOCK: usize = 192;
+
+/// Part of all operations from which on several threads share a front. Below, subtrees keep them
+/// busy, and each shared product would wait for the slowest.
+const SHARED: f64 = 1.0 / 128.0;
 
 /// Pivots that are replaced, at most. Where a body is crushed thousands are negative, and
 /// a direction that leaves them alone leads nowhere.
@@ -41,15 +50,14 @@ const FEW: usize = 100;
 pub struct Fronts {
     pub(super) supernodes: Vec<Supernode>,
     pub(super) roots: Vec<usize>,
-    /// Entries of A in each supernode: index among the values of A, and place
-    /// in the supernode's columns.
-    entries: Vec<(u32, u32)>,
+    /// Entries of A in each supernode.
+    entries: Vec<Run>,
 }
 
 pub(super) struct Supernode {
     pub(super) columns: Range<usize>,
     /// Rows below its own, ascending.
-    pattern: Vec<usize>,
+    pub(super) pattern: Vec<usize>,
     /// Places of these rows in the front of its parent.
     pub(super) places: Vec<u32>,
     pub(super) children: Vec<usize>,
@@ -57,7 +65,7 @@ pub(super) struct Supernode {
     pub(super) first: usize,
     /// Where its columns are stored in the factor.
     pub(super) values: Range<usize>,
-    entries: Range<usize>,
+    pub(super) entries: Range<usize>,
     /// Floating-point operations of its subtree.
     work: f64,
 }
@@ -78,7 +86,7 @@ impl Supernode {
 }
 
 /// F₂₂ − L₂₁ L₂₁ᵀ of a supernode: a square by columns, of which the lower
-/// triangle has meaning.
+/// triangle has meaning, and what the buffer is longer.
 struct Update<T> {
     supernode: usize,
     values: Vec<T>,
@@ -206,7 +214,8 @@ impl Fronts {
         bad_pivots: BadPivots,
     ) -> Result<usize, usize> {
         let (failed, replaced) = (AtomicBool::new(false), AtomicUsize::new(0));
-        let job = Job { fronts: self, a, pool, bad_pivots, failed, replaced };
+        let shared = SHARED * self.flops();
+        let job = Job { fronts: self, a, pool, bad_pivots, shared, failed, replaced };
         job.subtrees(&self.roots, factor)?;
         Ok(job.replaced.into_inner())
     }
@@ -231,55 +240,6 @@ fn place_updates(supernodes: &mut [Supernode]) {
     }
 }
 
-/// Sorts the entries of A by supernode and finds their places.
-fn place_entries(
-    supernodes: &mut [Supernode],
-    of_column: &[usize],
-    pattern: &Triangle,
-    order: &[usize],
-) -> Vec<(u32, u32)> {
-    let Triangle { column_start, rows, .. } = pattern;
-    let n = order.len();
-    let mut position = vec![0; n];
-    order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = i);
-    let pairs = || {
-        (0..n).flat_map(|c| {
-            let (position, at) = (&position, position[c]);
-            let one = move |k: usize| {
-                let row = position[rows[k] as usize];
-                (k, row.max(at), row.min(at))
-            };
-            (column_start[c]..column_start[c + 1]).map(one)
-        })
-    };
-    let mut next = vec![0; supernodes.len() + 1];
-    for (_, _, column) in pairs() {
-        next[of_column[column] + 1] += 1;
-    }
-    for s in 0..supernodes.len() {
-        next[s + 1] += next[s];
-        supernodes[s].entries = next[s]..next[s + 1];
-    }
-    let mut sorted = vec![(0, 0, 0); rows.len()];
-    for (k, row, column) in pairs() {
-        let slot = &mut next[of_column[column]];
-        sorted[*slot] = (narrow(k), narrow(row), narrow(column));
-        *slot += 1;
-    }
-    let mut place = vec![0; n];
-    let mut entries = Vec::with_capacity(sorted.len());
-    for s in supernodes {
-        for (i, row) in s.columns.clone().chain(s.pattern.iter().copied()).enumerate() {
-            place[row] = i;
-        }
-        for &(k, row, column) in &sorted[s.entries.clone()] {
-            let column = column as usize - s.columns.start;
-            entries.push((k, narrow(column * s.height() + place[row as usize])));
-        }
-    }
-    entries
-}
-
 /// One factorisation.
 struct Job<'a, T> {
     fronts: &'a Fronts,
@@ -287,6 +247,8 @@ struct Job<'a, T> {
     /// Memory of updates.
     pool: &'a Pool<T>,
     bad_pivots: BadPivots,
+    /// Operations from which on threads share a front.
+    shared: f64,
     /// Set by the first thread that meets a bad pivot, so that others stop.
     failed: AtomicBool,
     replaced: AtomicUsize,
@@ -313,7 +275,9 @@ impl<T: Scalar> Job<'_, T> {
         }
         let (below, own) = factor.split_at_mut(factor.len() - s.values.len());
         let updates = self.subtrees(&s.children, below)?;
-        self.eliminate(root, own, updates, Par::rayon(0))
+        let below: f64 = s.children.iter().map(|&c| self.fronts.supernodes[c].work).sum();
+        let par = if s.work - below < self.shared { Par::Seq } else { Par::rayon(0) };
+        self.eliminate(root, own, updates, par)
     }
 
     /// Factors one subtree on this thread.
@@ -343,29 +307,21 @@ impl<T: Scalar> Job<'_, T> {
         }
         let (width, height) = (node.width(), node.height());
         let below = height - width;
-        let mut rest = self.pool.filled(below * below, T::narrow(0.0));
-        if below > 0 {
-            updates.iter().for_each(|update| self.add_to_rest(node, update, &mut rest, par));
-        }
         self.factor_top(node, own, &updates, par)?;
-        updates.into_iter().for_each(|update| self.pool.give(update.values));
         let front = MatMut::from_column_major_slice_mut(own, height, width);
         let (top, mut bottom) = front.split_at_row_mut(width);
+        let mut values = self.pool.at_least(below * below, T::narrow(0.0));
         if below > 0 {
             solve_lower_triangular_in_place(top.as_ref(), bottom.as_mut().transpose_mut(), par);
-            triangular_matmul(
-                MatMut::from_column_major_slice_mut(&mut rest, below, below),
-                BlockStructure::TriangularLower,
-                Accum::Add,
-                bottom.as_ref(),
-                BlockStructure::Rectangular,
-                bottom.as_ref().transpose(),
-                BlockStructure::Rectangular,
-                T::narrow(-1.0),
-                par,
-            );
+            let bottom = bottom.as_ref();
+            by_blocks(&mut values[..below * below], below, par, |first, columns| {
+                // the product comes first: it overwrites, so that nothing is to be cleared
+                product(bottom, first, columns);
+                self.add_updates(node, &updates, [width, width + first], columns);
+            });
         }
-        Ok(Update { supernode: s, values: rest })
+        updates.into_iter().for_each(|update| self.pool.give(update.values));
+        Ok(Update { supernode: s, values })
     }
 
     /// Adds up the columns of a front and factors F₁₁.
@@ -412,27 +368,73 @@ impl<T: Scalar> Job<'_, T> {
         par: Par,
     ) -> f64 {
         own.fill(T::narrow(0.0));
-        for &(k, place) in &self.fronts.entries[node.entries.clone()] {
-            own[place as usize] += T::narrow(self.a[k as usize]);
+        for run in &self.fronts.entries[node.entries.clone()] {
+            run.add(self.a, own, node.height());
         }
         let diagonal = own.iter().step_by(node.height() + 1).take(node.width());
         let mean = diagonal.map(|d| d.widen().abs()).sum::<f64>() / node.width() as f64;
-        updates.iter().for_each(|update| self.add_to_columns(node, update, own, par));
+        by_blocks(own, node.height(), par, |first, columns| {
+            self.add_updates(node, updates, [0, first], columns);
+        });
         mean
     }
 
-    /// Adds to F₁₁ and F₂₁ what the update of a child has there.
-    fn add_to_columns(&self, node: &Supernode, update: &Update<T>, own: &mut [T], par: Par) {
-        let places = &self.fronts.supernodes[update.supernode].places;
-        let split = places.partition_point(|&p| (p as usize) < node.width());
-        extend_add(places, &update.values, own, node.height(), 0..split, 0, par);
+    /// Adds the updates of children to a block of columns, whose first entry has the given row and
+    /// column in the front.
+    fn add_updates(
+        &self,
+        node: &Supernode,
+        updates: &[Update<T>],
+        [row, column]: [usize; 2],
+        block: &mut [T],
+    ) {
+        let height = node.height() - row;
+        let end = column + block.len() / height;
+        for update in updates {
+            let places = &self.fronts.supernodes[update.supernode].places;
+            let before = |limit: usize| places.partition_point(|&p| (p as usize) < limit);
+            let columns = before(column)..before(end);
+            extend_add(places, &update.values, columns, block, height, [row, column]);
+        }
     }
+}
 
-    /// Adds to F₂₂ what the update of a child has there.
-    fn add_to_rest(&self, node: &Supernode, update: &Update<T>, rest: &mut [T], par: Par) {
-        let places = &self.fronts.supernodes[update.supernode].places;
-        let split = places.partition_point(|&p| (p as usize) < node.width());
-        let height = node.height() - node.width();
-        extend_add(places, &update.values, rest, height, split..places.len(), node.width(), par);
+/// Goes through the columns of a height by blocks that stay in the cache, on all threads or on
+/// this one.
+fn by_blocks<T: Scalar>(
+    columns: &mut [T],
+    height: usize,
+    par: Par,
+    work: impl Fn(usize, &mut [T]) + Sync,
+) {
+    let work = |(i, block): (usize, &mut [T])| work(i * BLOCK, block);
+    if matches!(par, Par::Seq) {
+        columns.chunks_mut(BLOCK * height).enumerate().for_each(work);
+    } else {
+        columns.par_chunks_mut(BLOCK * height).enumerate().for_each(work);
     }
+}
+
+/// Some columns of the lower triangle of − L Lᵀ, which begin with the column `first`.
+fn product<T: Scalar>(l: MatRef<'_, T>, first: usize, columns: &mut [T]) {
+    let height = l.nrows();
+    let count = columns.len() / height;
+    let columns = MatMut::from_column_major_slice_mut(columns, height, count);
+    let (_, columns) = columns.split_at_row_mut(first);
+    let (diagonal, below) = columns.split_at_row_mut(count);
+    let own = l.subrows(first, count);
+    let minus = T::narrow(-1.0);
+    triangular_matmul(
+        diagonal,
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        own,
+        BlockStructure::Rectangular,
+        own.transpose(),
+        BlockStructure::Rectangular,
+        minus,
+        Par::Seq,
+    );
+    let others = l.subrows(first + count, height - first - count);
+    matmul(below, Accum::Replace, others, own.transpose(), minus, Par::Seq);
 }

@@ -188,3 +188,28 @@ fn negative_eigenvalues_are_counted_with_the_dense_part() {
         }
     }
 }
+
+/// A chain of nodes with three unknowns each, eliminated from the end in groups: entries of a
+/// node lie in columns of the nodes before and after it.
+#[test]
+fn nodes_of_three_unknowns_are_solved_to_rounding() {
+    let (nodes, stiff) = (40, [[4.0, 0.5, 0.25], [0.5, 5.0, -0.5], [0.25, -0.5, 6.0]]);
+    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for (node, i) in (0..nodes).flat_map(|node| (0..3).map(move |i| (node, i))) {
+        rows.extend((i..3).map(|j| 3 * node + j));
+        values.extend_from_slice(&stiff[i][i..]);
+        if node + 1 < nodes {
+            rows.extend((0..3).map(|j| 3 * (node + 1) + j));
+            values.extend(stiff[i].map(|s| -0.3 * s));
+        }
+        start.push(rows.len());
+    }
+    let groups: Vec<Range<usize>> = (0..nodes).rev().map(|node| 3 * node..3 * node + 3).collect();
+    let mut solver = SparseSolver::new(start, &rows, &groups);
+    let b: Vec<f64> = (0..3 * nodes).map(|i| (i as f64).cos()).collect();
+    for precision in [Precision::Single, Precision::Double] {
+        let matrix = Symmetric::sparse(values.clone());
+        let factored = solver.factor_positive(matrix, precision).expect("diagonally dominant");
+        assert!(factored.solve(&mut b.clone()) < 1e-13);
+    }
+}
