@@ -132,16 +132,18 @@ fn run(words: &[String], compare: bool) -> Result<()> {
     if !targets.is_empty() {
         text += &format!("\n{}\n", targets.join("\n"));
     }
+    write!(std::io::stdout(), "\n{text}")?;
     let slower = before.map_or(Vec::new(), |before| table::slower(&now, before, LIMIT));
     if words.is_empty() {
         now.keep(&kept)?;
         let machine = now.machine.clone();
         history.push(now);
         let picture = history::picture(&history, &machine, &folder.join("history.svg"))?;
-        text += &picture.unwrap_or_default();
+        let picture = picture.unwrap_or_default();
+        write!(std::io::stdout(), "{picture}")?;
+        text += &picture;
         mesh::io::write_atomic(&folder.join("table.txt"), |out| write!(out, "{text}"))?;
     }
-    write!(std::io::stdout(), "\n{text}")?;
     ensure!(!compare || slower.is_empty(), "slower than before:\n  {}", slower.join("\n  "));
     Ok(())
 }

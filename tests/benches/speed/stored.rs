@@ -32,18 +32,18 @@ impl Stored {
     /// This run, with nothing measured yet.
     pub fn begin() -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
-        let info = read("/proc/cpuinfo");
+        let of_system = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+        let info = of_system("/proc/cpuinfo");
         let model = info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": "));
         let model = model.map_or("unknown processor", |m| m.1);
-        let host = read("/proc/sys/kernel/hostname");
+        let host = of_system("/proc/sys/kernel/hostname");
         let changed = !said("git", &["status", "--porcelain", "--untracked-files=no"]).is_empty();
         let commit = said("git", &["rev-parse", "--short", "HEAD"]);
         Self {
             machine: format!("{}, {model}, {threads} threads", host.trim()),
             commit: commit + if changed { "+" } else { "" },
             date: said("date", &["-u", "+%Y-%m-%d %H:%M"]),
-            load: read("/proc/loadavg").split(' ').next().unwrap_or_default().to_owned(),
+            load: of_system("/proc/loadavg").split(' ').next().unwrap_or_default().to_owned(),
             rows: Vec::new(),
             solves: Vec::new(),
         }
@@ -54,7 +54,7 @@ impl Stored {
         if !path.exists() {
             return Ok(Vec::new());
         }
-        let text = mesh::io::read_text(path)?;
+        let text = read(path)?;
         let line = |(i, line): (usize, &str)| {
             serde_json::from_str(line).with_context(|| {
                 let (path, line) = (path.display(), i + 1);
@@ -68,7 +68,7 @@ impl Stored {
 
     /// Adds this run to the file.
     pub fn keep(&self, path: &Path) -> Result<()> {
-        let before = if path.exists() { mesh::io::read_text(path)? } else { String::new() };
+        let before = if path.exists() { read(path)? } else { String::new() };
         let line = serde_json::to_string(self)?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
@@ -82,6 +82,11 @@ impl Stored {
         let Self { machine, commit, date, load, .. } = self;
         format!("{date} UTC, commit {commit}, {machine}, load before {load}")
     }
+}
+
+/// The text of a file. It is no input: a run adds to it.
+fn read(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).with_context(|| path.display().to_string())
 }
 
 /// What a program prints in the repository, or nothing where it cannot.
