@@ -278,6 +278,8 @@ impl Newton {
             let from = indefinite.modification(residual);
             let (step, by, decrease) = step(problem, workspace, &point, now.energy, forcing, from);
             indefinite.watch(residual, from, by);
+            // halved until nothing moves: none
+            let step = step.filter(|accepted| accepted.u != now.u);
             if iterations == 0 {
                 workspace.indefinite_starts = match (from, by) {
                     (Modification::Projected, _) => workspace.indefinite_starts.saturating_sub(1),

@@ -4,8 +4,8 @@
 //! entries that they couple: these go by runs.
 
 use super::matrix::Triangle;
-use super::multifrontal::Supernode;
 use super::scalar::{Scalar, narrow};
+use super::supernode::Supernode;
 
 /// Entries of A one after the other that have places in one front.
 #[derive(Clone, Copy, Default)]

@@ -26,6 +26,7 @@ mod product;
 mod replacing;
 mod scalar;
 mod substitution;
+mod supernode;
 mod symbolic;
 #[cfg(test)]
 mod tests;

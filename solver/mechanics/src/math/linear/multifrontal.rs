@@ -22,13 +22,13 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
-use super::columns::Columns;
 use super::direct::BadPivots;
 use super::entries::{Run, place_entries};
 use super::extend_add::extend_add;
 use super::matrix::Triangle;
 use super::replacing;
 use super::scalar::{Scalar, narrow};
+use super::supernode::Supernode;
 use crate::math::pool::Pool;
 
 /// Floating-point operations that are worth a task of their own.
@@ -52,37 +52,6 @@ pub struct Fronts {
     pub(super) roots: Vec<usize>,
     /// Entries of A in each supernode.
     entries: Vec<Run>,
-}
-
-pub(super) struct Supernode {
-    pub(super) columns: Range<usize>,
-    /// Rows below its own, ascending.
-    pub(super) pattern: Vec<usize>,
-    /// Places of these rows in the front of its parent.
-    pub(super) places: Vec<u32>,
-    pub(super) children: Vec<usize>,
-    /// First supernode of its subtree, which ends with itself.
-    pub(super) first: usize,
-    /// Where its columns are stored in the factor.
-    pub(super) values: Range<usize>,
-    pub(super) entries: Range<usize>,
-    /// Floating-point operations of its subtree.
-    work: f64,
-}
-
-impl Supernode {
-    pub(super) fn width(&self) -> usize {
-        self.columns.len()
-    }
-
-    pub(super) fn height(&self) -> usize {
-        self.width() + self.pattern.len()
-    }
-
-    /// L₁₁ over L₂₁ in its part of the factor.
-    pub(super) fn front<'a, T: Scalar>(&self, own: &'a [T]) -> Columns<'a, T> {
-        Columns::new(own, self.height())
-    }
 }
 
 /// F₂₂ − L₂₁ L₂₁ᵀ of a supernode: a square by columns, of which the lower

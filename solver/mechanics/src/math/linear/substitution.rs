@@ -3,8 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::multifrontal::{Fronts, Supernode};
+use super::multifrontal::Fronts;
 use super::scalar::Scalar;
+use super::supernode::Supernode;
 use super::trapezoid;
 
 /// Entries of the factor that are worth a task of their own.
