@@ -17,7 +17,8 @@ use crate::math::linear::product_speed;
 
 /// Newton iterations to the first load of a static scene, and of a time step without inertia.
 const STATIC: f64 = 9.0;
-/// Newton iterations of a further load step.
+/// Newton iterations of a further load step. Frog and beam take 2 to 4, yet each takes longer: the frog in ten
+/// load steps takes 8.5 s, and 9 s are predicted so.
 const LOAD_STEP: f64 = 5.0;
 /// Newton iterations of a time step without contact.
 const STEP: f64 = 4.0;

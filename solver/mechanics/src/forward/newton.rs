@@ -278,7 +278,7 @@ impl Newton {
             let from = indefinite.modification(residual);
             let (step, by, decrease) = step(problem, workspace, &point, now.energy, forcing, from);
             indefinite.watch(residual, from, by);
-            // halved until nothing moves: none
+            // a step that was halved until nothing moves is none
             let step = step.filter(|accepted| accepted.u != now.u);
             if iterations == 0 {
                 workspace.indefinite_starts = match (from, by) {

@@ -7,14 +7,11 @@ use rayon::prelude::*;
 
 use super::direct::{BadPivots, Cost, DirectSolver, Factor, Memory, Pivot, Precision, Structure};
 use super::indefinite::Indefinite;
-use super::matrix::{Triangle, norm};
+use super::matrix::{PIECE, Triangle, norm};
 use super::multifrontal::Fronts;
 use super::scalar::{Scalar, narrow};
 use super::symbolic::{Symbolic, symbolic};
 use crate::math::pool::Pool;
-
-/// Numbers that are worth a task of their own.
-const PIECE: usize = 1 << 14;
 
 /// The symbolic factorisation of a pattern.
 pub struct Multifrontal {
@@ -42,9 +39,9 @@ impl Multifrontal {
     pub fn boxed(structure: &Structure) -> Box<dyn DirectSolver> {
         let Structure { pattern, groups, memory } = structure;
         let Symbolic { order, supernodes } = symbolic(pattern, groups);
-        let fronts = Fronts::new(supernodes, pattern, &order);
         let mut position = vec![0; order.len()];
         order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = narrow(i));
+        let fronts = Fronts::new(supernodes, pattern, &position);
         let (pattern, memory) = (Arc::clone(pattern), (*memory).clone());
         Box::new(Self { pattern, tree: Arc::new(Tree { fronts, order, position }), memory })
     }

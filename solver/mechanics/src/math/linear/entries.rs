@@ -12,7 +12,7 @@ use super::supernode::Supernode;
 pub struct Run {
     /// The first one among the values of A.
     entry: u32,
-    /// Its place in the supernode's columns.
+    /// Where the first one is added in the columns of the supernode.
     place: u32,
     len: u16,
     /// Whether they lie side by side in a row, not one below the other.
@@ -39,29 +39,27 @@ struct Positions {
     across: bool,
 }
 
-/// The entries of A by the supernodes that their places are in, whose parts are written to them.
+/// Sorts the entries of A by the supernode that they are added to, and tells each supernode which
+/// runs are its own. `position[i]` is the position of the unknown i in the factor.
 pub fn place_entries(
     supernodes: &mut [Supernode],
     of_column: &[usize],
     pattern: &Triangle,
-    order: &[usize],
+    position: &[u32],
 ) -> Vec<Run> {
-    let n = order.len();
-    let mut position = vec![0; n];
-    order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = narrow(i));
     let mut next = vec![0; supernodes.len() + 1];
-    runs(pattern, &position, of_column, |run| next[of_column[run.column as usize] + 1] += 1);
+    runs(pattern, position, of_column, |run| next[of_column[run.column as usize] + 1] += 1);
     for s in 0..supernodes.len() {
         next[s + 1] += next[s];
         supernodes[s].entries = next[s]..next[s + 1];
     }
     let mut sorted = vec![Positions::default(); next[supernodes.len()]];
-    runs(pattern, &position, of_column, |run| {
+    runs(pattern, position, of_column, |run| {
         let slot = &mut next[of_column[run.column as usize]];
         sorted[*slot] = run;
         *slot += 1;
     });
-    let mut place = vec![0; n];
+    let mut place = vec![0; position.len()];
     let mut placed = Vec::with_capacity(sorted.len());
     for s in supernodes {
         for (i, row) in s.columns.clone().chain(s.pattern.iter().copied()).enumerate() {

@@ -24,7 +24,7 @@ const SMALLEST_RESIDUAL: f64 = 1e-14;
 const REFINEMENTS: usize = 40;
 
 /// Conjugate-gradient steps with the factor of another matrix that cost less than a factor of its own: the gripper is
-/// factored at 266 GFLOP/s and solved at 36 GB/s, so that a factorisation takes as long as 15 steps. Its static solve
+/// factored at 260 GFLOP/s and solved at 33 GB/s, so that a factorisation takes as long as 15 steps. Its static solve
 /// took 11.6, 10.3, 10.5 and 11.6 s of processor time with 12, 15, 18 and 24.
 const NEAR_STEPS: usize = 15;
 

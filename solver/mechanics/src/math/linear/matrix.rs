@@ -10,8 +10,8 @@ use super::scalar::narrow;
 /// for any number of threads.
 const PARTS: usize = 4;
 
-/// Length of the pieces that a scalar product is summed up by.
-const PIECE: usize = 1 << 14;
+/// Length of the pieces by which threads share vectors, and a scalar product is summed up.
+pub(super) const PIECE: usize = 1 << 14;
 
 /// Columns that a product goes through side by side, at most: those of the directions of a node.
 const GROUP: usize = 3;

@@ -63,7 +63,7 @@ struct Update<T> {
 
 impl Fronts {
     /// The tree of supernodes, given by their columns and the rows below, for a lower triangle
-    /// in compressed columns with the unknown `order[i]` at position i.
+    /// in compressed columns, with the unknown i at `position[i]`.
     ///
     /// # Panics
     /// When A or a front has 2³² entries, or the columns are not in postorder.
@@ -71,10 +71,10 @@ impl Fronts {
     pub fn new(
         structure: Vec<(Range<usize>, Vec<usize>)>,
         pattern: &Triangle,
-        order: &[usize],
+        position: &[u32],
     ) -> Self {
         let count = structure.len();
-        let mut of_column = vec![0; order.len()];
+        let mut of_column = vec![0; position.len()];
         let mut supernodes: Vec<Supernode> = Vec::with_capacity(count);
         let mut stored = 0;
         for (s, (columns, pattern)) in structure.into_iter().enumerate() {
@@ -115,7 +115,7 @@ impl Fronts {
             }
         }
         place_updates(&mut supernodes);
-        let entries = place_entries(&mut supernodes, &of_column, pattern, order);
+        let entries = place_entries(&mut supernodes, &of_column, pattern, position);
         Self { supernodes, roots, entries }
     }
 

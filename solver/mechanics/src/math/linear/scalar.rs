@@ -21,11 +21,11 @@ pub trait Scalar:
     fn narrow(value: f64) -> Self;
     /// This number in double precision.
     fn widen(self) -> f64;
-    /// The whole vectors that numbers fill from the first on.
+    /// Reads numbers as vectors, from the first on; numbers that fill no whole vector are left out.
     fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::SimdVec<S>];
-    /// The same, to be changed.
+    /// Does what [`Self::vectors`] does, for numbers that change.
     fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::SimdVec<S>];
-    /// The first lanes of a vector.
+    /// Selects the first `count` lanes of a vector.
     fn first<S: Simd>(simd: S, count: usize) -> Self::SimdMask<S>;
 }
 

@@ -7,19 +7,19 @@ use super::scalar::Scalar;
 
 /// A node of the tree of fronts.
 pub struct Supernode {
-    /// Its columns.
+    /// Positions of its columns in the factor.
     pub columns: Range<usize>,
     /// Rows below its own, ascending.
     pub pattern: Vec<usize>,
     /// Places of these rows in the front of its parent.
     pub places: Vec<u32>,
-    /// Its children in the tree.
+    /// Supernodes whose updates enter its front.
     pub children: Vec<usize>,
     /// First supernode of its subtree, which ends with itself.
     pub first: usize,
     /// Where its columns are stored in the factor.
     pub values: Range<usize>,
-    /// Its part of the entries of A.
+    /// Which of the runs of entries of A are added to its front.
     pub entries: Range<usize>,
     /// Floating-point operations of its subtree.
     pub work: f64,
