@@ -19,8 +19,8 @@ use nalgebra::linalg::LU;
 use nalgebra::{DMatrix, DVector, Dyn};
 
 use super::{Integrator, Linearization, Problem, Trajectory, Workspace, solve_multipliers};
-use crate::energy::{Constraint, Iterate};
-use crate::math::linear::dot;
+use crate::energy::{Constraint, Iterate, Multiplier, TimeStep};
+use crate::math::linear::{SYSTEMS, dot};
 
 /// Relative residual of the changes: a neighbour is one to first order anyway.
 const TOLERANCE: f64 = 1e-5;
@@ -57,22 +57,50 @@ pub fn neighbours(
         }
         let (residual, _) = workspace.gradient(problem, &at);
         let volumes = Volumes::new(problem, workspace, &problem.constraints(&at))?;
-        for (Varied { problem: other, rest }, run) in varied.iter().zip(&mut runs) {
-            let u = moved_supports(problem, other, &state.u, time);
-            let step = run.next_step(other, rest, time);
-            let there = Iterate { step: Some(&step), ..other.iterate(rest, &u, time) };
-            let there = Iterate { multipliers: &multipliers, ..there };
-            let (changed, _) = workspace.gradient(other, &there);
-            let change: Vec<f64> = residual.iter().zip(&changed).map(|(a, b)| a - b).collect();
-            let mut du = problem.restrict(&change);
-            workspace.linear().last()?.solve_to(&mut du, TOLERANCE);
-            volumes.hold(&mut du, &other.constraints(&there))?;
-            let du = problem.prolong(&du);
-            let u: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + du).collect();
-            run.push_displacement(other, rest, time, &u);
+        for (varied, runs) in varied.chunks(SYSTEMS).zip(runs.chunks_mut(SYSTEMS)) {
+            let there: Vec<There> = varied
+                .iter()
+                .zip(&*runs)
+                .map(|(varied, run)| There::new(problem, varied, run, &state.u, time))
+                .collect();
+            let side = |there: &There| {
+                let (changed, _) = workspace.gradient(there.problem, &there.at(&multipliers));
+                let change: Vec<f64> = residual.iter().zip(&changed).map(|(a, b)| a - b).collect();
+                problem.restrict(&change)
+            };
+            let mut changes: Vec<Vec<f64>> = there.iter().map(side).collect();
+            workspace.linear().last()?.solve_all_to(&mut changes, TOLERANCE);
+            for ((there, mut du), run) in there.iter().zip(changes).zip(runs) {
+                volumes.hold(&mut du, &there.problem.constraints(&there.at(&multipliers)))?;
+                let du = problem.prolong(&du);
+                let u: Vec<f64> = there.u.iter().zip(&du).map(|(u, du)| u + du).collect();
+                run.push_displacement(there.problem, there.rest, time, &u);
+            }
         }
     }
     Some(runs)
+}
+
+/// Where the step of a neighbour is looked at: its past, and the displacement of the run.
+struct There<'a> {
+    problem: &'a Problem,
+    rest: &'a [Vec3],
+    u: Vec<f64>,
+    time: f64,
+    step: TimeStep,
+}
+
+impl<'a> There<'a> {
+    fn new(of: &Problem, varied: &'a Varied, past: &Trajectory, u: &[f64], time: f64) -> Self {
+        let Varied { problem, rest } = varied;
+        let step = past.next_step(problem, rest, time);
+        Self { problem, rest, u: moved_supports(of, problem, u, time), time, step }
+    }
+
+    fn at<'b>(&'b self, multipliers: &'b [Multiplier]) -> Iterate<'b> {
+        let Self { problem, rest, u, time, step } = self;
+        Iterate { step: Some(step), multipliers, ..problem.iterate(rest, u, *time) }
+    }
 }
 
 /// A displacement with the supports where another problem holds them [m].
@@ -98,9 +126,7 @@ impl Volumes {
         let across: Vec<Vec<f64>> =
             constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
         let mut solved = across.clone();
-        for z in &mut solved {
-            workspace.linear().last()?.solve_to(z, TOLERANCE);
-        }
+        workspace.linear().last()?.solve_all_to(&mut solved, TOLERANCE);
         let count = across.len();
         let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j])).lu();
         Some(Self { across, solved, matrix })

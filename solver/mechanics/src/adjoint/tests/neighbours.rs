@@ -18,7 +18,7 @@ impl Case {
 
 /// The change of an objective from a run to a neighbour, over the size of what differs, and what the adjoint says of it: of the rest shape, and of the
 /// law with the pressure, where there is a chamber.
-fn both_ways(case: &Case, size: f64) -> [[f64; 2]; 2] {
+fn both_ways(case: &Case, size: f64) -> [[f64; 2]; 3] {
     let (problem, mut workspace, rest) = case.problem(&NUMBERS);
     let start = case.start(&problem, &rest);
     let run = case.run(&problem, &mut workspace, &rest, start.clone());
@@ -26,14 +26,17 @@ fn both_ways(case: &Case, size: f64) -> [[f64; 2]; 2] {
     let gradient = probe.gradient(&problem, &mut workspace, &rest, &run);
 
     let motion = points(&Random::new(5).numbers(3 * rest.len()));
-    let moved = rest.iter().zip(&motion).map(|(x, d)| x + 0.02 * size * d).collect();
+    let moved: Vec<_> = rest.iter().zip(&motion).map(|(x, d)| x + 0.02 * size * d).collect();
     let mut numbers = NUMBERS;
     numbers.law[0] *= 1.0 + size;
     numbers.pressure *= 1.0 + size;
     let (other, ..) = case.problem(&numbers);
+    let other = Arc::new(other);
+    // three go side by side
     let varied = [
-        Varied { problem: Arc::new(problem.clone()), rest: moved },
-        Varied { problem: Arc::new(other), rest: rest.clone() },
+        Varied { problem: Arc::new(problem.clone()), rest: moved.clone() },
+        Varied { problem: Arc::clone(&other), rest: rest.clone() },
+        Varied { problem: other, rest: moved },
     ];
     let begin = Integrator::new(case.method, start);
     let of = (&rest[..], &run);
@@ -46,9 +49,12 @@ fn both_ways(case: &Case, size: f64) -> [[f64; 2]; 2] {
     let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
     let by_pressure = chamber.map_or(0.0, |id| gradient.parameters.total(id)[0]);
     let by_law = gradient.parameters.total(ParameterId::Material(0))[0] * NUMBERS.law[0];
+    let by_rest = 0.02 * dot(&gradient.rest, &flat(&motion));
+    let by_numbers = by_law + by_pressure * case.by_pressure() * NUMBERS.pressure;
     [
-        [change(0, &all[0]), 0.02 * dot(&gradient.rest, &flat(&motion))],
-        [change(1, &all[1]), by_law + by_pressure * case.by_pressure() * NUMBERS.pressure],
+        [change(0, &all[0]), by_rest],
+        [change(1, &all[1]), by_numbers],
+        [change(2, &all[2]), by_rest + by_numbers],
     ]
 }
 
@@ -68,10 +74,11 @@ fn neighbours_of_a_run_are_those_that_the_adjoint_sees_to_first_order() {
         let off = |size: f64| {
             both_ways(&case, size).map(|[changed, expected]| (changed / expected - 1.0).abs())
         };
-        let ([coarse, _], [fine, law]) = (off(1e-5), off(1e-6));
+        let ([coarse, ..], [fine, law, both]) = (off(1e-5), off(1e-6));
         let slope = 1.0 + (coarse / fine).log10();
         assert!((slope - 2.0).abs() < 0.1, "{method:?} P{degree}: the remainder has slope {slope}");
         assert!(fine < 1e-2, "{method:?} P{degree}: {fine:.1e} apart");
         assert!(law < 1e-4, "{method:?} P{degree}: {law:.1e} apart");
+        assert!(both < 1e-2, "{method:?} P{degree}: both, {both:.1e} apart");
     }
 }

@@ -1,6 +1,7 @@
 //! The direct solver of bodies: multifrontal Cholesky factorisation, and L B Lᵀ where a matrix is
 //! not positive definite.
 
+use std::array::from_fn;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -9,7 +10,9 @@ use super::direct::{BadPivots, Cost, DirectSolver, Factor, Memory, Pivot, Precis
 use super::indefinite::Indefinite;
 use super::matrix::{PIECE, Triangle, norm};
 use super::multifrontal::Fronts;
+use super::rows::{Row, SYSTEMS};
 use super::scalar::{Scalar, narrow};
+use super::several::dots;
 use super::symbolic::{Symbolic, symbolic};
 use crate::math::pool::Pool;
 
@@ -138,6 +141,20 @@ impl Tree {
     }
 }
 
+impl Tree {
+    /// X ← A⁻¹ X of several systems, each scaled as [`Self::apply_inverse`] has it.
+    fn apply_inverse_all<T: Scalar>(&self, values: &[T], x: &mut [Row<f64>], scale: Row<f64>) {
+        let least = PIECE / SYSTEMS;
+        let narrow = |&i: &usize| Row(from_fn(|k| T::narrow(x[i].0[k] / scale.0[k])));
+        let mut y: Vec<Row<T>> = self.order.par_iter().with_min_len(least).map(narrow).collect();
+        self.fronts.solve(values, &mut y);
+        let pairs = x.par_iter_mut().zip(&self.position).with_min_len(least);
+        pairs.for_each(|(x, &at)| {
+            *x = Row(from_fn(|k| scale.0[k] * y[at as usize].0[k].widen()));
+        });
+    }
+}
+
 /// L in single precision.
 struct Single {
     tree: Arc<Tree>,
@@ -150,6 +167,11 @@ impl Factor for Single {
         // so that no residual is too small for single precision
         let scale = norm(x).max(f64::MIN_POSITIVE);
         self.tree.apply_inverse(&self.values, x, scale);
+    }
+
+    fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
+        let scale = dots(x, x).0.map(|square| square.sqrt().max(f64::MIN_POSITIVE));
+        self.tree.apply_inverse_all(&self.values, x, Row(scale));
     }
 
     fn smallest_pivot(&self) -> Option<Pivot> {
@@ -172,6 +194,10 @@ struct Double {
 impl Factor for Double {
     fn apply_inverse(&self, x: &mut [f64]) {
         self.tree.apply_inverse(&self.values, x, 1.0);
+    }
+
+    fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
+        self.tree.apply_inverse_all(&self.values, x, Row([1.0; SYSTEMS]));
     }
 
     fn smallest_pivot(&self) -> Option<Pivot> {

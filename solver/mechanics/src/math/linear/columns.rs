@@ -10,7 +10,7 @@ use super::scalar::Scalar;
 use crate::math::lanes::widest;
 
 /// Columns of a panel.
-const PANEL: usize = 4;
+pub(super) const PANEL: usize = 4;
 
 /// Columns of one height, one after the other.
 #[derive(Clone, Copy)]
@@ -59,14 +59,14 @@ impl<'a, T: Scalar> Columns<'a, T> {
 
     /// Panels of columns by the first column of each and their number.
     #[inline(always)]
-    fn panels(self) -> impl DoubleEndedIterator<Item = (usize, usize)> {
+    pub(super) fn panels(self) -> impl DoubleEndedIterator<Item = (usize, usize)> {
         let count = self.count();
         (0..count.div_ceil(PANEL)).map(move |p| (p * PANEL, PANEL.min(count - p * PANEL)))
     }
 
     /// A panel from a row on, cut to a length. Where it has fewer columns, the last one fills it up.
     #[inline(always)]
-    fn panel(self, first: usize, row: usize, len: usize) -> [&'a [T]; PANEL] {
+    pub(super) fn panel(self, first: usize, row: usize, len: usize) -> [&'a [T]; PANEL] {
         let last = self.count() - 1;
         let column = |j| &self.values[last.min(first + j) * self.height + row..][..len];
         [column(0), column(1), column(2), column(3)]
@@ -184,7 +184,7 @@ fn backward<T: Scalar, S: Simd>(simd: S, l: [&[T]; PANEL], count: usize, x: &mut
 
 /// 1 / l_jj, by divisions that do not wait for each other.
 #[inline(always)]
-fn reciprocals<T: Scalar>(l: [&[T]; PANEL], count: usize) -> [T; PANEL] {
+pub(super) fn reciprocals<T: Scalar>(l: [&[T]; PANEL], count: usize) -> [T; PANEL] {
     let mut scale = [T::narrow(0.0); PANEL];
     for j in 0..count {
         scale[j] = T::narrow(1.0) / l[j][j];
@@ -256,7 +256,7 @@ fn products<T: Scalar, S: Simd>(simd: S, l: [&[T]; PANEL], y: &[T]) -> [T; PANEL
 
 /// `map` of an array, which the standard library does not always inline.
 #[inline(always)]
-fn each<A, B>([a, b, c, d]: [A; PANEL], f: impl Fn(A) -> B) -> [B; PANEL] {
+pub(super) fn each<A, B>([a, b, c, d]: [A; PANEL], f: impl Fn(A) -> B) -> [B; PANEL] {
     [f(a), f(b), f(c), f(d)]
 }
 

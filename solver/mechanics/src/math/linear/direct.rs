@@ -4,6 +4,8 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::matrix::Triangle;
+use super::rows::{Row, SYSTEMS};
+use super::several::one_of;
 use crate::math::pool::Pool;
 
 /// Precision of a factor.
@@ -109,6 +111,15 @@ pub trait DirectSolver: Send + Sync {
 pub trait Factor: Send + Sync {
     /// x ← A⁻¹ x, with the precision of the factor.
     fn apply_inverse(&self, x: &mut [f64]);
+
+    /// X ← A⁻¹ X of several systems side by side.
+    fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
+        for k in 0..SYSTEMS {
+            let mut one = one_of(x, k);
+            self.apply_inverse(&mut one);
+            x.iter_mut().zip(one).for_each(|(row, x)| row.0[k] = x);
+        }
+    }
 
     /// The smallest pivot of L Lᵀ; none of other factors.
     fn smallest_pivot(&self) -> Option<Pivot> {

@@ -16,6 +16,8 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 use super::conjugate_gradients::{Gradients, Outcome, Stop, conjugate_gradients};
 use super::direct::{Factor, Pivot, Precision};
 use super::matrix::{Symmetric, Triangle, dot, norm};
+use super::rows::{Row, SYSTEMS};
+use super::several::{one_of, side_by_side, solve_several};
 
 /// Relative residual of a solution that has come to rounding.
 const SMALLEST_RESIDUAL: f64 = 1e-14;
@@ -27,6 +29,9 @@ const REFINEMENTS: usize = 40;
 /// factored at 260 GFLOP/s and solved at 33 GB/s, so that a factorisation takes as long as 15 steps. Its static solve
 /// took 11.6, 10.3, 10.5 and 11.6 s of processor time with 12, 15, 18 and 24.
 const NEAR_STEPS: usize = 15;
+
+/// Right sides that are solved one after the other.
+const FEW_SIDES: usize = 3;
 
 /// A matrix and its factor.
 pub struct Factorization {
@@ -113,6 +118,26 @@ impl Factorization {
         };
         rhs.copy_from_slice(&x);
         residual
+    }
+
+    /// Solves A x = b in place for several b to a relative residual, as [`Self::solve_to`] does for one. What is read of
+    /// the matrix and the factor serves [`SYSTEMS`] of them.
+    pub fn solve_all_to(&self, sides: &mut [Vec<f64>], tolerance: f64) {
+        if !self.is_positive() || self.dense.is_some() || sides.len() < FEW_SIDES {
+            sides.iter_mut().for_each(|side| _ = self.solve_to(side, tolerance));
+            return;
+        }
+        let multiply = |x: &[Row<f64>]| self.pattern.multiply_several(&self.matrix, x);
+        let precondition = |x: &[Row<f64>]| {
+            let mut x = x.to_vec();
+            self.factor.apply_inverse_all(&mut x);
+            x
+        };
+        for sides in sides.chunks_mut(SYSTEMS) {
+            let b = side_by_side(sides);
+            let x = solve_several(multiply, precondition, b, (tolerance, REFINEMENTS));
+            sides.iter_mut().enumerate().for_each(|(k, side)| *side = one_of(&x, k));
+        }
     }
 
     /// Solves A x = b, to ‖A x − b‖ ≤ tolerance ‖b‖, by conjugate gradients with a factor some

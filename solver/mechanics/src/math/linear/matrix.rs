@@ -2,9 +2,12 @@
 
 use std::ops::Range;
 
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::rows::{Row, SYSTEMS};
 use super::scalar::narrow;
+use crate::math::lanes::widest;
 
 /// Parts into which a product is cut. A constant, so that it has the same bits
 /// for any number of threads.
@@ -63,65 +66,137 @@ impl Triangle {
     /// The product of a matrix and a vector.
     #[must_use]
     pub fn multiply(&self, matrix: &Symmetric, x: &[f64]) -> Vec<f64> {
-        let entries = self.rows.len();
-        let before = |group: &Range<usize>| self.column_start[group.start];
-        let cut = |part: usize| self.groups.partition_point(|g| before(g) * PARTS < part * entries);
-        let parts: Vec<Vec<f64>> = (0..PARTS)
-            .into_par_iter()
-            .map(|p| self.multiply_groups(&matrix.lower, x, &self.groups[cut(p)..cut(p + 1)]))
-            .collect();
-        let mut y = sum(parts);
+        let mut y =
+            sum(self.by_parts(x, |groups, y| self.add_product(&matrix.lower, x, groups, y)));
         for (scale, u) in &matrix.updates {
             add_scaled(&mut y, scale * dot(u, x), u);
         }
         y
     }
 
-    /// What some columns, and the rows that mirror them, add to a product.
-    fn multiply_groups(&self, lower: &[f64], x: &[f64], groups: &[Range<usize>]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for group in groups {
-            match group.len() {
-                3 => self.multiply_group::<3>(lower, x, group.start, &mut y),
-                2 => self.multiply_group::<2>(lower, x, group.start, &mut y),
-                _ => self.multiply_group::<1>(lower, x, group.start, &mut y),
-            }
+    /// The products of the sparse part of a matrix and a vector of each of several systems.
+    pub(super) fn multiply_several(&self, matrix: &Symmetric, x: &[Row<f64>]) -> Vec<Row<f64>> {
+        let parts = self.by_parts(x, |groups, y| {
+            widest(AddProduct { triangle: self, lower: &matrix.lower, x, groups, y });
+        });
+        let mut parts = parts.into_iter();
+        let mut y = parts.next().unwrap_or_default();
+        for part in parts {
+            let pairs = y.par_iter_mut().zip(part).with_min_len(PIECE / SYSTEMS);
+            pairs.for_each(|(y, part)| *y = y.plus(1.0, part));
         }
         y
     }
 
-    fn multiply_group<const N: usize>(
+    /// What parts of the columns, and the rows that mirror them, add to a product.
+    fn by_parts<X: Term>(
+        &self,
+        x: &[X],
+        add: impl Fn(&[Range<usize>], &mut [X]) + Sync,
+    ) -> Vec<Vec<X>> {
+        let entries = self.rows.len();
+        let before = |group: &Range<usize>| self.column_start[group.start];
+        let cut = |part: usize| self.groups.partition_point(|g| before(g) * PARTS < part * entries);
+        let part = |p: usize| {
+            let mut y = vec![X::zero(); x.len()];
+            add(&self.groups[cut(p)..cut(p + 1)], &mut y);
+            y
+        };
+        (0..PARTS).into_par_iter().map(part).collect()
+    }
+
+    #[inline(always)]
+    fn add_product<X: Term>(&self, lower: &[f64], x: &[X], groups: &[Range<usize>], y: &mut [X]) {
+        for group in groups {
+            match group.len() {
+                3 => self.multiply_group::<X, 3>(lower, x, group.start, y),
+                2 => self.multiply_group::<X, 2>(lower, x, group.start, y),
+                _ => self.multiply_group::<X, 1>(lower, x, group.start, y),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn multiply_group<X: Term, const N: usize>(
         &self,
         lower: &[f64],
-        x: &[f64],
+        x: &[X],
         first: usize,
-        y: &mut [f64],
+        y: &mut [X],
     ) {
-        let at: [f64; N] = std::array::from_fn(|j| x[first + j]);
+        let at: [X; N] = std::array::from_fn(|j| x[first + j]);
         let columns: [&[f64]; N] = std::array::from_fn(|j| {
             &lower[self.column_start[first + j]..self.column_start[first + j + 1]]
         });
-        let mut sums = [0.0; N];
+        let mut sums = [X::zero(); N];
         for j in 0..N {
-            sums[j] += columns[j][0] * at[j];
+            sums[j] = sums[j].plus(columns[j][0], at[j]);
             for i in j + 1..N {
                 let value = columns[j][i - j];
-                sums[i] += value * at[j];
-                sums[j] += value * at[i];
+                sums[i] = sums[i].plus(value, at[j]);
+                sums[j] = sums[j].plus(value, at[i]);
             }
         }
         let below = &self.rows[self.column_start[first] + N..self.column_start[first + 1]];
         let columns: [&[f64]; N] = std::array::from_fn(|j| &columns[j][N - j..][..below.len()]);
         for (k, &row) in below.iter().enumerate() {
-            let (row, mut added) = (row as usize, 0.0);
+            let (row, mut added) = (row as usize, X::zero());
             let there = x[row];
             for j in 0..N {
-                added += columns[j][k] * at[j];
-                sums[j] += columns[j][k] * there;
+                added = added.plus(columns[j][k], at[j]);
+                sums[j] = sums[j].plus(columns[j][k], there);
             }
-            y[row] += added;
+            y[row] = y[row].plus(1.0, added);
         }
-        (0..N).for_each(|j| y[first + j] += sums[j]);
+        (0..N).for_each(|j| y[first + j] = y[first + j].plus(1.0, sums[j]));
+    }
+}
+
+/// What a product adds up: a number, or a number of each of several systems.
+trait Term: Copy + Send + Sync {
+    fn zero() -> Self;
+    /// `self` + scale x.
+    fn plus(self, scale: f64, x: Self) -> Self;
+}
+
+impl Term for f64 {
+    #[inline(always)]
+    fn zero() -> Self {
+        0.0
+    }
+
+    #[inline(always)]
+    fn plus(self, scale: f64, x: Self) -> Self {
+        self + scale * x
+    }
+}
+
+impl Term for Row<f64> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::zero()
+    }
+
+    #[inline(always)]
+    fn plus(self, scale: f64, x: Self) -> Self {
+        self.plus(scale, x)
+    }
+}
+
+struct AddProduct<'a> {
+    triangle: &'a Triangle,
+    lower: &'a [f64],
+    x: &'a [Row<f64>],
+    groups: &'a [Range<usize>],
+    y: &'a mut [Row<f64>],
+}
+
+impl WithSimd for AddProduct<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.triangle.add_product(self.lower, self.x, self.groups, self.y);
     }
 }
 

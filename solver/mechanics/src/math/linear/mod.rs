@@ -24,13 +24,16 @@ mod matrix;
 mod multifrontal;
 mod product;
 mod replacing;
+mod rows;
 mod scalar;
+mod several;
 mod substitution;
 mod supernode;
 mod symbolic;
 #[cfg(test)]
 mod tests;
 mod trapezoid;
+mod unknown;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,6 +46,7 @@ pub use direct::{
 pub use factorization::Factorization;
 pub use matrix::{Symmetric, Triangle, dot, norm, sum};
 pub use product::product_speed;
+pub use rows::{Row, SYSTEMS};
 pub use symbolic::one_by_one;
 
 /// The matrix has a pivot that is not positive.

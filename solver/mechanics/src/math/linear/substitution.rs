@@ -7,29 +7,40 @@ use super::multifrontal::Fronts;
 use super::scalar::Scalar;
 use super::supernode::Supernode;
 use super::trapezoid;
+use super::unknown::Unknown;
 
 /// Entries of the factor that are worth a task of their own.
 const TASK: usize = 1 << 18;
 
 /// Values of the rows below a supernode: what its subtree adds to them on the way up,
 /// the solution there on the way down.
-type Below<T> = Vec<T>;
+type Below<X> = Vec<X>;
 
 impl Fronts {
     /// x ← L⁻ᵀ L⁻¹ x, in the order of the factor.
-    pub fn solve<T: Scalar>(&self, factor: &[T], x: &mut [T]) {
+    pub fn solve<T: Scalar, X: Unknown<T>>(&self, factor: &[T], x: &mut [X]) {
         self.forward_all(&self.roots, factor, x);
         let below = self.roots.iter().map(|_| Vec::new()).collect();
         self.backward_all(&self.roots, below, factor, x);
     }
 
     /// L y = x on disjoint subtrees, to which `factor` and `x` belong.
-    fn forward_all<T: Scalar>(&self, roots: &[usize], factor: &[T], x: &mut [T]) -> Vec<Below<T>> {
+    fn forward_all<T: Scalar, X: Unknown<T>>(
+        &self,
+        roots: &[usize],
+        factor: &[T],
+        x: &mut [X],
+    ) -> Vec<Below<X>> {
         let tasks: Vec<_> = self.parts(roots, factor, x).collect();
         tasks.into_par_iter().map(|(root, l, x)| self.forward(root, l, x)).collect()
     }
 
-    fn forward<T: Scalar>(&self, root: usize, factor: &[T], x: &mut [T]) -> Below<T> {
+    fn forward<T: Scalar, X: Unknown<T>>(
+        &self,
+        root: usize,
+        factor: &[T],
+        x: &mut [X],
+    ) -> Below<X> {
         let s = &self.supernodes[root];
         if factor.len() < TASK {
             return self.forward_in_order(root, factor, x);
@@ -41,8 +52,13 @@ impl Fronts {
     }
 
     /// A subtree on one thread.
-    fn forward_in_order<T: Scalar>(&self, root: usize, factor: &[T], x: &mut [T]) -> Below<T> {
-        let mut waiting: Vec<Below<T>> = Vec::new();
+    fn forward_in_order<T: Scalar, X: Unknown<T>>(
+        &self,
+        root: usize,
+        factor: &[T],
+        x: &mut [X],
+    ) -> Below<X> {
+        let mut waiting: Vec<Below<X>> = Vec::new();
         let each: Vec<usize> = (self.supernodes[root].first..=root).collect();
         for (index, own, x) in self.parts_of(&each, factor, x) {
             let s = &self.supernodes[index];
@@ -54,18 +70,18 @@ impl Fronts {
         waiting.pop().expect("a subtree is not empty")
     }
 
-    fn forward_front<T: Scalar>(
+    fn forward_front<T: Scalar, X: Unknown<T>>(
         &self,
         s: &Supernode,
         own: &[T],
-        x: &mut [T],
-        updates: &[Below<T>],
-    ) -> Below<T> {
-        let mut front = vec![T::narrow(0.0); s.height()];
+        x: &mut [X],
+        updates: &[Below<X>],
+    ) -> Below<X> {
+        let mut front = vec![X::zero(); s.height()];
         front[..s.width()].copy_from_slice(x);
         for (&child, update) in s.children.iter().zip(updates) {
             for (&place, &v) in self.supernodes[child].places.iter().zip(update) {
-                front[place as usize] += v;
+                front[place as usize] = front[place as usize].plus(v);
             }
         }
         trapezoid::forward(s.front(own), &mut front);
@@ -74,18 +90,24 @@ impl Fronts {
     }
 
     /// Lᵀ x = y on disjoint subtrees, given the solution below each.
-    fn backward_all<T: Scalar>(
+    fn backward_all<T: Scalar, X: Unknown<T>>(
         &self,
         roots: &[usize],
-        below: Vec<Below<T>>,
+        below: Vec<Below<X>>,
         factor: &[T],
-        x: &mut [T],
+        x: &mut [X],
     ) {
         let tasks: Vec<_> = self.parts(roots, factor, x).zip(below).collect();
         tasks.into_par_iter().for_each(|((root, l, x), below)| self.backward(root, below, l, x));
     }
 
-    fn backward<T: Scalar>(&self, root: usize, below: Below<T>, factor: &[T], x: &mut [T]) {
+    fn backward<T: Scalar, X: Unknown<T>>(
+        &self,
+        root: usize,
+        below: Below<X>,
+        factor: &[T],
+        x: &mut [X],
+    ) {
         let s = &self.supernodes[root];
         if factor.len() < TASK {
             return self.backward_in_order(root, below, factor, x);
@@ -96,12 +118,12 @@ impl Fronts {
         self.backward_all(&s.children, handed_down, inner, x_inner);
     }
 
-    fn backward_in_order<T: Scalar>(
+    fn backward_in_order<T: Scalar, X: Unknown<T>>(
         &self,
         root: usize,
-        below: Below<T>,
+        below: Below<X>,
         factor: &[T],
-        x: &mut [T],
+        x: &mut [X],
     ) {
         let mut waiting = vec![below];
         let each: Vec<usize> = (self.supernodes[root].first..=root).collect();
@@ -113,13 +135,13 @@ impl Fronts {
     }
 
     /// Solves one front and returns the solution below each child.
-    fn backward_front<T: Scalar>(
+    fn backward_front<T: Scalar, X: Unknown<T>>(
         &self,
         s: &Supernode,
         own: &[T],
-        x: &mut [T],
-        below: Below<T>,
-    ) -> Vec<Below<T>> {
+        x: &mut [X],
+        below: Below<X>,
+    ) -> Vec<Below<X>> {
         let mut front = x.to_vec();
         front.extend(below);
         trapezoid::backward(s.front(own), &mut front);
@@ -130,12 +152,12 @@ impl Fronts {
     }
 
     /// The parts of disjoint subtrees.
-    fn parts<'a, T>(
+    fn parts<'a, T, X>(
         &'a self,
         roots: &'a [usize],
         factor: &'a [T],
-        x: &'a mut [T],
-    ) -> impl Iterator<Item = (usize, &'a [T], &'a mut [T])> {
+        x: &'a mut [X],
+    ) -> impl Iterator<Item = (usize, &'a [T], &'a mut [X])> {
         let size = |root: usize| {
             let (last, first) =
                 (&self.supernodes[root], &self.supernodes[self.supernodes[root].first]);
@@ -145,23 +167,23 @@ impl Fronts {
     }
 
     /// The parts of consecutive supernodes.
-    fn parts_of<'a, T>(
+    fn parts_of<'a, T, X>(
         &'a self,
         each: &'a [usize],
         factor: &'a [T],
-        x: &'a mut [T],
-    ) -> impl Iterator<Item = (usize, &'a [T], &'a mut [T])> {
+        x: &'a mut [X],
+    ) -> impl Iterator<Item = (usize, &'a [T], &'a mut [X])> {
         let size = |s: &Supernode| (s.values.len(), s.width());
         split(each.iter().map(move |&s| (s, size(&self.supernodes[s]))), factor, x)
     }
 }
 
 /// Cuts parts of given lengths off a factor and a vector.
-fn split<'a, T>(
+fn split<'a, T, X>(
     sizes: impl Iterator<Item = (usize, (usize, usize))>,
     mut factor: &'a [T],
-    mut x: &'a mut [T],
-) -> impl Iterator<Item = (usize, &'a [T], &'a mut [T])> {
+    mut x: &'a mut [X],
+) -> impl Iterator<Item = (usize, &'a [T], &'a mut [X])> {
     sizes.map(move |(index, (values, columns))| {
         let (own, others) = factor.split_at(values);
         let (x_own, x_others) = std::mem::take(&mut x).split_at_mut(columns);

@@ -55,10 +55,8 @@ fn positive_and_indefinite_systems_are_solved_to_rounding() {
     assert!(solver.factor_indefinite(shifted).solve(&mut b.clone()) < 1e-11);
 }
 
-/// The Laplacian of a cube of m³ points, ordered by nested dissection.
-#[test]
-fn many_threads_give_the_bits_of_one() {
-    let m = 24;
+/// The Laplacian of a cube of m³ points, in compressed columns, and an order by nested dissection.
+fn cube(m: usize) -> (Vec<usize>, Vec<usize>, Vec<f64>, Vec<usize>) {
     let id = |x: usize, y: usize, z: usize| (x * m + y) * m + z;
     let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
     let mut adjacency = vec![Vec::new(); m * m * m];
@@ -75,6 +73,13 @@ fn many_threads_give_the_bits_of_one() {
         start.push(rows.len());
     }
     let order = crate::math::ordering::nested_dissection(&adjacency);
+    (start, rows, values, order)
+}
+
+#[test]
+fn many_threads_give_the_bits_of_one() {
+    let m = 24;
+    let (start, rows, values, order) = cube(m);
     let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
     // enough for several tasks
     let cost = solver.cost();
@@ -91,11 +96,35 @@ fn many_threads_give_the_bits_of_one() {
                 let factored = solver.positive(matrix, precision).expect("diagonally dominant");
                 let mut x = b.clone();
                 assert!(factored.solve(&mut x) < 1e-13);
-                x
+                let mut several = vec![b.clone(); 3];
+                factored.solve_all_to(&mut several, 1e-8);
+                [x, several.swap_remove(1)]
             })
         });
         let first = solutions[0].clone();
         solutions[1..].iter_mut().for_each(|x| assert_eq!(*x, first));
+    }
+}
+
+/// More sides than go side by side, one of them zero; and two, which go one after the other.
+#[test]
+fn several_systems_have_the_solutions_of_each_alone() {
+    let (start, rows, values, order) = cube(20);
+    let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+    let side = |k: usize| -> Vec<f64> {
+        (0..8000).map(|i| k as f64 * (0.1 * (i + 31 * k) as f64).sin()).collect()
+    };
+    for precision in [Precision::Single, Precision::Double] {
+        let matrix = Symmetric::sparse(values.clone());
+        let factored = solver.positive(matrix, precision).expect("diagonally dominant");
+        for count in [SYSTEMS + 5, 2] {
+            let mut all: Vec<Vec<f64>> = (0..count).map(side).collect();
+            factored.solve_all_to(&mut all, 1e-10);
+            for (k, x) in all.iter().enumerate() {
+                let b = side(k);
+                assert!(norm(&factored.residual(&b, x)) <= 1.1e-10 * norm(&b), "{k}");
+            }
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::scalar::Scalar;
+use super::unknown::Unknown;
 
 /// Entries of a front that are worth several threads.
 const LARGE: usize = 1 << 18;
@@ -17,26 +18,26 @@ const ROWS: usize = 512;
 const COLUMNS: usize = 8;
 
 /// x ← L₁₁⁻¹ x and y ← y − L₂₁ x, in place of x and y one after the other.
-pub fn forward<T: Scalar>(front: Columns<'_, T>, xy: &mut [T]) {
+pub fn forward<T: Scalar, X: Unknown<T>>(front: Columns<'_, T>, xy: &mut [X]) {
     let width = front.count();
     if xy.len() * width < LARGE {
-        return front.forward(0, xy);
+        return X::forward(front, 0, xy);
     }
     for first in (0..width).step_by(BLOCK) {
         let end = (first + BLOCK).min(width);
         let columns = front.part(first, end - first);
         let (known, rest) = xy[first..].split_at_mut(end - first);
-        columns.forward(first, known);
+        X::forward(columns, first, known);
         let parts = rest.par_chunks_mut(ROWS).enumerate();
-        parts.for_each(|(i, rest)| columns.subtract(end + i * ROWS, known, rest));
+        parts.for_each(|(i, rest)| X::subtract(columns, end + i * ROWS, known, rest));
     }
 }
 
 /// x ← L₁₁⁻ᵀ (x − L₂₁ᵀ y), in place of x, after which y follows.
-pub fn backward<T: Scalar>(front: Columns<'_, T>, xy: &mut [T]) {
+pub fn backward<T: Scalar, X: Unknown<T>>(front: Columns<'_, T>, xy: &mut [X]) {
     let width = front.count();
     if xy.len() * width < LARGE {
-        return front.backward(0, xy);
+        return X::backward(front, 0, xy);
     }
     for first in (0..width).step_by(BLOCK).rev() {
         let end = (first + BLOCK).min(width);
@@ -45,9 +46,9 @@ pub fn backward<T: Scalar>(front: Columns<'_, T>, xy: &mut [T]) {
         let parts = sought.par_chunks_mut(COLUMNS).enumerate();
         parts.for_each(|(i, sought)| {
             let part = columns.part(i * COLUMNS, sought.len());
-            part.subtract_transposed(end, known, sought);
+            X::subtract_transposed(part, end, known, sought);
         });
-        columns.backward(first, sought);
+        X::backward(columns, first, sought);
     }
 }
 
