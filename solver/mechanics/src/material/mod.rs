@@ -65,6 +65,10 @@ pub trait Material: Send + Sync {
     fn isotropic(&self) -> Option<&dyn Isotropic> {
         None
     }
+    /// The law as compressible neo-Hookean, if it is that.
+    fn neo_hookean(&self) -> Option<&NeoHookean> {
+        None
+    }
     /// ψ(J^{−1/3} F), if it is a law in Ī₁ and Ī₂.
     fn isochoric(&self) -> Option<Isochoric> {
         None

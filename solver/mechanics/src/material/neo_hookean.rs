@@ -6,11 +6,18 @@
 //! Source: Bonet and Wood, "Nonlinear Continuum Mechanics for Finite Element
 //! Analysis", section on compressible neo-Hookean material.
 
+use pulp::Simd;
+
+use super::isotropic::alone;
 use super::lame::{self, Lame};
 use super::law::Law;
+use super::points::{self, Points, vec9};
 use super::split::half_log_squared;
 use super::{Invariants, Isochoric, Isotropic, Kinematics, Material, Partials, Split};
-use crate::math::tensor::{Mat3, Mat9, add_j_hessian, vec9};
+use crate::math::lanes::MOST;
+use crate::math::lanes::projection::Tangents;
+use crate::math::lanes::tensor::{Tensor, lane, plus_identity, product, scaled};
+use crate::math::tensor::{Mat3, Mat9};
 
 /// Parameters of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,30 +42,16 @@ pub(super) const LAW: Law = Law {
 
 impl Material for NeoHookean {
     fn energy_density(&self, k: &Kinematics) -> f64 {
-        if k.j() <= 0.0 {
-            return f64::INFINITY;
-        }
-        let log_j = k.log_j();
-        0.5 * self.0.mu * k.excess()[0] + 0.5 * self.0.lambda * log_j * log_j
+        self.energy_densities(&alone(k))[0]
     }
 
     fn first_piola(&self, k: &Kinematics) -> Mat3 {
-        let [by_mu, by_lambda] = by_lame(k);
-        self.0.mu * by_mu + self.0.lambda * by_lambda
+        lane(&self.stresses(&alone(k)), 0)
     }
 
-    /// With T = F⁻ᵀ: A = μ 1 + λ T⊗T + (λ ln J − μ) ∂T/∂F, and
-    /// ∂T/∂F = (∂²J/∂F²)/J − T⊗T.
     fn tangent(&self, k: &Kinematics) -> Mat9 {
-        let Lame { mu, lambda, .. } = self.0;
-        let t = vec9(&(k.cofactor / k.j()));
-        let by_inverse = lambda * k.log_j() - mu;
-        let mut a = (lambda - by_inverse) * t * t.transpose();
-        for i in 0..9 {
-            a[(i, i)] += mu;
-        }
-        add_j_hessian(&k.f, by_inverse / k.j(), &mut a);
-        a
+        let a = self.tangents(&alone(k));
+        Mat9::from_fn(|i, j| a[i.max(j)][i.min(j)].to_array()[0])
     }
 
     fn parameter_count(&self) -> usize {
@@ -70,12 +63,56 @@ impl Material for NeoHookean {
         self.0.add_vjp(by_mu.dot(p_bar), by_lambda.dot(p_bar), out);
     }
 
+    fn neo_hookean(&self) -> Option<&NeoHookean> {
+        Some(self)
+    }
+
     fn isochoric(&self) -> Option<Isochoric> {
         Some(Isochoric::new(Shear(self.0)))
     }
 
     fn split(&self) -> Option<Split> {
         Some(Split::by_difference(*self, Volume(self.0)))
+    }
+}
+
+/// At points side by side.
+impl NeoHookean {
+    /// ψ of each lane [J/m³].
+    #[inline(always)]
+    pub fn energy_densities<S: Simd>(&self, at: &Points<S>) -> [f64; MOST] {
+        let Lame { mu, lambda, .. } = self.0;
+        let value = at.excess * (0.5 * mu) + at.log_j * at.log_j * (0.5 * lambda);
+        at.j.if_positive(value, at.splat(f64::INFINITY)).to_array()
+    }
+
+    /// P [Pa].
+    #[inline(always)]
+    pub fn stresses<S: Simd>(&self, at: &Points<S>) -> Tensor<S> {
+        let Lame { mu, lambda, .. } = self.0;
+        let kirchhoff = plus_identity(&scaled(&at.left_minus_1(), at.splat(mu)), at.log_j * lambda);
+        product(&kirchhoff, &scaled(&at.cofactor, at.j.recip()))
+    }
+
+    /// ∂P/∂F [Pa], the lower triangle. With T = F⁻ᵀ: A = μ 1 + λ T⊗T + (λ ln J − μ) ∂T/∂F, and
+    /// ∂T/∂F = (∂²J/∂F²)/J − T⊗T.
+    #[inline(always)]
+    pub fn tangents<S: Simd>(&self, at: &Points<S>) -> Tangents<S> {
+        let Lame { mu, lambda, .. } = self.0;
+        let over_j = at.j.recip();
+        let t = vec9(&scaled(&at.cofactor, over_j));
+        let by_inverse = at.log_j * lambda - mu;
+        let both = -by_inverse + lambda;
+        let mut a = [[at.splat(0.0); 9]; 9];
+        for row in 0..9 {
+            let own = both * t[row];
+            for column in 0..=row {
+                a[row][column] = own * t[column];
+            }
+            a[row][row] += at.splat(mu);
+        }
+        points::add_j_hessian(&at.f, by_inverse * over_j, &mut a);
+        a
     }
 }
 

@@ -21,15 +21,17 @@ pub struct Points<S: Simd> {
     /// ∇u.
     grad_u: Tensor<S>,
     /// F = I + ∇u.
-    f: Tensor<S>,
+    pub(super) f: Tensor<S>,
     /// cof F.
-    cofactor: Tensor<S>,
+    pub(super) cofactor: Tensor<S>,
     /// J − 1.
     j_minus_1: Lanes<S>,
     /// J.
-    j: Lanes<S>,
+    pub(super) j: Lanes<S>,
     /// ln J.
-    log_j: Lanes<S>,
+    pub(super) log_j: Lanes<S>,
+    /// I₁ − 3 − 2 ln J.
+    pub(super) excess: Lanes<S>,
     /// I₁ − 3.
     i1_minus_3: Lanes<S>,
     /// I₂ − 3.
@@ -87,11 +89,18 @@ impl<S: Simd> Points<S> {
             j_minus_1,
             j,
             log_j,
+            excess: excess_1,
             i1_minus_3,
             i2_minus_3,
             ratio,
             isochoric,
         }
+    }
+
+    /// A number that is the same at all points.
+    #[inline(always)]
+    pub(super) fn splat(&self, x: f64) -> Lanes<S> {
+        Lanes::splat(self.simd, x)
     }
 
     /// The invariants of each lane.
@@ -161,14 +170,20 @@ impl<S: Simd> Points<S> {
     /// dev G and dev((1 + tr G) G − G²) with G = FFᵀ − I: I₁B − B² but for a multiple of I.
     #[inline(always)]
     fn deviators(&self) -> [Tensor<S>; 2] {
-        let h = &self.grad_u;
-        let g = sum(h, &transpose(h), &product(h, &transpose(h)));
+        let g = self.left_minus_1();
         let square = product(&g, &g);
         let mut second = scaled(&g, trace(&g) + 1.0);
         for (s, q) in second.as_flattened_mut().iter_mut().zip(square.as_flattened()) {
             *s -= *q;
         }
         [deviator(&g), deviator(&second)]
+    }
+
+    /// FFᵀ − I.
+    #[inline(always)]
+    pub(super) fn left_minus_1(&self) -> Tensor<S> {
+        let h = &self.grad_u;
+        sum(h, &transpose(h), &product(h, &transpose(h)))
     }
 
     /// 2 J^{−2/3} / J and 2 J^{−4/3} / J.
@@ -340,7 +355,7 @@ fn deviator<S: Simd>(a: &Tensor<S>) -> Tensor<S> {
 
 /// Column-major `vec`.
 #[inline(always)]
-fn vec9<S: Simd>(a: &Tensor<S>) -> [Lanes<S>; 9] {
+pub(super) fn vec9<S: Simd>(a: &Tensor<S>) -> [Lanes<S>; 9] {
     let mut v = [a[0][0]; 9];
     for j in 0..3 {
         for i in 0..3 {

@@ -26,6 +26,9 @@ fn energy_densities<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) ->
     if let Some(law) = law.isotropic() {
         return Points::new(simd, grad_u).energy_densities(law);
     }
+    if let Some(law) = law.neo_hookean() {
+        return law.energy_densities(&Points::new(simd, grad_u));
+    }
     let mut values = [0.0; MOST];
     for (l, value) in values.iter_mut().enumerate().take(Lanes::<S>::COUNT) {
         *value = law.energy_density(&Kinematics::new(&lane(grad_u, l)));
@@ -39,6 +42,9 @@ fn first_piola<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tens
     if let Some(law) = law.isotropic() {
         let points = Points::new(simd, grad_u);
         return points.first_piola(&points.partials(law));
+    }
+    if let Some(law) = law.neo_hookean() {
+        return law.stresses(&Points::new(simd, grad_u));
     }
     let mut values = [[[0.0; MOST]; 3]; 3];
     for l in 0..Lanes::<S>::COUNT {
@@ -64,6 +70,9 @@ fn tangents<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tangent
     if let Some(law) = law.isotropic() {
         let points = Points::new(simd, grad_u);
         return points.tangent(&points.partials(law));
+    }
+    if let Some(law) = law.neo_hookean() {
+        return law.tangents(&Points::new(simd, grad_u));
     }
     let mut tangents = [[Lanes::splat(simd, 0.0); 9]; 9];
     for l in 0..Lanes::<S>::COUNT {
@@ -95,7 +104,7 @@ fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, gra
     if lanes.peek().is_none() {
         return;
     }
-    if law.isotropic().is_some() {
+    if law.isotropic().is_some() || law.neo_hookean().is_some() {
         let f = plus_identity(grad_u, Lanes::splat(simd, 1.0));
         return projection::project_isotropic(tangents, &f, pivots);
     }
