@@ -1,12 +1,27 @@
 //! Second derivatives of the objective of a level.
 
+use std::sync::Arc;
+
+use anyhow::Result;
+use mechanics::forward::Trajectory;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::scenario::{Run, Scenario};
 use super::{Evaluation, Level, Rejected};
 
 /// Motion of the surface by which runs are varied, over its mean edge [1].
 const VARIATION: f64 = 1e-5;
+
+/// Second derivatives of the objective, and the first-order changes of the runs that they are along.
+pub struct Curvature {
+    /// The matrix.
+    pub matrix: DMatrix<f64>,
+    /// How far each variable was varied.
+    sizes: Vec<f64>,
+    /// States of each scenario with each variable varied.
+    states: Vec<Vec<Arc<Trajectory>>>,
+}
 
 impl Level {
     /// Curvature of the objective along first-order changes of the runs with θ, where the level is linearised. None
@@ -18,25 +33,49 @@ impl Level {
         &mut self,
         theta: &[f64],
         at: &Evaluation,
-    ) -> Result<Option<DMatrix<f64>>, Rejected> {
+    ) -> Result<Option<Curvature>, Rejected> {
         let sizes = self.variations(theta);
         let varied: Vec<Vec<f64>> = (0..theta.len()).map(|i| moved(theta, i, sizes[i])).collect();
         let shapes: Vec<_> = varied.par_iter().map(|theta| self.map.shape(theta)).collect();
         let objectives: Vec<f64> = at.runs.iter().map(|run| run.objective).collect();
         let by = self.robust.derivatives(&objectives);
         let mut sum = DMatrix::zeros(theta.len(), theta.len());
+        let mut states = Vec::new();
         let Self { map, scenarios, .. } = self;
         for ((scenario, run), by) in scenarios.iter_mut().zip(&at.runs).zip(by) {
             let vary = |(theta, shape): (&Vec<f64>, &Vec<_>)| {
                 scenario.varied(map.load_variables(theta), shape)
             };
             let varied: Vec<_> = varied.iter().zip(&shapes).map(vary).collect::<Result<_, _>>()?;
-            let Some(curvature) = scenario.curvature(run, &varied) else { return Ok(None) };
-            sum += by * curvature;
+            let Some((matrix, of)) = scenario.curvature(run, &varied) else { return Ok(None) };
+            sum += by * matrix;
+            states.push(of);
         }
-        Ok(Some(DMatrix::from_fn(theta.len(), theta.len(), |i, j| {
-            sum[(i, j)] / (sizes[i] * sizes[j])
-        })))
+        let matrix =
+            DMatrix::from_fn(theta.len(), theta.len(), |i, j| sum[(i, j)] / (sizes[i] * sizes[j]));
+        Ok(Some(Curvature { matrix, sizes, states }))
+    }
+
+    /// The runs after a step d from an evaluation, to first order.
+    ///
+    /// # Errors
+    /// When a scenario does not admit the loads.
+    pub fn foreseen(
+        &self,
+        theta: &[f64],
+        d: &[f64],
+        at: &Evaluation,
+        curvature: &Curvature,
+    ) -> Result<Vec<Arc<Trajectory>>> {
+        let there: Vec<f64> = theta.iter().zip(d).map(|(t, d)| t + d).collect();
+        let (shape, loads) = (self.map.shape(&there), self.map.load_variables(&there));
+        let parts: Vec<f64> = d.iter().zip(&curvature.sizes).map(|(d, size)| d / size).collect();
+        let one = |((scenario, run), states): ((&Scenario, &Run), &Vec<Arc<Trajectory>>)| {
+            let neighbours: Vec<_> =
+                parts.iter().copied().zip(states.iter().map(|s| &**s)).collect();
+            scenario.foreseen(run, &neighbours, loads, &shape).map(Arc::new)
+        };
+        self.scenarios.iter().zip(&at.runs).zip(&curvature.states).map(one).collect()
     }
 
     /// Mean square of the motion of the moving surface as a quadratic form in a step from θ; the variables of loads

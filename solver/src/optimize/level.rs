@@ -52,6 +52,8 @@ pub enum Start<'a> {
     Next(&'a [Vec<f64>]),
     /// From rest through time, next to the runs of another evaluation.
     Guided(&'a [Run]),
+    /// From rest through time, next to runs that were foreseen.
+    Foreseen(&'a [Arc<Trajectory>]),
     /// Next to runs that were carried over from another mesh.
     Carried(&'a [Arc<Trajectory>]),
 }
@@ -62,6 +64,7 @@ impl<'a> Start<'a> {
             Self::Rest => Near::Rest,
             Self::Next(displacements) => Near::Displacement(&displacements[scenario]),
             Self::Guided(runs) => Near::Run(&runs[scenario].states),
+            Self::Foreseen(runs) => Near::Run(&runs[scenario]),
             Self::Carried(runs) => Near::Carried(&runs[scenario]),
         }
     }

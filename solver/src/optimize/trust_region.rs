@@ -19,6 +19,8 @@ const LEAST_CURVATURE: f64 = 1e-8;
 const USED: f64 = 0.8;
 /// The first λ over the mean curvature.
 const LEAST_SHIFT: f64 = 1e-8;
+/// Part of the decrease of a step that a shorter one has to keep.
+const NEARLY_ALL: f64 = 0.999;
 /// Most values of λ that are tried.
 const SHIFTS: usize = 60;
 /// Agreement with a decrease above which a region grows, ...
@@ -111,10 +113,11 @@ impl TrustRegion {
         let hessian = self.matrix();
         let at = |shift: f64| minimum(&(&hessian + shift * metric), gradient, bounds);
         let free = at(0.0);
+        let mut high = LEAST_SHIFT * hessian.trace() / metric.trace();
         if motion(&free) <= radius {
-            return free;
+            return self.shortest(gradient, free, high, at);
         }
-        let (mut low, mut high) = (0.0, LEAST_SHIFT * hessian.trace() / metric.trace());
+        let mut low = 0.0;
         let mut step = at(high);
         let mut shifts = 0;
         while motion(&step) > radius && shifts < SHIFTS {
@@ -130,6 +133,26 @@ impl TrustRegion {
                 (high, step) = (middle, tried);
             }
             shifts += 1;
+        }
+        self.shortest(gradient, step, 10.0 * high, at)
+    }
+
+    /// The step of the largest λ, from one on, that gains nearly as much as a step. What is beyond it
+    /// gains nothing: with more variables than targets it would move far along directions that no target sees.
+    fn shortest(
+        &self,
+        gradient: &[f64],
+        mut step: Vec<f64>,
+        mut shift: f64,
+        at: impl Fn(f64) -> Vec<f64>,
+    ) -> Vec<f64> {
+        let enough = NEARLY_ALL * self.change(gradient, &step);
+        for _ in 0..SHIFTS {
+            let shorter = at(shift);
+            if self.change(gradient, &shorter) > enough {
+                break;
+            }
+            (step, shift) = (shorter, 10.0 * shift);
         }
         step
     }
@@ -235,6 +258,18 @@ mod tests {
         let d = region.step(&gradient, &bounds, &DMatrix::identity(2, 2), 10.0, largest);
         // with d₀ = −1/4 held: 101 d₁ = 2 + 99/4
         assert!((d[0] + 0.25).abs() < 1e-12 && (d[1] - 26.75 / 101.0).abs() < 1e-12, "{d:?}");
+    }
+
+    /// Both variables do the same for the one target, each in a motion of its own.
+    #[test]
+    fn of_steps_that_gain_the_same_the_shortest_is_taken() {
+        let mut region = TrustRegion::default();
+        region.renew(&DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]));
+        // besides a slope that the curvature does not know
+        let gradient = [1.0 + 1e-6, 1.0 - 1e-6];
+        let d = region.step(&gradient, &[OPEN; 2], &DMatrix::identity(2, 2), 1e3, largest);
+        assert!((d[0] + 0.5).abs() < 0.02 && (d[1] + 0.5).abs() < 0.02, "{d:?}");
+        assert!(region.change(&gradient, &d) < -0.499);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 mod begin;
 mod say;
+mod trial;
 mod trust_region_step;
 
 use std::path::PathBuf;
@@ -20,13 +21,14 @@ use scene::config::{DesignConfig, OptimizerConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
 use self::say::{say_gain, time_left, variables};
+use self::trial::{ahead, lower};
 use super::checkpoint::Checkpoint;
 use super::history::{History, handles, probes, scenarios, spread};
 use super::molding::{self, Molding};
 use super::remesh::write_bodies;
 use super::shares;
 use super::trial_step::{projected_norm, trial_step};
-use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Run, Start};
+use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Start};
 use crate::report::failure::Diagnosis;
 use crate::report::results;
 
@@ -34,8 +36,8 @@ use crate::report::results;
 const MEMORY: usize = 6;
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
-/// Halvings of a step before the level ends.
-const HALVINGS: usize = 10;
+/// Trials of a step before the level ends.
+const TRIALS: usize = 10;
 /// Trials that flat elements may cost in an iteration before the body is re-meshed.
 const FLAT_TRIALS: usize = 2;
 /// Name of the mesh of the shape that was accepted last, while a design is not finished.
@@ -292,16 +294,16 @@ impl Cascade<'_> {
         let mut forward_s = clock.elapsed().as_secs_f64();
         let mut alpha = 1.0;
         let (mut reason, mut flat) = (String::new(), 0);
-        for trials in 1..=HALVINGS {
+        for trials in 1..=TRIALS {
             let theta = at(alpha);
             let start = ahead(current, predicted.as_deref(), alpha);
             let wanted = checkpoint.objective + ARMIJO * alpha * slope;
             let clock = Instant::now();
-            let outcome = lower(level, &theta, current, &start, wanted);
+            let outcome = lower(level, &theta, level.near(current, &start), wanted);
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
             let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
-            match with_gradient {
+            let refused = match with_gradient {
                 Ok((gradient, evaluation)) => {
                     let motion = level.map().motion(&checkpoint.theta, &theta);
                     let gradient_s = clock.elapsed().as_secs_f64();
@@ -318,14 +320,14 @@ impl Cascade<'_> {
                         gradient_s,
                     }));
                 }
-                Err(Rejected(why)) => reason = why,
-            }
+                Err(refused) => refused,
+            };
             flat += usize::from(level.is_flat(&theta));
-            log::info!("trial {trials} rejected: {reason}");
-            alpha *= 0.5;
+            log::info!("trial {trials} rejected: {}", refused.reason);
+            alpha *= refused.shorter(checkpoint.objective, alpha * slope);
+            reason = refused.reason;
         }
-        let reason =
-            format!("no step was accepted in {HALVINGS} trials, the last because: {reason}");
+        let reason = format!("no step was accepted in {TRIALS} trials, the last because: {reason}");
         Ok(Err(End { reason, flat: flat >= FLAT_TRIALS }))
     }
 
@@ -459,35 +461,4 @@ impl Cascade<'_> {
         checkpoint.lines = self.history().sha256()?;
         checkpoint.write_with_runs(&self.folder, &runs)
     }
-}
-
-/// The evaluation at θ, next to the current one, if its objective is at most `wanted`, with the
-/// level linearised there.
-fn lower(
-    level: &mut Level,
-    theta: &[f64],
-    current: &Evaluation,
-    predicted: &[Vec<f64>],
-    wanted: f64,
-) -> Result<Evaluation, Rejected> {
-    let evaluation = level.evaluate(theta, level.near(current, predicted))?;
-    // a barrier with a negative weight may be −∞
-    if !(evaluation.objective.is_finite() && evaluation.objective <= wanted) {
-        let reason = format!("objective {:.6e} is not low enough", evaluation.objective);
-        return Err(Rejected(reason));
-    }
-    level.linearize(&evaluation);
-    Ok(evaluation)
-}
-
-/// u + t du of each scenario, or u without a prediction.
-fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>, t: f64) -> Vec<Vec<f64>> {
-    let one = |(i, run): (usize, &Run)| {
-        let u = run.states.last().into_owned();
-        match predicted {
-            None => u,
-            Some(all) => u.iter().zip(&all[i]).map(|(u, d)| u + t * d).collect(),
-        }
-    };
-    at.runs.iter().enumerate().map(one).collect()
 }

@@ -3,11 +3,13 @@
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
-use mechanics::math::linear::norm;
+use mechanics::math::linear::{dot, norm};
 use scene::config::OptimizerConfig;
 
-use super::{ARMIJO, Cascade, End, FLAT_TRIALS, HALVINGS, Step, ahead, lower};
+use super::{ARMIJO, Cascade, End, FLAT_TRIALS, Step, TRIALS, ahead, lower};
 use crate::optimize::checkpoint::Checkpoint;
+use crate::optimize::curvature::Curvature;
+use crate::optimize::level::Start;
 use crate::optimize::trust_region::TrustRegion;
 use crate::optimize::{Evaluation, Level, Rejected};
 
@@ -17,8 +19,6 @@ const VARIABLES_PER_STEP: usize = 16;
 const MOST_VARIABLES: usize = 400;
 /// Radii that are tried until a rest shape is valid.
 const RADII: usize = 12;
-/// Radius after a rejected trial, over its motion.
-const AFTER_REJECTION: f64 = 0.4;
 
 /// A step that the model proposes, with a valid rest shape.
 struct Proposal {
@@ -47,12 +47,13 @@ impl Cascade<'_> {
         if region.is_empty() {
             region.radius = region.radius.max(optimizer.first_step * edge);
         }
-        if let Err(Rejected(why)) = renew(&mut region, level, &theta, current) {
-            return Ok(Err(End { reason: why, flat: false }));
-        }
+        let curvature = match renew(&mut region, level, &theta, current) {
+            Ok(curvature) => curvature,
+            Err(Rejected(why)) => return Ok(Err(End { reason: why, flat: false })),
+        };
         let mut forward_s = clock.elapsed().as_secs_f64();
         let (mut reason, mut flat) = (String::new(), 0);
-        for trials in 1..=HALVINGS {
+        for trials in 1..=TRIALS {
             let clock = Instant::now();
             let proposal = propose(level, &region, &theta, &gradient);
             let Proposal { d, motion, .. } = proposal;
@@ -62,13 +63,21 @@ impl Cascade<'_> {
                 return Ok(Err(End::because("no step within the bounds decreases the model")));
             }
             let there = moved(&theta, &d);
-            let predicted = level.predict(&there, current);
-            let start = ahead(current, predicted.as_deref(), 1.0);
             let wanted = checkpoint.objective + ARMIJO * change;
-            let outcome = lower(level, &there, current, &start, wanted);
+            let outcome = match curvature.as_ref().filter(|_| level.is_transient()) {
+                Some(curvature) => {
+                    let foreseen = level.foreseen(&theta, &d, current, curvature)?;
+                    lower(level, &there, Start::Foreseen(&foreseen), wanted)
+                }
+                None => {
+                    let predicted = level.predict(&there, current);
+                    let start = ahead(current, predicted.as_deref(), 1.0);
+                    lower(level, &there, level.near(current, &start), wanted)
+                }
+            };
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
-            match outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e))) {
+            let refused = match outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e))) {
                 Ok((new, evaluation)) => {
                     let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
                     region.judge((evaluation.objective - checkpoint.objective) / change, motion);
@@ -88,13 +97,13 @@ impl Cascade<'_> {
                         gradient_s: clock.elapsed().as_secs_f64(),
                     }));
                 }
-                Err(Rejected(why)) => reason = why,
-            }
-            log::info!("trial {trials} rejected: {reason}");
-            region.radius = AFTER_REJECTION * motion;
+                Err(refused) => refused,
+            };
+            log::info!("trial {trials} rejected: {}", refused.reason);
+            region.radius = motion * refused.shorter(checkpoint.objective, dot(&gradient, &d));
+            reason = refused.reason;
         }
-        let reason =
-            format!("no step was accepted in {HALVINGS} trials, the last because: {reason}");
+        let reason = format!("no step was accepted in {TRIALS} trials, the last because: {reason}");
         Ok(Err(End { reason, flat: flat >= FLAT_TRIALS }))
     }
 }
@@ -110,25 +119,26 @@ pub(super) fn check_variables(level: &Level) -> Result<()> {
     Ok(())
 }
 
-/// Computes the curvature of the objective, where the model has none or an old one.
+/// The curvature of the objective, where the model has none or an old one.
 fn renew(
     region: &mut TrustRegion,
     level: &mut Level,
     theta: &[f64],
     current: &Evaluation,
-) -> Result<(), Rejected> {
+) -> Result<Option<Curvature>, Rejected> {
     if region.is_good_for(theta.len() / VARIABLES_PER_STEP) {
-        return Ok(());
+        return Ok(None);
     }
-    match level.curvature(theta, current)? {
-        Some(curvature) => region.renew(&curvature),
+    let curvature = level.curvature(theta, current)?;
+    match &curvature {
+        Some(curvature) => region.renew(&curvature.matrix),
         None if region.is_empty() => {
             let why = "the tangent of the start cannot be factored: it gives way there";
             return Err(Rejected(why.to_owned()));
         }
         None => log::debug!("the curvature of before is kept, as the tangent cannot be factored"),
     }
-    Ok(())
+    Ok(curvature)
 }
 
 /// The step of the model within the region, which shrinks until the rest shape is valid.

@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
+use anyhow::Result;
 use measure::quantity::Partials;
-use mechanics::forward::{Varied, neighbours};
+use mechanics::forward::{Trajectory, Varied, neighbours};
 use mechanics::math::linear::dot;
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::terms::{Forces, add_partials};
 use super::{Rejected, Run, Scenario};
+
+/// Numbers of a vector in a piece.
+const PIECE: usize = 1024;
 
 impl Scenario {
     /// A small change of the designed shape and of the variables of the loads.
@@ -20,9 +25,13 @@ impl Scenario {
     }
 
     /// dᵢᵀ ∇²J dⱼ of each two first-order changes d of what the terms of the objective J look at, from a run to its
-    /// neighbours. It is the matrix of Gauss and Newton, with the curvature of the terms themselves. None where the
-    /// run has no usable tangent.
-    pub fn curvature(&mut self, run: &Run, varied: &[Varied]) -> Option<DMatrix<f64>> {
+    /// neighbours. It is the matrix of Gauss and Newton, with the curvature of the terms themselves. The states of the
+    /// neighbours come with it. None where the run has no usable tangent.
+    pub fn curvature(
+        &mut self,
+        run: &Run,
+        varied: &[Varied],
+    ) -> Option<(DMatrix<f64>, Vec<Arc<Trajectory>>)> {
         let linearization = run.linearized(self.linearization.as_ref());
         let of = (&run.rest[..], &*run.states);
         let begin = (&self.start, self.state_memory / varied.len() as f64);
@@ -40,14 +49,42 @@ impl Scenario {
                 continue;
             }
             let (here, slope) = self.seen(run, n);
-            let seen: Vec<_> = all.iter().map(|run| self.seen(run, n)).collect();
-            let changes: Vec<_> = seen.iter().map(|(there, _)| difference(there, &here)).collect();
-            for (i, (_, there)) in seen.iter().enumerate() {
-                let bend = difference(there, &slope);
-                changes.iter().enumerate().for_each(|(j, d)| curvature[(i, j)] += dot(&bend, d));
+            let (mut changes, mut bends) = (Vec::new(), Vec::new());
+            for other in &all {
+                let (there, other_slope) = self.seen(other, n);
+                changes.push(difference(there, &here));
+                bends.push(difference(other_slope, &slope));
             }
+            curvature += products(&bends, &changes);
         }
-        Some(0.5 * (&curvature + curvature.transpose()))
+        let states = all.into_iter().map(|run| run.states).collect();
+        Some((0.5 * (&curvature + curvature.transpose()), states))
+    }
+
+    /// The run at other loads and another shape, foreseen by the states of neighbours: for each of them, with how much
+    /// of its difference from the run is added.
+    ///
+    /// # Errors
+    /// When the scene does not admit the loads.
+    pub fn foreseen(
+        &self,
+        run: &Run,
+        neighbours: &[(f64, &Trajectory)],
+        loads: &[f64],
+        designed: &[mesh::Vec3],
+    ) -> Result<Trajectory> {
+        let displacement = |n: usize| {
+            let here = run.states.state(n);
+            let mut u = here.u.clone();
+            for (part, states) in neighbours {
+                let there = states.state(n);
+                let pairs = u.iter_mut().zip(&here.u).zip(&there.u);
+                pairs.for_each(|((u, here), there)| *u += part * (there - here));
+            }
+            u
+        };
+        let all = (1..=run.states.steps()).map(|n| (run.states.times[n], Ok(displacement(n))));
+        self.states::<anyhow::Error>(loads, designed, all)
     }
 
     /// What terms look at in a moment of a run, (u, X, f, r) one after the other, and their derivatives by it.
@@ -66,6 +103,21 @@ impl Scenario {
     }
 }
 
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
+/// a − b.
+fn difference(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
+    a
+}
+
+/// aᵢ · bⱼ, by pieces of all vectors that stay in the cache.
+fn products(a: &[Vec<f64>], b: &[Vec<f64>]) -> DMatrix<f64> {
+    let length = a.first().map_or(0, Vec::len);
+    let starts: Vec<usize> = (0..length).step_by(PIECE).collect();
+    let of_piece = |&start: &usize| {
+        let piece = start..length.min(start + PIECE);
+        DMatrix::from_fn(a.len(), b.len(), |i, j| dot(&a[i][piece.clone()], &b[j][piece.clone()]))
+    };
+    // a constant order of the sums gives the same bits for any number of threads
+    let parts: Vec<DMatrix<f64>> = starts.par_iter().map(of_piece).collect();
+    parts.into_iter().fold(DMatrix::zeros(a.len(), b.len()), |sum, part| sum + part)
 }

@@ -1,0 +1,80 @@
+//! A trial of a step, and how the next one follows from one that was not taken.
+
+use crate::optimize::level::Start;
+use crate::optimize::{Evaluation, Level, Rejected, Run};
+
+/// Length of a trial over that of the one before, at most ...
+const LONGEST_RETRIAL: f64 = 0.5;
+/// ... and at least.
+const SHORTEST_RETRIAL: f64 = 0.1;
+
+/// The evaluation at θ, if its objective is at most `wanted`, with the level linearised there.
+pub(super) fn lower(
+    level: &mut Level,
+    theta: &[f64],
+    start: Start,
+    wanted: f64,
+) -> Result<Evaluation, Refused> {
+    let evaluation = level.evaluate(theta, start)?;
+    let objective = evaluation.objective;
+    // a barrier with a negative weight may be −∞
+    if !(objective.is_finite() && objective <= wanted) {
+        let reason = format!("objective {objective:.6e} is not low enough");
+        return Err(Refused { reason, objective: Some(objective) });
+    }
+    level.linearize(&evaluation);
+    Ok(evaluation)
+}
+
+/// A trial that was not taken.
+pub(super) struct Refused {
+    /// Why.
+    pub reason: String,
+    /// What it came to, where it had a value.
+    objective: Option<f64>,
+}
+
+impl From<Rejected> for Refused {
+    fn from(Rejected(reason): Rejected) -> Self {
+        Self { reason, objective: None }
+    }
+}
+
+impl Refused {
+    /// Length of the next trial over that of this one, along which the objective had a slope at its start: where a
+    /// parabola through what is known has its minimum, or a half (Nocedal and Wright, section 3.5).
+    pub fn shorter(&self, before: f64, slope: f64) -> f64 {
+        let objective = self.objective.filter(|objective| objective.is_finite());
+        let Some(objective) = objective else { return LONGEST_RETRIAL };
+        let part = -0.5 * slope / (objective - before - slope);
+        part.clamp(SHORTEST_RETRIAL, LONGEST_RETRIAL)
+    }
+}
+
+/// u + t du of each scenario, or u without a prediction.
+pub(super) fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>, t: f64) -> Vec<Vec<f64>> {
+    let one = |(i, run): (usize, &Run)| {
+        let u = run.states.last().into_owned();
+        match predicted {
+            None => u,
+            Some(all) => u.iter().zip(&all[i]).map(|(u, d)| u + t * d).collect(),
+        }
+    };
+    at.runs.iter().enumerate().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// J = −α + 5 α²/2 has its minimum at α = 1/5; after 1 ≤ α, J − J₀ = 3/2.
+    #[test]
+    fn the_next_trial_is_where_the_parabola_has_its_minimum() {
+        let refused = |objective| Refused { reason: String::new(), objective };
+        assert!((refused(Some(8.5)).shorter(7.0, -1.0) - 0.2).abs() < 1e-15);
+        assert_eq!(refused(Some(1e9)).shorter(7.0, -1.0), SHORTEST_RETRIAL);
+        for without_a_minimum in [None, Some(f64::NAN), Some(f64::NEG_INFINITY), Some(7.0)] {
+            assert_eq!(refused(without_a_minimum).shorter(7.0, -1.0), LONGEST_RETRIAL);
+        }
+    }
+}
