@@ -22,7 +22,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 
 use super::Iterate;
-use super::elements::{Element, corner_gradients};
+use super::elements::{Element, corner_gradients, points};
 use crate::element::{FunctionSpace, at};
 use crate::material::{Kinematics, Material, Split};
 use crate::math::tensor::{Mat3, cofactor_change, vec9};
@@ -105,7 +105,7 @@ impl Elastic {
         // of the mean dilatation: by λ, and by ∇V
         let (mut along, mut by_rest) = (0.0, Mat3::zeros());
         let mut local = [Vec3::zeros(); 4];
-        for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+        for (q, weight) in points::<N>(iterate) {
             let g: [Vec3; N] = element.gradients(iterate.space, q);
             let (grad_u, grad_l) = (field_gradient(&u, &g), field_gradient(&l, &g));
             let k = Kinematics::new(&grad_u);
@@ -116,7 +116,7 @@ impl Elastic {
                 stress += mean.pressure() * k.cofactor;
                 pushed += mean.pressure() * cofactor_change(&k.f, &grad_l);
                 along += weight * k.cofactor.dot(&grad_l);
-                by_rest -= *weight * grad_u.transpose() * k.cofactor;
+                by_rest -= weight * grad_u.transpose() * k.cofactor;
             }
             // V = ψ_j e_k has ∇V = e_k ⊗ ∇ψ_j, so M : ∇V = (M ∇ψ_j)_k
             let m = Mat3::identity() * stress.dot(&grad_l)
@@ -146,7 +146,7 @@ impl Elastic {
             let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
             let ElementLaw { law, dilatation } = self.law_in(iterate, e);
             let mut along = 0.0;
-            for (q, weight) in iterate.space.volume_table().weights.iter().enumerate() {
+            for (q, weight) in points::<N>(iterate) {
                 let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let bar = field_gradient(&l, &g) * (weight * element.volume);
                 let k = Kinematics::new(&field_gradient(&u, &g));
