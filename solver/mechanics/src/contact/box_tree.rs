@@ -4,12 +4,15 @@
 //! Boxes are sorted by the Morton code of their centres (Lauterbach et al. 2009,
 //! "Fast BVH construction on GPUs", doi:10.1111/j.1467-8659.2009.01377.x), and
 //! `FAN` consecutive ones make one box of the level above, until one is left.
-//! The tree has no pointers, so that building it is a sort and a few passes.
+//! The tree has no pointers, so that building it is a sort and a few passes. Queries that follow one another on the
+//! curve are close: what is near all of them is looked up once, and compared with each by vectors.
 
 use std::ops::Range;
 
 use mesh::Vec3;
 use rayon::prelude::*;
+
+use crate::math::lanes::widest;
 
 /// Children of a node.
 const FAN: usize = 4;
@@ -39,7 +42,9 @@ impl Bounds {
         Self { low: self.low - margin, high: self.high + margin }
     }
 
-    fn and(&self, other: &Self) -> Self {
+    /// The smallest box around this one and another.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
@@ -84,11 +89,11 @@ impl BoxTree {
         (self.order[place] as usize, &self.levels[0][place])
     }
 
-    /// Calls `found` with the index of every box at `first` or a later place of
-    /// the curve that meets `query`, until it returns false.
-    pub fn overlaps(&self, query: &Bounds, first: usize, found: &mut impl FnMut(usize) -> bool) {
+    /// Finds the boxes at `first` or a later place of the curve that meet `query`.
+    pub fn look_up(&self, query: &Bounds, first: usize, near: &mut Near) {
+        near.clear();
         let top = self.levels.len() - 1;
-        self.descend(top, 0..self.levels[top].len(), query, first, found);
+        self.descend(top, 0..self.levels[top].len(), query, first, near);
     }
 
     fn descend(
@@ -97,20 +102,79 @@ impl BoxTree {
         nodes: Range<usize>,
         query: &Bounds,
         first: usize,
-        found: &mut impl FnMut(usize) -> bool,
-    ) -> bool {
+        near: &mut Near,
+    ) {
         let width = FAN.pow(level as u32);
-        nodes.into_iter().all(|node| {
-            if (node + 1) * width <= first || !self.levels[level][node].meets(query) {
-                return true;
+        for node in nodes {
+            let bounds = &self.levels[level][node];
+            if (node + 1) * width <= first || !bounds.meets(query) {
+                continue;
             }
             if level == 0 {
-                return found(self.order[node] as usize);
+                near.push(node, bounds);
+            } else {
+                let children = FAN * node..(FAN * (node + 1)).min(self.levels[level - 1].len());
+                self.descend(level - 1, children, query, first, near);
             }
-            let children = FAN * node..(FAN * (node + 1)).min(self.levels[level - 1].len());
-            self.descend(level - 1, children, query, first, found)
-        })
+        }
     }
+}
+
+/// Boxes that were found, by their places on the curve; coordinates side by side.
+#[derive(Default)]
+pub struct Near {
+    places: Vec<usize>,
+    low: [Vec<f64>; 3],
+    high: [Vec<f64>; 3],
+    gaps: Vec<f64>,
+}
+
+impl Near {
+    fn clear(&mut self) {
+        self.places.clear();
+        self.low.iter_mut().chain(&mut self.high).for_each(Vec::clear);
+    }
+
+    fn push(&mut self, place: usize, bounds: &Bounds) {
+        self.places.push(place);
+        for k in 0..3 {
+            self.low[k].push(bounds.low[k]);
+            self.high[k].push(bounds.high[k]);
+        }
+    }
+
+    /// Calls `found` with the place of every one that meets `query`, until it returns false.
+    pub fn meeting(&mut self, query: &Bounds, mut found: impl FnMut(usize) -> bool) {
+        let Self { places, low, high, gaps } = self;
+        gaps.resize(places.len(), 0.0);
+        widest(|| gaps_to(query, low, high, gaps));
+        for (&place, &gap) in places.iter().zip(&*gaps) {
+            if gap <= 0.0 && !found(place) {
+                return;
+            }
+        }
+    }
+}
+
+/// The largest gap between a box and each of others along an axis: negative where they overlap.
+#[inline(always)]
+fn gaps_to(query: &Bounds, low: &[Vec<f64>; 3], high: &[Vec<f64>; 3], gaps: &mut [f64]) {
+    let count = gaps.len();
+    let [lx, ly, lz] = [&low[0][..count], &low[1][..count], &low[2][..count]];
+    let [hx, hy, hz] = [&high[0][..count], &high[1][..count], &high[2][..count]];
+    let (from, to) = (query.low, query.high);
+    for k in 0..count {
+        let x = larger(lx[k] - to.x, from.x - hx[k]);
+        let y = larger(ly[k] - to.y, from.y - hy[k]);
+        let z = larger(lz[k] - to.z, from.z - hz[k]);
+        gaps[k] = larger(larger(x, y), z);
+    }
+}
+
+/// The larger of two numbers, as one instruction has it.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Indices of boxes in the order of the Morton codes of their centres.
@@ -169,18 +233,22 @@ mod tests {
                 .collect();
             let tree = BoxTree::new(&boxes);
             assert_eq!(tree.count(), count);
-            let mut pairs = Vec::new();
+            let (mut pairs, mut near) = (Vec::new(), Near::default());
             for place in 0..count {
                 let (i, query) = tree.at(place);
                 let mut all = Vec::new();
-                tree.overlaps(query, 0, &mut |j| {
-                    all.push(j);
+                tree.look_up(query, 0, &mut near);
+                near.meeting(query, |place| {
+                    all.push(tree.at(place).0);
                     true
                 });
                 all.sort_unstable();
                 let expected: Vec<_> = (0..count).filter(|&j| boxes[i].meets(&boxes[j])).collect();
                 assert_eq!(all, expected);
-                tree.overlaps(query, place + 1, &mut |j| {
+                // looked up for more than is asked
+                tree.look_up(&query.grown(0.1), place + 1, &mut near);
+                near.meeting(query, |place| {
+                    let j = tree.at(place).0;
                     pairs.push((i.min(j), i.max(j)));
                     true
                 });
@@ -199,8 +267,9 @@ mod tests {
     #[test]
     fn a_search_ends_when_its_callback_returns_false() {
         let boxes = [Bounds::around([Vec3::zeros()]); 100];
-        let mut count = 0;
-        BoxTree::new(&boxes).overlaps(&boxes[0], 0, &mut |_| {
+        let (mut count, mut near) = (0, Near::default());
+        BoxTree::new(&boxes).look_up(&boxes[0], 0, &mut near);
+        near.meeting(&boxes[0], |_| {
             count += 1;
             count < 7
         });

@@ -23,7 +23,7 @@ use mesh::bvh::SurfaceBvh;
 use mesh::{Vec3, topology};
 use rayon::prelude::*;
 
-use super::box_tree::{Bounds, BoxTree};
+use super::box_tree::{Bounds, BoxTree, Near};
 use super::distance::Closest;
 use super::pairs::{Features, Pair};
 use crate::parallel::map_merge;
@@ -37,6 +37,9 @@ use crate::parallel::map_merge;
 pub fn budget(features: &Features) -> usize {
     4_000_000 + 20 * (features.vertices.len() + features.edges.len())
 }
+
+/// Queries next to each other on the curve whose surroundings are looked up at once.
+const PACKET: usize = 16;
 
 /// Rounding of positions, in units of the largest coordinate.
 const POSITION_ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -208,21 +211,35 @@ impl<'a> Search<'a> {
         let queries = queries.as_ref().unwrap_or(&tree);
         let mut keys = Vec::new();
         let search = |places: Range<usize>| {
-            let mut keys = Vec::new();
-            for place in places {
-                let (i, query) = queries.at(place);
-                let first = if same { place + 1 } else { 0 };
-                let left = self.budget.saturating_sub(self.seen.load(Ordering::Relaxed));
+            let (mut keys, mut near) = (Vec::new(), Near::default());
+            for start in places.clone().step_by(PACKET) {
+                let before = self.seen.load(Ordering::Relaxed);
+                if before > self.budget {
+                    break;
+                }
+                let left = self.budget - before;
+                let packet: Vec<(usize, Bounds)> = (start..places.end.min(start + PACKET))
+                    .map(|place| queries.at(place))
+                    .map(|(i, query)| (i, query.grown(self.radius)))
+                    .collect();
+                let all = packet.iter().fold(packet[0].1, |all, (_, query)| all.and(query));
+                tree.look_up(&all, if same { start + 1 } else { 0 }, &mut near);
                 let mut seen = 0;
-                tree.overlaps(&query.grown(self.radius), first, &mut |j| {
-                    let (i, j) = if same { (i.min(j), i.max(j)) } else { (i, j) };
-                    let Some(pair) = pair(&a[i], &b[j]) else { return true };
-                    if self.reachable(&pair) {
-                        keys.push((i as u64) << 32 | j as u64);
-                    }
-                    seen += 1;
-                    seen <= left
-                });
+                for (offset, (i, query)) in packet.iter().enumerate() {
+                    near.meeting(query, |place| {
+                        if same && place <= start + offset {
+                            return true;
+                        }
+                        let j = tree.at(place).0;
+                        let (i, j) = if same { (*i.min(&j), *i.max(&j)) } else { (*i, j) };
+                        let Some(pair) = pair(&a[i], &b[j]) else { return true };
+                        if self.reachable(&pair) {
+                            keys.push((i as u64) << 32 | j as u64);
+                        }
+                        seen += 1;
+                        seen <= left
+                    });
+                }
                 self.seen.fetch_add(seen, Ordering::Relaxed);
             }
             keys
