@@ -86,7 +86,7 @@ pub struct OptimizerConfig {
     /// trials cost much and long ones find no equilibrium.
     pub largest_step: f64,
     /// A level ends when the objective falls by less than this fraction in one
-    /// iteration [1].
+    /// iteration, the first of L-BFGS excepted, which goes down the gradient [1].
     pub stagnation: f64,
     /// A level ends when its last two iterations gain less per Newton iteration than this fraction
     /// of what the level gained [1].

@@ -351,7 +351,9 @@ impl Cascade<'_> {
         let fall = (before - step.evaluation.objective) / before.abs();
         // once again right after a new mesh, it is not the mesh
         let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
-        if fall < optimizer.stagnation && !held_back {
+        // down the gradient, before anything is known of the curvature
+        let blind = optimizer.method == OptimizerMethod::LBfgs && checkpoint.iteration == 1;
+        if fall < optimizer.stagnation && !held_back && !blind {
             checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
         }
         let mut progress = checkpoint.progress.clone();
