@@ -1,35 +1,40 @@
 //! How long a run will take, said before it begins.
 //!
-//! T = I (a P m² + f F + s L) / R
+//! T = I (a P m² + f F + s L + c n) / R
 //!
 //! I  Newton iterations, by the kind of the steps ([`Steps`])
 //! P  quadrature points, one of an element of degree 1;  m  nodes of an element
-//! F  operations of a factorisation;  L  entries of the factor
+//! F  operations of a factorisation;  L  entries of the factor;  n  degrees of freedom
 //! R  operations per second of a matrix product in single precision, measured in some
 //!    milliseconds, so that the machine and the number of threads count
 //!
 //! The numbers were fitted to the runs in the chapter "Speed" of the book, where predicted
-//! times stand beside measured ones. A run with few iterations takes half as long, one whose Hessians
-//! are indefinite, or that is cut into many load steps, several times.
+//! times stand beside measured ones. Iterations are what it knows least of: a time step takes 2 to 30 of them.
 
 use super::{Problem, Workspace};
 use crate::math::linear::product_speed;
 
-/// Newton iterations to the first load of a static scene, and of a time step without inertia.
-const STATIC: f64 = 9.0;
-/// Newton iterations of a further load step. Frog and beam take 2 to 4, yet each takes longer: the frog in ten
-/// load steps takes 8.5 s, and 9 s are predicted so.
-const LOAD_STEP: f64 = 5.0;
+/// Newton iterations to the first load of a static scene.
+const STATIC: f64 = 11.0;
+/// Newton iterations of a further load step. Frog and beam take 2 to 4.
+const LOAD_STEP: f64 = 4.0;
+/// Newton iterations of a time step without inertia.
+const QUASISTATIC_STEP: f64 = 9.0;
 /// Newton iterations of a time step without contact.
 const STEP: f64 = 4.0;
 /// Newton iterations of a time step with contact.
-const CONTACT_STEP: f64 = 7.0;
+const CONTACT_STEP: f64 = 9.0;
 /// Operations at a quadrature point for each pair of nodes: a. It is that of degree 2; other degrees take 1500.
 const ASSEMBLY: f64 = 1100.0;
 /// Share of the operations of a factorisation in an iteration: f.
 const FACTORIZATIONS: f64 = 0.75;
 /// Operations for each entry of the factor in the solves of an iteration: s.
 const SOLVES: f64 = 560.0;
+
+/// Operations for each degree of freedom in all else, such as trials of a step: c.
+const OTHERS: f64 = 6.5e5;
+/// The same for contact and collision, beside c.
+const CONTACT: f64 = 2e5;
 
 /// The steps of a run, and how many.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +52,7 @@ pub enum Steps {
 pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) -> f64 {
     let iterations = match steps {
         Steps::Load(count) => STATIC + LOAD_STEP * count.saturating_sub(1) as f64,
-        Steps::Quasistatic(count) => STATIC * count as f64,
+        Steps::Quasistatic(count) => QUASISTATIC_STEP * count as f64,
         Steps::Dynamic(count) if problem.energies.contact.is_some() => CONTACT_STEP * count as f64,
         Steps::Dynamic(count) => STEP * count as f64,
     };
@@ -57,9 +62,11 @@ pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) ->
     let points = space.tets().len() * each;
     let pairs = space.nodes_per_element().pow(2);
     let factor = workspace.linear().cost();
+    let others = if problem.energies.contact.is_some() { OTHERS + CONTACT } else { OTHERS };
     let work = ASSEMBLY * (points * pairs) as f64
         + FACTORIZATIONS * factor.flops
-        + SOLVES * factor.entries as f64;
+        + SOLVES * factor.entries as f64
+        + others * problem.dofs() as f64;
     iterations * work / product_speed()
 }
 

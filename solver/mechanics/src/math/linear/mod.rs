@@ -162,7 +162,8 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<Factorization, NotPositive> {
         let (factor, precision) = self.cholesky(&matrix.lower, precision)?;
-        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision)))
+        let cost = self.cost();
+        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision), &cost))
     }
 
     /// L Lᵀ, and the precision that it has.
@@ -232,7 +233,8 @@ impl SparseSolver {
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
     ) -> &Factorization {
-        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive))
+        let cost = self.cost();
+        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive, &cost))
     }
 
     /// Forgets the factorisation; the symbolic part and the memory stay.
