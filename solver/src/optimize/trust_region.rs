@@ -21,6 +21,8 @@ const USED: f64 = 0.8;
 const LEAST_SHIFT: f64 = 1e-8;
 /// Part of the decrease of a step that a shorter one has to keep.
 const NEARLY_ALL: f64 = 0.999;
+/// Motion of a step that is taken for being shorter, over that of the other.
+const MUCH_SHORTER: f64 = 0.9;
 /// Most values of λ that are tried.
 const SHIFTS: usize = 60;
 /// Agreement with a decrease above which a region grows, ...
@@ -115,7 +117,7 @@ impl TrustRegion {
         let free = at(0.0);
         let mut high = LEAST_SHIFT * hessian.trace() / metric.trace();
         if motion(&free) <= radius {
-            return self.shortest(gradient, free, high, at);
+            return self.shorter(gradient, free, high, at, motion);
         }
         let mut low = 0.0;
         let mut step = at(high);
@@ -134,27 +136,28 @@ impl TrustRegion {
             }
             shifts += 1;
         }
-        self.shortest(gradient, step, 10.0 * high, at)
+        self.shorter(gradient, step, 10.0 * high, at, motion)
     }
 
-    /// The step of the largest λ, from one on, that gains nearly as much as a step. What is beyond it
-    /// gains nothing: with more variables than targets it would move far along directions that no target sees.
-    fn shortest(
+    /// Another step that gains nearly as much as this one and is much shorter, of the largest λ from one on; else
+    /// this one. With more variables than targets a step may move far along directions that no target sees.
+    fn shorter(
         &self,
         gradient: &[f64],
-        mut step: Vec<f64>,
+        step: Vec<f64>,
         mut shift: f64,
         at: impl Fn(f64) -> Vec<f64>,
+        motion: impl Fn(&[f64]) -> f64,
     ) -> Vec<f64> {
         let enough = NEARLY_ALL * self.change(gradient, &step);
-        for _ in 0..SHIFTS {
-            let shorter = at(shift);
-            if self.change(gradient, &shorter) > enough {
-                break;
-            }
-            (step, shift) = (shorter, 10.0 * shift);
+        let mut shortest = at(shift);
+        let mut shifts = 0;
+        while self.change(gradient, &at(10.0 * shift)) <= enough && shifts < SHIFTS {
+            (shift, shifts) = (10.0 * shift, shifts + 1);
+            shortest = at(shift);
         }
-        step
+        let gains = self.change(gradient, &shortest) <= enough;
+        if gains && motion(&shortest) < MUCH_SHORTER * motion(&step) { shortest } else { step }
     }
 
     /// Takes in an accepted step s and the change y of the gradient along it.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::conjugate_gradients::{Gradients, Outcome, Stop, conjugate_gradients};
-use super::direct::{Cost, Factor, Pivot, Precision};
+use super::direct::{Factor, Pivot, Precision};
 use super::matrix::{Symmetric, Triangle, dot, norm};
 use super::rows::{Row, SYSTEMS};
 use super::several::{one_of, side_by_side, solve_several};
@@ -25,13 +25,11 @@ const SMALLEST_RESIDUAL: f64 = 1e-14;
 /// Refinement steps of a solution, at most.
 const REFINEMENTS: usize = 40;
 
-/// Operations of a factorisation for each entry of its factor that take as long as one step of conjugate gradients. The
-/// gripper has 1100 of them and is factored at 260 GFLOP/s and solved at 33 GB/s, so that its factorisation takes as long
-/// as 15 steps. Its static solve took 11.6, 10.3, 10.5 and 11.6 s of processor time with 12, 15, 18 and 24.
-const OPERATIONS_OF_STEP: f64 = 73.0;
-
-/// Fewest and most steps with the factor of another matrix.
-const NEAR_STEPS: std::ops::RangeInclusive<usize> = 5..=15;
+/// Conjugate-gradient steps with the factor of another matrix that cost less than a factor of its own: the gripper is
+/// factored at 260 GFLOP/s and solved at 33 GB/s, so that a factorisation takes as long as 15 steps. Its static solve
+/// took 11.6, 10.3, 10.5 and 11.6 s of processor time with 12, 15, 18 and 24. Fewer steps for smaller bodies, by their
+/// operations, left forces less balanced: Newton's method stagnated where blocks rest on each other.
+const NEAR_STEPS: usize = 15;
 
 /// Right sides that are solved one after the other.
 const FEW_SIDES: usize = 3;
@@ -44,8 +42,6 @@ pub struct Factorization {
     /// The precision of L Lᵀ; none of the factor of a matrix that is not positive definite.
     pub(super) positive: Option<Precision>,
     dense: Option<Dense>,
-    /// Conjugate-gradient steps that cost less than another factorisation.
-    near_steps: usize,
 }
 
 /// What the formula of Woodbury needs besides the factor of A.
@@ -59,18 +55,15 @@ struct Dense {
 }
 
 impl Factorization {
-    /// A matrix with the factor of its sparse part, which took that.
+    /// A matrix with the factor of its sparse part.
     pub(super) fn new(
         pattern: &Arc<Triangle>,
         matrix: Symmetric,
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
-        cost: &Cost,
     ) -> Self {
         let dense = dense(&*factor, &matrix.updates);
-        let steps = cost.flops / (OPERATIONS_OF_STEP * cost.entries as f64);
-        let near_steps = (steps as usize).clamp(*NEAR_STEPS.start(), *NEAR_STEPS.end());
-        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense, near_steps }
+        Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense }
     }
 
     /// The matrix; the factor is gone.
@@ -165,7 +158,7 @@ impl Factorization {
         if !self.is_positive() {
             return Outcome::Inaccurate;
         }
-        let stop = Stop { tolerance, steps: self.near_steps, near: true };
+        let stop = Stop { tolerance, steps: NEAR_STEPS, near: true };
         self.gradients(matrix, b, &stop).outcome(tolerance)
     }
 

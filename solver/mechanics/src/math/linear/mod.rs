@@ -162,8 +162,7 @@ impl SparseSolver {
         precision: Precision,
     ) -> Result<Factorization, NotPositive> {
         let (factor, precision) = self.cholesky(&matrix.lower, precision)?;
-        let cost = self.cost();
-        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision), &cost))
+        Ok(Factorization::new(&self.pattern, matrix, factor, Some(precision)))
     }
 
     /// L Lᵀ, and the precision that it has.
@@ -233,8 +232,7 @@ impl SparseSolver {
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
     ) -> &Factorization {
-        let cost = self.cost();
-        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive, &cost))
+        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive))
     }
 
     /// Forgets the factorisation; the symbolic part and the memory stay.
