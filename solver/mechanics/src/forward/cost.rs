@@ -33,7 +33,7 @@ const SOLVES: f64 = 560.0;
 
 /// Operations for each degree of freedom in all else, such as trials of a step: c.
 const OTHERS: f64 = 6.5e5;
-/// The same for contact and collision, beside c.
+/// Operations for each degree of freedom in contact and collision, which are added to c.
 const CONTACT: f64 = 2e5;
 
 /// The steps of a run, and how many.

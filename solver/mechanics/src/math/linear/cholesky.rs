@@ -139,9 +139,7 @@ impl Tree {
         let position = self.position.par_iter().with_min_len(PIECE);
         x.par_iter_mut().zip(position).for_each(|(x, &at)| *x = scale * y[at as usize].widen());
     }
-}
 
-impl Tree {
     /// X ← A⁻¹ X of several systems, each scaled as [`Self::apply_inverse`] has it.
     fn apply_inverse_all<T: Scalar>(&self, values: &[T], x: &mut [Row<f64>], scale: Row<f64>) {
         let least = PIECE / SYSTEMS;
