@@ -49,7 +49,8 @@ fn main() -> ExitCode {
     };
     program::run("solver", program.verbosity, || {
         let threads = program.threads.map_or(0, usize::from); // 0 for all cores
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        // this thread is one of them: it need not wake another one for each piece of work
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread();
         pool.build_global().context("threads cannot be started")?;
         program.verb.run()
     })

@@ -9,7 +9,9 @@ use anyhow::{Context, Result};
 use measure::probe::{Probe, measure};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::energy::Iterate;
-use mechanics::forward::{Event, LoadStep, Problem, Trajectory, Watch, Workspace, predicted_time};
+use mechanics::forward::{
+    Event, Linearizations, LoadStep, Problem, Trajectory, Watch, Workspace, predicted_time,
+};
 use mesh::io::vtu;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use program::FolderLock;
@@ -384,10 +386,16 @@ impl Run {
         let swept = py.detach(|| {
             let mut workspace = self.workspace.lock().unwrap_or_else(PoisonError::into_inner);
             let on = (&self.scene.body.mesh.vertices[..], &self.trajectory);
-            adjoint::sweep(&self.problem, &mut workspace, on, None, |_, moment, out| {
-                let own = by_u[moment].iter().flatten();
-                out.by_u.iter_mut().zip(own).for_each(|(to, by)| *to += by);
-            })
+            adjoint::sweep(
+                &self.problem,
+                &mut workspace,
+                on,
+                &Linearizations::default(),
+                |_, moment, out| {
+                    let own = by_u[moment].iter().flatten();
+                    out.by_u.iter_mut().zip(own).for_each(|(to, by)| *to += by);
+                },
+            )
         });
         let swept = swept.map_err(|error| NoEquilibrium::new_err(error.to_string()))?;
         self.derivatives(py, &swept, &names)

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use mechanics::adjoint::Gradient;
+use mechanics::adjoint::{Gradient, Wanted};
 use mechanics::body::Body;
 use mechanics::forward::Trajectory;
 use mechanics::math::linear::sum;
@@ -338,7 +338,9 @@ impl Level {
     /// # Errors
     /// When the adjoint system has no accurate solution.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
-        let swept = self.sweep(at, None)?;
+        let shape = self.map.shape_variables() > 0;
+        let wanted = if shape { Wanted::All } else { Wanted::Numbers };
+        let swept = self.sweep_for(at, wanted, None)?;
         Ok(self.vjp(theta, &swept))
     }
 
@@ -349,6 +351,15 @@ impl Level {
     /// # Errors
     /// When an adjoint system has no accurate solution.
     pub fn sweep(&mut self, at: &Evaluation, of: Option<&str>) -> Result<Vec<Gradient>, Rejected> {
+        self.sweep_for(at, Wanted::All, of)
+    }
+
+    fn sweep_for(
+        &mut self,
+        at: &Evaluation,
+        wanted: Wanted,
+        of: Option<&str>,
+    ) -> Result<Vec<Gradient>, Rejected> {
         let objectives: Vec<f64> = at.runs.iter().map(|run| run.objective).collect();
         let (by, means) = (self.robust.derivatives(&objectives), self.robust.weights().to_vec());
         let body = self.body.clone();
@@ -358,7 +369,7 @@ impl Level {
                 Some(EXCESS) => (None, by[i] - means[i]),
                 Some(_) => (of, means[i]),
             };
-            scenario.sweep(&at.runs[i], &at.rest, &body, of, factor)
+            scenario.sweep(&at.runs[i], &at.rest, &body, wanted, (of, factor))
         })
     }
 

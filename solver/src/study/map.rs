@@ -9,7 +9,7 @@ use anyhow::{Result, ensure};
 use measure::probe::Probe;
 use mechanics::adjoint;
 use mechanics::energy::Iterate;
-use mechanics::forward::{Problem, TimeStepper, Trajectory, Workspace};
+use mechanics::forward::{Linearizations, Problem, TimeStepper, Trajectory, Workspace};
 use nalgebra::Matrix6;
 use scene::Scene;
 
@@ -214,6 +214,7 @@ impl<'a> Map<'a> {
         let step = run.step(problem, rest, 1);
         let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, 1.0) };
         let (linearization, stiffness) = pose.stiffness(problem, workspace, &at)?;
+        let known = Linearizations::at_step(1, linearization);
         values.extend(pose.position.iter().chain(pose.rotation.iter()));
         for row in pose.by_displacement() {
             let partials = |_: &_, moment: usize, out: &mut adjoint::Partials| {
@@ -221,8 +222,7 @@ impl<'a> Map<'a> {
                     out.by_u.iter_mut().zip(&row).for_each(|(u, by)| *u += by);
                 }
             };
-            let swept =
-                adjoint::sweep(problem, workspace, (rest, run), Some(&linearization), partials)?;
+            let swept = adjoint::sweep(problem, workspace, (rest, run), &known, partials)?;
             by.extend(slopes(&swept));
         }
         values.extend(by);

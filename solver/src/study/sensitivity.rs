@@ -6,7 +6,7 @@ use measure::probe::Probe;
 use measure::quantity::{Equilibrium, Partials};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::energy::Iterate;
-use mechanics::forward::{Problem, Trajectory, Workspace, solve_multipliers};
+use mechanics::forward::{Linearizations, Problem, Trajectory, Workspace, solve_multipliers};
 use scene::Scene;
 
 /// The value of each probe at the end of time step n ≥ 1 of a run, and its derivatives.
@@ -26,7 +26,7 @@ pub fn sensitivities(
     let at = Iterate { multipliers: &multipliers, ..at };
     let contact = problem.energies.contact_forces(&at);
     let reaction = problem.gradient(&at).0;
-    let linearization = (n == run.steps()).then(|| workspace.linearize(problem, &at));
+    let known = Linearizations::at_step(n, workspace.linearize(problem, &at));
     let (space, u, time) = (at.space, at.u, at.time);
     let (contact, reaction, threads) = (&contact, &reaction, &problem.energies.windings);
     let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
@@ -41,7 +41,7 @@ pub fn sensitivities(
             }
         };
         let on = (rest, run);
-        let mut swept = adjoint::sweep(problem, workspace, on, linearization.as_ref(), partials)
+        let mut swept = adjoint::sweep(problem, workspace, on, &known, partials)
             .map_err(|e| anyhow!("derivatives of the probe \"{}\": {e}", probe.name))?;
         swept.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         for (id, by) in q.by_parameters(&here, 1.0) {

@@ -40,7 +40,8 @@ use crate::energy::{
     Constraint, Iterate, Kind, ParameterGradients, ParameterId, PastCotangent, Term, TimeStep,
 };
 use crate::forward::{
-    Formula, Linearization, Problem, State, Trajectory, Workspace, solve_multipliers,
+    Formula, Linearization, Linearizations, Problem, State, Trajectory, Workspace,
+    solve_multipliers,
 };
 use crate::math::linear::{dot, norm};
 
@@ -89,8 +90,8 @@ pub struct Gradient {
 }
 
 /// Sweeps back through a run on a rest shape. `partials` adds the objective's at
-/// moment n, 0 at the start, to zeros. A linearisation at the last state, if the
-/// workspace still holds it, saves one factorisation.
+/// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one
+/// factorisation.
 ///
 /// # Errors
 /// [`Singular`] when H has no accurate inverse at some step.
@@ -98,7 +99,31 @@ pub fn sweep(
     problem: &Problem,
     workspace: &mut Workspace,
     (rest, run): (&[Vec3], &Trajectory),
-    linearization: Option<&Linearization>,
+    linearizations: &Linearizations,
+    partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
+) -> Result<Gradient, Singular> {
+    sweep_for(problem, workspace, (rest, run), linearizations, Wanted::All, partials)
+}
+
+/// What of a gradient is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// All of it.
+    All,
+    /// Not [`Gradient::rest`], which then means nothing.
+    Numbers,
+}
+
+/// [`sweep`], for what is wanted of it.
+///
+/// # Errors
+/// As [`sweep`].
+pub fn sweep_for(
+    problem: &Problem,
+    workspace: &mut Workspace,
+    (rest, run): (&[Vec3], &Trajectory),
+    linearizations: &Linearizations,
+    wanted: Wanted,
     mut partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
 ) -> Result<Gradient, Singular> {
     let (len, steps) = (problem.dofs(), run.steps());
@@ -117,9 +142,10 @@ pub fn sweep(
         let by_u = &mut own.by_u;
         let before =
             internal_vjp(problem, &at, &internal, n - 1, by_u, &mut rest_bar, &mut parameters);
-        let moment = Moment { at, step: &step, by_velocity: v, by_acceleration: a, partials: own };
-        let linearization = linearization.filter(|_| n == steps);
-        let solution = moment.solve(problem, workspace, linearization)?;
+        let (by_velocity, by_acceleration) = (v, a);
+        let moment =
+            Moment { at, step: &step, by_velocity, by_acceleration, partials: own, wanted };
+        let solution = moment.solve(problem, workspace, linearizations.step(n))?;
         let mut past = moment.vjp(problem, &solution, n - 1, &mut rest_bar, &mut parameters);
         add_where_any(&mut past.internal, &before, 1.0);
         past_vjp(problem, rest, run, n, &past, &mut states, &mut rest_bar);
@@ -172,6 +198,7 @@ struct Moment<'a> {
     /// Empty where later steps do not depend on the acceleration.
     by_acceleration: Vec<f64>,
     partials: Partials,
+    wanted: Wanted,
 }
 
 impl Moment<'_> {
@@ -228,7 +255,9 @@ impl Moment<'_> {
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
         for Term { kind, energy } in problem.energies.terms() {
             let lambda = if kind.is_contact() { &in_contact } else { lambda };
-            energy.add_mixed_vjp(at, lambda, rest_bar);
+            if self.wanted == Wanted::All {
+                energy.add_mixed_vjp(at, lambda, rest_bar);
+            }
             energy.add_past_vjp(at, lambda, &mut past);
             let mut by = energy.parameter_vjp(at, lambda);
             if let Kind::Chamber(id) = kind {

@@ -18,7 +18,7 @@ use mesh::Vec3;
 use nalgebra::linalg::LU;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-use super::{Integrator, Linearization, Problem, Trajectory, Workspace, solve_multipliers};
+use super::{Integrator, Linearizations, Problem, Trajectory, Workspace, solve_multipliers};
 use crate::energy::{Constraint, Iterate, Multiplier, TimeStep};
 use crate::math::linear::{SYSTEMS, dot};
 
@@ -34,13 +34,12 @@ pub struct Varied {
 }
 
 /// The runs of varied problems, to first order, from a start and with memory for the states of each [B]. None where
-/// some tangent has no usable factor. A linearisation at the last state, if the workspace still holds it, saves
-/// one factorisation.
+/// some tangent has no usable factor. Each linearisation whose factor is at hand saves one factorisation.
 pub fn neighbours(
     problem: &Problem,
     workspace: &mut Workspace,
     (rest, run): (&[Vec3], &Trajectory),
-    linearization: Option<&Linearization>,
+    linearizations: &Linearizations,
     varied: &[Varied],
     (start, memory): (&Integrator, f64),
 ) -> Option<Vec<Trajectory>> {
@@ -51,8 +50,7 @@ pub fn neighbours(
         let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, time) };
         let multipliers = solve_multipliers(problem, workspace, &at);
         let at = Iterate { multipliers: &multipliers, ..at };
-        let is_held = |l: &&Linearization| n == run.steps() && workspace.has_factor_of(l, &at);
-        if linearization.filter(is_held).is_none() {
+        if !linearizations.step(n).is_some_and(|known| workspace.has_factor_of(known, &at)) {
             workspace.linearize(problem, &at);
         }
         let (residual, _) = workspace.gradient(problem, &at);

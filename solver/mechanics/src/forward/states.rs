@@ -66,6 +66,12 @@ impl States {
         }
     }
 
+    /// What is left of the budget [B].
+    #[must_use]
+    pub fn memory_left(&self) -> f64 {
+        self.left.max(0.0)
+    }
+
     /// Why states beyond the budget are in memory all the same, if any are.
     #[must_use]
     pub fn unwritten(&self) -> Option<&std::io::Error> {

@@ -10,7 +10,7 @@ use super::stepping::{
     Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
 use super::watch::Event;
-use super::{Configuration, Failure, Integrator, Problem, Trajectory, Workspace};
+use super::{Configuration, Failure, Integrator, Linearizations, Problem, Trajectory, Workspace};
 use crate::energy::{Iterate, Multiplier, TimeStep};
 
 /// Fraction of the free path of supports and obstacles that the next load step goes.
@@ -81,6 +81,8 @@ pub struct TimeStepper {
     pub progress: Progress,
     /// A run like this one: the start of each time step is predicted from its motion.
     guide: Option<Arc<Trajectory>>,
+    /// Factors that each time step begins with, where there is one.
+    factors: Arc<Linearizations>,
     /// The last time step that was begun.
     step: Option<Arc<TimeStep>>,
 }
@@ -98,7 +100,7 @@ impl TimeStepper {
             newton_iterations: 0,
             indefinite_starts: 0,
         };
-        Self { stepping, progress, guide: None, step: None }
+        Self { stepping, progress, guide: None, factors: Arc::default(), step: None }
     }
 
     /// Begins at a state of a time step that is being made.
@@ -113,6 +115,13 @@ impl TimeStepper {
     #[must_use]
     pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {
         Self { guide, ..self }
+    }
+
+    /// This stepper, whose systems at the start of a time step are solved with the factors at the end of that time step
+    /// of another run.
+    #[must_use]
+    pub fn with_factors(self, factors: Arc<Linearizations>) -> Self {
+        Self { factors, ..self }
     }
 
     /// The last state that was reached.
@@ -322,6 +331,9 @@ impl TimeStepper {
         end: f64,
     ) -> Arc<TimeStep> {
         workspace.forget();
+        if let Some(known) = self.factors.at_time(end) {
+            workspace.take_up(known);
+        }
         workspace.indefinite_starts = self.progress.indefinite_starts;
         let interrupted = self.progress.done > 0.0;
         if !interrupted && (self.progress.integrator.method.has_inertia() || self.guide.is_some()) {

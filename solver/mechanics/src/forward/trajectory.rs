@@ -42,6 +42,12 @@ impl Trajectory {
         self.push(time, integrator.last().clone());
     }
 
+    /// What the states leave of the memory for them [B].
+    #[must_use]
+    pub fn memory_left(&self) -> f64 {
+        self.states.memory_left()
+    }
+
     /// Why states beyond the budget could not be written to disk and are in memory, if any are.
     #[must_use]
     pub fn unwritten(&self) -> Option<&std::io::Error> {

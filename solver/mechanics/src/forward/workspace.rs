@@ -4,6 +4,7 @@
 //! The pattern is extended where a problem fixes other degrees of freedom, or an iterate
 //! has contacts that it has no entries for.
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -16,7 +17,8 @@ use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
 use crate::math::linear::{
-    MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, dot, norm,
+    Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, dot,
+    norm,
 };
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
@@ -59,16 +61,35 @@ pub struct Workspace {
 }
 
 /// The exact Hessian at an iterate, factored by [`Workspace::linearize`].
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Linearization {
     id: u64,
     u: Vec<f64>,
     time: f64,
     multipliers: Vec<Multiplier>,
     step: Option<TimeStep>,
+    /// Its factor, where that is to outlive the next one.
+    kept: Option<Arc<Factorization>>,
+}
+
+impl fmt::Debug for Linearization {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        let Self { id, time, kept, .. } = self;
+        write!(
+            to,
+            "Linearization {id} at {time} s, {}",
+            if kept.is_some() { "kept" } else { "not kept" }
+        )
+    }
 }
 
 impl Linearization {
+    /// Where it was made [s].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
     /// The iterate on its rest shape [m].
     #[must_use]
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
@@ -199,6 +220,12 @@ impl Workspace {
         }
     }
 
+    /// Memory of a factorisation that is kept, with its matrix [B].
+    #[must_use]
+    pub fn memory_of_factor(&self) -> usize {
+        self.linear.cost().bytes + size_of::<f64>() * self.linear.entries()
+    }
+
     /// [`Problem::value`], timed.
     pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
         problem.value_by(|term| self.timings.of(term.kind, || term.energy.value(at)))
@@ -276,13 +303,33 @@ impl Workspace {
             time: at.time,
             multipliers: at.multipliers.to_vec(),
             step: at.step.cloned(),
+            kept: None,
         }
     }
 
-    /// Whether the last factorisation is that of a linearisation, and at this iterate.
+    /// A linearisation that keeps its factor, which is the last.
     #[must_use]
-    pub fn has_factor_of(&self, linearization: &Linearization, at: &Iterate) -> bool {
-        self.linearization == Some(linearization.id) && linearization.u == at.u
+    pub fn keep(&self, linearization: Linearization) -> Linearization {
+        let is_last = self.linearization == Some(linearization.id);
+        let kept = self.linear.share().filter(|_| is_last);
+        Linearization { kept, ..linearization }
+    }
+
+    /// Whether the last factorisation is that of a linearisation, and at this iterate; a factor that was kept becomes the
+    /// last.
+    #[must_use]
+    pub fn has_factor_of(&mut self, linearization: &Linearization, at: &Iterate) -> bool {
+        let is_last = self.linearization == Some(linearization.id);
+        linearization.u == at.u && (is_last || self.take_up(linearization))
+    }
+
+    /// Makes the factor that a linearisation has kept the last one; false where it has none, or one of another pattern.
+    pub fn take_up(&mut self, linearization: &Linearization) -> bool {
+        let taken = linearization.kept.as_ref().is_some_and(|kept| self.linear.take_up(kept));
+        if taken {
+            self.linearization = Some(linearization.id);
+        }
+        taken
     }
 
     /// Solves with the last factorisation to a relative residual, and returns that

@@ -32,10 +32,10 @@ impl Scenario {
         run: &Run,
         varied: &[Varied],
     ) -> Option<(DMatrix<f64>, Vec<Arc<Trajectory>>)> {
-        let linearization = run.linearized(self.linearization.as_ref());
+        let known = run.linearized(self.linearized.as_ref());
         let of = (&run.rest[..], &*run.states);
         let begin = (&self.start, self.state_memory / varied.len() as f64);
-        let all = neighbours(&run.problem, &mut self.workspace, of, linearization, varied, begin)?;
+        let all = neighbours(&run.problem, &mut self.workspace, of, &known, varied, begin)?;
         let as_run = |(varied, states): (&Varied, _)| Run {
             problem: Arc::clone(&varied.problem),
             rest: varied.rest.clone(),

@@ -1,7 +1,7 @@
 //! The gradient of the objective of a run, backwards through its time steps.
 
 use measure::quantity::{Equilibrium, Partials};
-use mechanics::adjoint::{self, Gradient};
+use mechanics::adjoint::{self, Gradient, Wanted};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mesh::Vec3;
@@ -12,7 +12,7 @@ use super::{Rejected, Run, Scenario};
 
 impl Scenario {
     /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest
-    /// shape among it. Where it is linearised at the run, that saves a factorisation.
+    /// shape among it. Where it is linearised at the run, that saves factorisations.
     ///
     /// # Errors
     /// When the adjoint system has no accurate solution.
@@ -21,23 +21,24 @@ impl Scenario {
         run: &Run,
         designed: &[Vec3],
         body: &Body,
-        of: Option<&str>,
-        factor: f64,
+        wanted: Wanted,
+        (of, factor): (Option<&str>, f64),
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
         let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
-        let wanted = |term: &&Weighted| of.is_none_or(|name| name == term.name);
+        let counts = |term: &&Weighted| of.is_none_or(|name| name == term.name);
         let mut by_rest = vec![0.0; 3 * rest.len()];
         let terms = &self.terms;
         let partials = |_: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
             let adjoint::Partials { by_u, by_contact, by_reaction } = out;
             let (u, contact, reaction) = (by_u, by_contact, by_reaction);
             let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
-            add_partials(terms.iter().filter(wanted), run, n, &forces[n], factor, &mut out);
+            add_partials(terms.iter().filter(counts), run, n, &forces[n], factor, &mut out);
         };
         let (problem, workspace) = (&*run.problem, &mut self.workspace);
-        let linearization = run.linearized(self.linearization.as_ref());
-        let swept = adjoint::sweep(problem, workspace, (rest, states), linearization, partials);
+        let known = run.linearized(self.linearized.as_ref());
+        let on = (rest, states);
+        let swept = adjoint::sweep_for(problem, workspace, on, &known, wanted, partials);
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         self.add_by_parameters(run, &forces, of, factor, &mut gradient);

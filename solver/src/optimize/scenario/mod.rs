@@ -18,7 +18,7 @@ use mechanics::body::Body;
 use mechanics::element::{FunctionSpace, interpolate};
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Configuration, Integrator, Linearization, Newton, Problem, Stepping, TimeStepper, Trajectory,
+    Configuration, Integrator, Linearizations, Newton, Problem, Stepping, TimeStepper, Trajectory,
     Unreached, Workspace, follow, solve_from, solve_multipliers,
 };
 use mechanics::memory::Need;
@@ -86,8 +86,8 @@ pub struct Scenario {
     /// With the scene's own loads.
     problem: Problem,
     workspace: Workspace,
-    /// Where it was linearised last: at the end of these states.
-    linearization: Option<(Arc<Trajectory>, Linearization)>,
+    /// Where it was linearised last: at the ends of these states.
+    linearized: Option<(Arc<Trajectory>, Arc<Linearizations>)>,
     stepping: Stepping,
     /// The state at t = 0 and the time integration.
     start: Integrator,
@@ -152,7 +152,7 @@ impl Scenario {
             edges,
             nearby: None,
             unreached: None,
-            linearization: None,
+            linearized: None,
             config: config.clone(),
             body: body.clone(),
             scene,
@@ -332,7 +332,10 @@ impl Scenario {
         guide: Option<Arc<Trajectory>>,
         stepping: Stepping,
     ) -> Result<(Trajectory, usize), Rejected> {
-        let mut stepper = TimeStepper::new(stepping, self.start.clone()).guided(guide);
+        let near = self.linearized.as_ref().filter(|_| guide.is_some());
+        let factors = near.map(|(_, known)| Arc::clone(known)).unwrap_or_default();
+        let stepper = TimeStepper::new(stepping, self.start.clone());
+        let mut stepper = stepper.guided(guide).with_factors(factors);
         let mut heartbeat = Heartbeat::start();
         let (scene, workspace, times) = (&self.scene, &mut self.workspace, &self.times);
         let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
@@ -394,22 +397,22 @@ impl Scenario {
         Some(Diagnosis::new(&self.scene, &body, solver, &unreached))
     }
 
-    /// Makes ready for [`Self::sweep`], [`Self::predict`] and runs at or next to a run of a
-    /// scene without time. What follows depends on that run alone, not on how it was reached:
-    /// an interrupted search continues with the same bits.
+    /// Makes ready for [`Self::sweep`], [`Self::curvature`], [`Self::predict`] and runs at or next to a run. What follows
+    /// depends on that run alone, not on how it was reached: an interrupted search continues with the same bits.
     pub fn linearize(&mut self, run: &Run) {
-        self.linearization = None;
+        self.linearized = None;
         self.nearby = (!run.margins.is_empty()).then(|| run.clone());
-        if self.transient {
-            return;
-        }
         let Run { problem, rest, states, .. } = run;
-        let (step, u) = (states.step(problem, rest, 1), states.last());
-        let here = Iterate { step: Some(&step), ..problem.iterate(rest, &u, 1.0) };
-        let multipliers = solve_multipliers(problem, &mut self.workspace, &here);
-        let here = Iterate { multipliers: &multipliers, ..here };
-        let linearization = self.workspace.linearize(problem, &here);
-        self.linearization = Some((Arc::clone(states), linearization));
+        let known = if !self.transient {
+            Linearizations::at_end(problem, &mut self.workspace, rest, states)
+        } else if problem.energies.contact_terms().next().is_none() {
+            let memory = states.memory_left();
+            Linearizations::of(problem, &mut self.workspace, rest, states, memory)
+        } else {
+            // contact changes the pattern from one time step to the next
+            return;
+        };
+        self.linearized = Some((Arc::clone(states), Arc::new(known)));
     }
 
     /// First-order change of the equilibrium of a run, where it is linearised, to another
@@ -417,8 +420,11 @@ impl Scenario {
     pub fn predict(&mut self, run: &Run, designed: &[Vec3]) -> Option<Vec<f64>> {
         let rest = self.rest(designed);
         let motion: Vec<Vec3> = rest.iter().zip(&run.rest).map(|(a, b)| a - b).collect();
-        let linearization = run.linearized(self.linearization.as_ref())?;
-        follow(&run.problem, &mut self.workspace, linearization, &run.rest, &motion)
+        if self.transient {
+            return None;
+        }
+        let known = run.linearized(self.linearized.as_ref());
+        follow(&run.problem, &mut self.workspace, known.step(1)?, &run.rest, &motion)
     }
 
     /// The displacements of a run at the ends of time steps on another mesh of the same designed

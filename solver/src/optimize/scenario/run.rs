@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use mechanics::energy::Iterate;
-use mechanics::forward::{Linearization, Problem, Trajectory};
+use mechanics::forward::{Linearizations, Problem, Trajectory};
 use mesh::Vec3;
 
 use super::limit::Margin;
@@ -29,13 +29,13 @@ pub struct Run {
 }
 
 impl Run {
-    /// What was linearised last, with the states at whose end it was, if they are those of this run.
-    pub(super) fn linearized<'a>(
+    /// What was linearised last, with the states at whose ends it was, if they are those of this run.
+    pub(super) fn linearized(
         &self,
-        last: Option<&'a (Arc<Trajectory>, Linearization)>,
-    ) -> Option<&'a Linearization> {
-        let (states, linearization) = last?;
-        Arc::ptr_eq(states, &self.states).then_some(linearization)
+        last: Option<&(Arc<Trajectory>, Arc<Linearizations>)>,
+    ) -> Arc<Linearizations> {
+        let known = last.filter(|(states, _)| Arc::ptr_eq(states, &self.states));
+        known.map(|(_, known)| Arc::clone(known)).unwrap_or_default()
     }
 
     /// Looks at the end of the run.

@@ -26,6 +26,7 @@ mod dilatation;
 mod fibre;
 mod inside;
 mod internal;
+mod linearizations;
 mod membrane;
 mod mullins;
 mod neighbours;
@@ -308,20 +309,20 @@ impl Probe {
     ) -> Gradient {
         let forces: Vec<_> =
             (0..=run.steps()).map(|n| Self::forces(problem, rest, run, n)).collect();
-        let x = |n: usize| Self::positions(problem, rest, &run.state(n).u);
-        let xs: Vec<_> = (0..=run.steps()).map(x).collect();
+        let xs = |n: usize| Self::positions(problem, rest, &run.state(n).u);
+        let xs: Vec<_> = (0..=run.steps()).map(xs).collect();
         let mut by_x = vec![0.0; problem.dofs()];
-        let on = (rest, run);
-        let mut gradient = sweep(problem, workspace, on, None, |_, n, out| {
+        let partials = |_: &_, n: usize, out: &mut Partials| {
             for d in 0..by_x.len() {
                 let by = 10.0 * Self::weight(n) * (self.a[d] + xs[n][d]);
                 out.by_u[d] += by;
                 by_x[d] += by;
-                out.by_contact[d] +=
-                    Self::weight(n) * (self.b[d] + self.stiff * forces[n][d]) * f64::from(n > 0);
+                let by_force = self.b[d] + self.stiff * forces[n][d];
+                out.by_contact[d] += Self::weight(n) * by_force * f64::from(n > 0);
             }
-        })
-        .expect("regular");
+        };
+        let swept = sweep(problem, workspace, (rest, run), &Linearizations::default(), partials);
+        let mut gradient = swept.expect("regular");
         problem.space.add_to_vertices(&by_x, &mut gradient.rest);
         gradient
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::forward::{Varied, neighbours};
+use crate::forward::{Linearizations, Varied, neighbours};
 
 impl Case {
     /// The derivative of the number of the chamber by the pressure that it stands for.
@@ -40,7 +40,14 @@ fn both_ways(case: &Case, size: f64) -> [[f64; 2]; 3] {
     ];
     let begin = Integrator::new(case.method, start);
     let of = (&rest[..], &run);
-    let all = neighbours(&problem, &mut workspace, of, None, &varied, (&begin, f64::INFINITY));
+    let all = neighbours(
+        &problem,
+        &mut workspace,
+        of,
+        &Linearizations::default(),
+        &varied,
+        (&begin, f64::INFINITY),
+    );
     let here = probe.value(&problem, &rest, &run);
     let change = |i: usize, run: &Trajectory| {
         (probe.value(&varied[i].problem, &varied[i].rest, run) - here) / size

@@ -52,14 +52,13 @@ impl Multifrontal {
     /// Room for a factor in single precision.
     fn room(&self) -> Vec<f32> {
         let len = self.tree.fronts.factor_len();
-        let mut values = self.memory.take_factor();
-        if values.len() != len {
+        self.memory.take_factor(len).unwrap_or_else(|| {
             // pages of new memory are cleared where they are first written: in parallel
-            values = Vec::new();
+            let mut values = Vec::new();
             let zeros = rayon::iter::repeat_n(0.0, len);
             zeros.with_min_len(1 << 16).collect_into_vec(&mut values);
-        }
-        values
+            values
+        })
     }
 
     fn factor_single(
@@ -80,7 +79,7 @@ impl Multifrontal {
         lower: &[f64],
         bad_pivots: BadPivots,
     ) -> Result<(Double, usize), usize> {
-        drop(self.memory.take_factor());
+        self.memory.drop_factors();
         let mut values = vec![0.0; self.tree.fronts.factor_len()];
         let replaced = self.tree.fronts.factor(lower, &mut values, &Pool::default(), bad_pivots)?;
         Ok((Double { tree: Arc::clone(&self.tree), values }, replaced))
@@ -118,7 +117,7 @@ impl DirectSolver for Multifrontal {
     }
 
     fn factor_indefinite(&self, lower: &[f64]) -> Box<dyn Factor> {
-        drop(self.memory.take_factor());
+        self.memory.drop_factors();
         Box::new(Indefinite::new(&self.pattern, &self.tree.order, lower))
     }
 }

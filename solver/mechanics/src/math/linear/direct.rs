@@ -1,7 +1,7 @@
 //! What factors matrices: the interface of a direct solver.
 
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::matrix::Triangle;
 use super::rows::{Row, SYSTEMS};
@@ -63,23 +63,37 @@ pub struct Structure<'a> {
     pub memory: &'a Memory,
 }
 
-/// Buffers in single precision that one factorisation leaves to the next: those of the updates,
-/// and that of the factor.
+/// Buffers in single precision that factorisations leave to others: those of the updates, and those of factors.
 #[derive(Clone, Default)]
 pub struct Memory {
     pub(super) updates: Arc<Pool<f32>>,
-    factor: Arc<Mutex<Vec<f32>>>,
+    factors: Arc<Mutex<Vec<Vec<f32>>>>,
 }
 
 impl Memory {
-    /// The buffer of an earlier factor, or an empty one.
-    pub(super) fn take_factor(&self) -> Vec<f32> {
-        std::mem::take(&mut self.factor.lock().unwrap_or_else(PoisonError::into_inner))
+    /// The buffer of an earlier factor, if one of this length is left.
+    pub(super) fn take_factor(&self, len: usize) -> Option<Vec<f32>> {
+        let taken = self.factors().pop()?;
+        if taken.len() != len {
+            // all are of another pattern
+            self.drop_factors();
+            return None;
+        }
+        Some(taken)
     }
 
     /// Leaves the buffer of a factor to the next.
     pub(super) fn leave_factor(&self, values: Vec<f32>) {
-        *self.factor.lock().unwrap_or_else(PoisonError::into_inner) = values;
+        self.factors().push(values);
+    }
+
+    /// Gives the buffers of factors back to the system.
+    pub(super) fn drop_factors(&self) {
+        self.factors().clear();
+    }
+
+    fn factors(&self) -> MutexGuard<'_, Vec<Vec<f32>>> {
+        self.factors.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -66,6 +66,16 @@ impl Factorization {
         Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense }
     }
 
+    /// The matrix.
+    pub(super) fn matrix(&self) -> &Symmetric {
+        &self.matrix
+    }
+
+    /// Whether the matrix has this pattern.
+    pub(super) fn is_of(&self, pattern: &Arc<Triangle>) -> bool {
+        Arc::ptr_eq(&self.pattern, pattern)
+    }
+
     /// The matrix; the factor is gone.
     pub(super) fn into_matrix(self) -> Symmetric {
         self.matrix

@@ -64,7 +64,7 @@ pub struct SparseSolver {
     pattern: Arc<Triangle>,
     direct: Box<dyn DirectSolver>,
     memory: Memory,
-    last: Option<Factorization>,
+    last: Option<Arc<Factorization>>,
 }
 
 impl SparseSolver {
@@ -134,7 +134,7 @@ impl SparseSolver {
     /// The last factorisation; none before the first, and after one that failed.
     #[must_use]
     pub fn last(&self) -> Option<&Factorization> {
-        self.last.as_ref()
+        self.last.as_deref()
     }
 
     /// Factors a matrix whose sparse part is positive definite. Where single
@@ -149,7 +149,7 @@ impl SparseSolver {
     ) -> Result<&Factorization, NotPositive> {
         self.forget();
         let factorization = self.positive(matrix, precision)?;
-        Ok(self.last.insert(factorization))
+        Ok(self.last.insert(Arc::new(factorization)))
     }
 
     /// [`Self::factor_positive`] for the caller to keep.
@@ -223,7 +223,9 @@ impl SparseSolver {
     /// changes nothing.
     pub fn sharpen(&mut self) -> Option<&Factorization> {
         let last = self.last.take_if(|last| last.positive == Some(Precision::Single))?;
-        Some(self.factor(last.into_matrix(), Precision::Double))
+        let matrix = Arc::try_unwrap(last)
+            .map_or_else(|shared| shared.matrix().clone(), Factorization::into_matrix);
+        Some(self.factor(matrix, Precision::Double))
     }
 
     fn keep(
@@ -232,7 +234,22 @@ impl SparseSolver {
         factor: Box<dyn Factor>,
         positive: Option<Precision>,
     ) -> &Factorization {
-        self.last.insert(Factorization::new(&self.pattern, matrix, factor, positive))
+        self.last.insert(Arc::new(Factorization::new(&self.pattern, matrix, factor, positive)))
+    }
+
+    /// The last factorisation, for the caller to keep as well.
+    #[must_use]
+    pub fn share(&self) -> Option<Arc<Factorization>> {
+        self.last.clone()
+    }
+
+    /// Makes one that was kept the last factorisation again; false where it is of another pattern.
+    pub fn take_up(&mut self, kept: &Arc<Factorization>) -> bool {
+        let fits = kept.is_of(&self.pattern);
+        if fits {
+            self.last = Some(Arc::clone(kept));
+        }
+        fits
     }
 
     /// Forgets the factorisation; the symbolic part and the memory stay.
