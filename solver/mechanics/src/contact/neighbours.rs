@@ -5,10 +5,15 @@
 //! vertex is farther than the slack δ from its place in x⁰. The close pairs found in it
 //! are those of a new search, in the same order: lists never change a result. A list is
 //! for one rest shape, which decides what runs through [solid](super::solid).
+//!
+//! The pairs that come within the radius of a list while vertices move along straight lines serve
+//! collision detection. Those of them that are within it anywhere on the way are the list there, so
+//! that a step of Newton's method needs one broad phase and not two.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mesh::Vec3;
+use rayon::prelude::*;
 
 use super::pairs::Pair;
 use super::potential::{Partners, Potential};
@@ -17,6 +22,8 @@ use super::solid::Solid;
 /// How far vertices may move before a list is made anew, in mean edge lengths. With a
 /// larger slack lists are longer and made less often.
 const SLACK: f64 = 0.1;
+/// Part of the slack by which positions may be beside a way that they are taken to be on.
+const BESIDE: f64 = 1e-3;
 
 /// Candidate pairs of which none is missing while no vertex is farther than `slack` from
 /// where it was.
@@ -36,18 +43,51 @@ impl Neighbours {
     }
 }
 
+/// Candidate pairs of a motion along straight lines, of which none is missing that comes within the radius of a list.
+pub struct Swept {
+    from: Vec<Vec3>,
+    to: Vec<Vec3>,
+    slack: f64,
+    /// The pairs that may repel each other, in a fixed order.
+    pub pairs: Vec<Pair>,
+    /// Those through the solid of a body.
+    pub through_solid: Vec<Pair>,
+}
+
+impl Swept {
+    /// Whether positions are on the way, up to [`BESIDE`].
+    fn passes(&self, x: &[Vec3]) -> bool {
+        let all = || self.from.iter().zip(&self.to).zip(x);
+        let length2: f64 = all().map(|((a, b), _)| (b - a).norm_squared()).sum();
+        let along: f64 = all().map(|((a, b), x)| (b - a).dot(&(x - a))).sum();
+        let t = if length2 > 0.0 { (along / length2).clamp(0.0, 1.0) } else { 0.0 };
+        let beside2 = (BESIDE * self.slack).powi(2);
+        all().all(|((a, b), x)| (x - a - t * (b - a)).norm_squared() <= beside2)
+    }
+
+    /// The list at positions on the way, for pairs within a range.
+    fn list(&self, x: &[Vec3], range: f64) -> Neighbours {
+        let reach2 = (range + 2.0 * self.slack).powi(2);
+        let near = |pair: &&Pair| pair.closest(&pair.gather(x)).d2 <= reach2;
+        let [pairs, through_solid] = [&self.pairs, &self.through_solid]
+            .map(|pairs| pairs.par_iter().filter(near).copied().collect());
+        Neighbours { x: x.to_vec(), slack: (1.0 - BESIDE) * self.slack, pairs, through_solid }
+    }
+}
+
 /// The last list of a potential.
 #[derive(Default)]
 pub struct NeighbourList {
     last: Mutex<Last>,
 }
 
-/// The last list, if there is any, and the solid of the last rest shape.
+/// The last list and the last motion, if there are any, and the solid of the last rest shape.
 #[derive(Default)]
 struct Last {
     rest: Vec<Vec3>,
     solid: Option<Arc<Solid>>,
     list: Option<Arc<Neighbours>>,
+    swept: Option<Arc<Swept>>,
 }
 
 impl Last {
@@ -79,14 +119,41 @@ impl NeighbourList {
         let make = |slack: f64| {
             let pairs = potential.candidates(x, x, range + 2.0 * slack).ok()?;
             let [pairs, through_solid] = self.partition(potential, rest, pairs);
-            Some(Arc::new(Neighbours { x: x.to_vec(), slack, pairs, through_solid }))
+            Some(Neighbours { x: x.to_vec(), slack, pairs, through_solid })
         };
-        let triangles = &potential.surface().features().triangles;
-        let list = make(SLACK * mesh::measure::mean_edge(x, triangles)).or_else(|| make(0.0));
+        let swept = self.last_swept(rest).filter(|swept| swept.passes(x));
+        let list = swept.map(|swept| swept.list(x, range));
+        let list = list.or_else(|| make(slack(potential, x))).or_else(|| make(0.0)).map(Arc::new);
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         last.be_of(rest);
         last.list.clone_from(&list);
         list
+    }
+
+    /// What collision vertices meet that move from `x0` to `x1` [m]; none where more pairs come within the radius of a
+    /// list than memory is meant for.
+    #[must_use]
+    pub fn sweep(
+        &self,
+        potential: &Potential,
+        [x0, x1]: [&[Vec3]; 2],
+        rest: &[Vec3],
+    ) -> Option<Arc<Swept>> {
+        let slack = slack(potential, x0);
+        let radius = potential.repulsion().range() + 2.0 * slack;
+        let pairs = potential.candidates(x0, x1, radius).ok()?;
+        let [pairs, through_solid] = self.partition(potential, rest, pairs);
+        let (from, to) = (x0.to_vec(), x1.to_vec());
+        let swept = Arc::new(Swept { from, to, slack, pairs, through_solid });
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        last.be_of(rest);
+        last.swept = Some(Arc::clone(&swept));
+        Some(swept)
+    }
+
+    fn last_swept(&self, rest: &[Vec3]) -> Option<Arc<Swept>> {
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        last.swept.as_ref().filter(|_| last.rest == rest).map(Arc::clone)
     }
 
     /// Pairs that may repel each other, and those through the solid of a body at rest, both in
@@ -110,4 +177,11 @@ impl NeighbourList {
         let make = || Solid::new(potential.surface(), rest, potential.repulsion().range());
         Arc::clone(last.solid.get_or_insert_with(|| Arc::new(make())))
     }
+}
+
+/// The slack of a list at positions [m].
+fn slack(potential: &Potential, x: &[Vec3]) -> f64 {
+    let edges = &potential.surface().features().edges;
+    let length: f64 = edges.iter().map(|[a, b]| (x[*b] - x[*a]).norm()).sum();
+    SLACK * length / edges.len().max(1) as f64
 }

@@ -35,7 +35,7 @@ fn what_is_asked_of_a_run_needs_no_factor_where_all_are_kept() {
         .map(|memory| Linearizations::of(&problem, &mut workspace, &rest, &run, memory));
     assert!(last.step(2).is_none() && last.step(3).is_some(), "{last:?}");
 
-    let before = workspace.timings.factor.clone();
+    let before = workspace.timings.factor;
     let found = by_rest((&problem, &mut workspace), (&rest, &run), &all);
     assert_eq!(found, expected);
     let moved = rest.iter().map(|x| 1.001 * x).collect();

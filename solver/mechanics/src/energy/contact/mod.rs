@@ -163,6 +163,9 @@ impl Contact {
         if let Some(list) = self.neighbours.last_at(&rest, &[&start, &whole]) {
             return self.free_share([&list.pairs, &list.through_solid], &start, &whole);
         }
+        if let Some(swept) = self.neighbours.sweep(&self.potential, [&start, &whole], &rest) {
+            return self.free_share([&swept.pairs, &swept.through_solid], &start, &whole);
+        }
         let minimum = self.potential.repulsion().minimum;
         let mut share = 1.0;
         // a step that sweeps through too much is searched in part
