@@ -338,8 +338,12 @@ impl Level {
     /// # Errors
     /// When the adjoint system has no accurate solution.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
-        let shape = self.map.shape_variables() > 0;
-        let wanted = if shape { Wanted::All } else { Wanted::Numbers };
+        let shape = self.map.shape_variables();
+        let wanted = match theta.len() - shape {
+            0 => Wanted::Shape,
+            _ if shape == 0 => Wanted::Numbers,
+            _ => Wanted::All,
+        };
         let swept = self.sweep_for(at, wanted, None)?;
         Ok(self.vjp(theta, &swept))
     }

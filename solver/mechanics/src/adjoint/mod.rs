@@ -110,6 +110,8 @@ pub fn sweep(
 pub enum Wanted {
     /// All of it.
     All,
+    /// Not [`Gradient::parameters`], which then mean nothing.
+    Shape,
     /// Not [`Gradient::rest`], which then means nothing.
     Numbers,
 }
@@ -255,15 +257,20 @@ impl Moment<'_> {
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
         for Term { kind, energy } in problem.energies.terms() {
             let lambda = if kind.is_contact() { &in_contact } else { lambda };
-            if self.wanted == Wanted::All {
+            if self.wanted != Wanted::Numbers {
                 energy.add_mixed_vjp(at, lambda, rest_bar);
             }
             energy.add_past_vjp(at, lambda, &mut past);
-            let mut by = energy.parameter_vjp(at, lambda);
+            let mut by = match self.wanted {
+                Wanted::Shape => Vec::new(),
+                _ => energy.parameter_vjp(at, lambda),
+            };
             if let Kind::Chamber(id) = kind {
                 by.extend(problem.energies.chamber(id).constraint_vjp(at, mu, rest_bar));
             }
-            add_parameters(problem, kind, step, by, parameters);
+            if self.wanted != Wanted::Shape {
+                add_parameters(problem, kind, step, by, parameters);
+            }
         }
         let (h, square) = (self.step.h, self.square());
         past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);

@@ -22,6 +22,10 @@ use super::solid::Solid;
 /// How far vertices may move before a list is made anew, in mean edge lengths. With a
 /// larger slack lists are longer and made less often.
 const SLACK: f64 = 0.1;
+/// Lists that are kept, the last one first: derivatives go back and forth between the ends of a time step.
+const LISTS: usize = 3;
+/// Pairs of lists that are kept beside the last one, at most: 80 MB.
+const KEPT_PAIRS: usize = 2_000_000;
 /// Part of the slack by which positions may be beside a way that they are taken to be on.
 const BESIDE: f64 = 1e-3;
 
@@ -37,6 +41,10 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
+    fn count(&self) -> usize {
+        self.pairs.len() + self.through_solid.len()
+    }
+
     fn holds(&self, x: &[Vec3]) -> bool {
         let near = |(a, b): (&Vec3, &Vec3)| (a - b).norm_squared() <= self.slack * self.slack;
         self.x.iter().zip(x).all(near)
@@ -75,18 +83,18 @@ impl Swept {
     }
 }
 
-/// The last list of a potential.
+/// The last lists of a potential.
 #[derive(Default)]
 pub struct NeighbourList {
     last: Mutex<Last>,
 }
 
-/// The last list and the last motion, if there are any, and the solid of the last rest shape.
+/// The last lists and the last motion, if there are any, and the solid of the last rest shape.
 #[derive(Default)]
 struct Last {
     rest: Vec<Vec3>,
     solid: Option<Arc<Solid>>,
-    list: Option<Arc<Neighbours>>,
+    lists: Vec<Arc<Neighbours>>,
     swept: Option<Arc<Swept>>,
 }
 
@@ -97,15 +105,27 @@ impl Last {
             *self = Self { rest: rest.to_vec(), ..Self::default() };
         }
     }
+
+    /// Puts a list before the others, of which some are kept.
+    fn keep(&mut self, list: &Arc<Neighbours>) {
+        self.lists.insert(0, Arc::clone(list));
+        self.lists.truncate(LISTS);
+        let others = |lists: &[Arc<Neighbours>]| -> usize {
+            lists[1..].iter().map(|list| list.count()).sum()
+        };
+        while others(&self.lists) > KEPT_PAIRS {
+            self.lists.pop();
+        }
+    }
 }
 
 impl NeighbourList {
-    /// The last list, if it holds for this rest shape at all these positions.
+    /// One of the last lists, if it holds for this rest shape at all these positions.
     #[must_use]
     pub fn last_at(&self, rest: &[Vec3], positions: &[&[Vec3]]) -> Option<Arc<Neighbours>> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let list = last.list.as_ref().filter(|_| last.rest == rest);
-        list.filter(|list| positions.iter().all(|x| list.holds(x))).map(Arc::clone)
+        let mut lists = last.lists.iter().filter(|_| last.rest == rest);
+        lists.find(|list| positions.iter().all(|x| list.holds(x))).map(Arc::clone)
     }
 
     /// A list that holds at positions `x` and rest positions of the collision vertices [m],
@@ -126,7 +146,9 @@ impl NeighbourList {
         let list = list.or_else(|| make(slack(potential, x))).or_else(|| make(0.0)).map(Arc::new);
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         last.be_of(rest);
-        last.list.clone_from(&list);
+        if let Some(list) = &list {
+            last.keep(list);
+        }
         list
     }
 
