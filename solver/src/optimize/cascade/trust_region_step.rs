@@ -129,14 +129,16 @@ fn renew(
     if region.is_good_for(theta.len() / VARIABLES_PER_STEP) {
         return Ok(None);
     }
-    let curvature = level.curvature(theta, current)?;
+    let found = level.curvature(theta, current)?;
+    // changes of the first order grow without end where a motion does not forget its start
+    let curvature = found.filter(|found| found.matrix.iter().all(|entry| entry.is_finite()));
     match &curvature {
         Some(curvature) => region.renew(&curvature.matrix),
         None if region.is_empty() => {
             let why = "the tangent of the start cannot be factored: it gives way there";
             return Err(Rejected(why.to_owned()));
         }
-        None => log::debug!("the curvature of before is kept, as the tangent cannot be factored"),
+        None => log::debug!("the curvature of before is kept, as the tangent has no use"),
     }
     Ok(curvature)
 }
