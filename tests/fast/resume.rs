@@ -182,15 +182,15 @@ fn all_threads_block_the_signals_that_one_waits_for() {
         threads.flatten().filter_map(|thread| mask(status(thread).ok()?)).collect()
     };
     let clock = Instant::now();
-    // the first and those that compute
-    while masks().len() < 3 && clock.elapsed() < Duration::from_secs(20) {
+    // the first, which computes as well, and another one
+    while masks().len() < 2 && clock.elapsed() < Duration::from_secs(20) {
         std::thread::sleep(Duration::from_millis(5));
     }
     let found = masks();
     child.kill().unwrap();
     child.wait().unwrap();
     let both = 1 << (2 - 1) | 1 << (15 - 1);
-    assert!(found.len() >= 3 && found.iter().all(|mask| mask & both == both), "{found:x?}");
+    assert!(found.len() >= 2 && found.iter().all(|mask| mask & both == both), "{found:x?}");
 }
 
 /// A limit on the size of files stands for a full disk [KiB].

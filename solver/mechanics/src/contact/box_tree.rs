@@ -48,7 +48,9 @@ impl Bounds {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
-    fn meets(&self, other: &Self) -> bool {
+    /// Whether this one and another have a point in common.
+    #[must_use]
+    pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 }

@@ -93,6 +93,15 @@ pub fn between_within(
     Ok(pairs)
 }
 
+/// Those of some pairs that [`between`] finds with this radius [m], in their order.
+#[must_use]
+pub fn coming_within(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], radius: f64) -> Vec<Pair> {
+    let radius = radius + rounding(x0, x1);
+    let search = Search { x0, x1, radius, budget: usize::MAX, seen: 0.into() };
+    let comes = |pair: &&Pair| search.boxes_meet(pair) && search.reachable(pair);
+    pairs.par_iter().filter(comes).copied().collect()
+}
+
 /// All pairs of two of `features` closer than `radius` [m] at positions `x` [m]:
 /// sorted, each once, without those that share a vertex.
 #[must_use]
@@ -255,11 +264,19 @@ impl<'a> Search<'a> {
 
     /// Boxes around what features sweep.
     fn boxes<T: Corners>(&self, features: &[T]) -> Vec<Bounds> {
-        let swept = |feature: &T| {
-            let corners = feature.corners().iter();
-            Bounds::around(corners.flat_map(|&v| [self.x0[v], self.x1[v]]))
-        };
-        features.par_iter().map(swept).collect()
+        features.par_iter().map(|feature| self.swept(feature.corners())).collect()
+    }
+
+    /// The box around what a feature sweeps.
+    fn swept(&self, corners: &[usize]) -> Bounds {
+        Bounds::around(corners.iter().flat_map(|&v| [self.x0[v], self.x1[v]]))
+    }
+
+    /// Whether the boxes around what the features of a pair sweep come closer than the radius.
+    fn boxes_meet(&self, pair: &Pair) -> bool {
+        let corners = pair.corners();
+        let (first, second) = corners.split_at(pair.corners_of_first());
+        self.swept(first).grown(self.radius).meets(&self.swept(second))
     }
 
     /// Whether a pair is near enough at the start for how far it moves.

@@ -25,6 +25,7 @@ use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate};
 use crate::contact::barrier::Barrier;
+use crate::contact::candidates::coming_within;
 use crate::contact::ccd;
 use crate::contact::certificate::{Intersection, certify};
 use crate::contact::friction::{LaggedContact, LaggedContactCotangent};
@@ -163,10 +164,12 @@ impl Contact {
         if let Some(list) = self.neighbours.last_at(&rest, &[&start, &whole]) {
             return self.free_share([&list.pairs, &list.through_solid], &start, &whole);
         }
-        if let Some(swept) = self.neighbours.sweep(&self.potential, [&start, &whole], &rest) {
-            return self.free_share([&swept.pairs, &swept.through_solid], &start, &whole);
-        }
         let minimum = self.potential.repulsion().minimum;
+        if let Some(swept) = self.neighbours.sweep(&self.potential, [&start, &whole], &rest) {
+            let [air, solid] = [&swept.pairs, &swept.through_solid]
+                .map(|pairs| coming_within(pairs, &start, &whole, minimum));
+            return self.free_share([&air, &solid], &start, &whole);
+        }
         let mut share = 1.0;
         // a step that sweeps through too much is searched in part
         while share > SHORTEST {

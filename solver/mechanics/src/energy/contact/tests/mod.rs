@@ -293,6 +293,32 @@ fn surfaces_at_their_minimum_distance_are_not_admissible() {
 }
 
 /// Steps end before anything touches, with a little of the gap left.
+/// The list of neighbours on the way of a step is taken from what collision detection met.
+#[test]
+fn on_the_way_of_a_step_contact_is_what_it_is_without() {
+    let down = |scene: &Scene| -> Vec<f64> {
+        let positions = scene.space.node_positions(&scene.rest);
+        let one = |x: &Vec3| if x.z > 1.02 { -0.5 * Vec3::z() } else { Vec3::zeros() };
+        positions.iter().flat_map(|x| <[f64; 3]>::from(one(x))).collect()
+    };
+    let scene = blocks(2, Form::Convergent, 1.0, 0.0);
+    let step = down(&scene);
+    let along = |share: f64| -> Vec<f64> {
+        scene.u.iter().zip(&step).map(|(u, s)| u + share * s).collect()
+    };
+    let share = scene.contact.max_step(&scene.here(), &scene.at(&scene.rest, &along(1.0)));
+    let mut touched = 0;
+    for part in [share, 0.5 * share, 0.9 * share] {
+        let u = along(part);
+        let fresh = blocks(2, Form::Convergent, 1.0, 0.0);
+        let [found, expected] =
+            [&scene, &fresh].map(|of| of.contact.value(&of.at(&of.rest, &u)).to_bits());
+        assert_eq!(found, expected, "{part} of the step");
+        touched += usize::from(f64::from_bits(found) > 0.0);
+    }
+    assert!(touched > 0, "nothing touched on the way");
+}
+
 #[test]
 fn steps_are_cut_where_surfaces_meet() {
     for thickness in [0.0, 0.03] {
