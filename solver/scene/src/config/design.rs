@@ -98,8 +98,8 @@ pub struct OptimizerConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_limit: Option<f64>,
     /// Memory for the states of a run; what exceeds it lies in a file in `TMPDIR`
-    /// meanwhile. Without contact, what the states leave is for factors of the tangents at the
-    /// ends of time steps [B].
+    /// meanwhile. Without contact, a quarter of what the states leave is for factors of the
+    /// tangents at the ends of time steps [B].
     pub state_memory: f64,
 }
 

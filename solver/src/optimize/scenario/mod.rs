@@ -53,6 +53,9 @@ const BALLOONED_NEARBY: f64 = 1.0;
 /// ... and from rest, where a chamber may grow a lot.
 const BALLOONED: f64 = 4.0;
 
+/// Part of the memory that states leave which factors of tangents may take.
+const FOR_TANGENTS: f64 = 0.25;
+
 /// A shape that was not accepted, and why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
@@ -406,7 +409,7 @@ impl Scenario {
         let known = if !self.transient {
             Linearizations::at_end(problem, &mut self.workspace, rest, states)
         } else if problem.energies.contact_terms().next().is_none() {
-            let memory = states.memory_left();
+            let memory = FOR_TANGENTS * states.memory_left();
             Linearizations::of(problem, &mut self.workspace, rest, states, memory)
         } else {
             // contact changes the pattern from one time step to the next
