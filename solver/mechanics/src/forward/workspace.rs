@@ -68,7 +68,7 @@ pub struct Linearization {
     time: f64,
     multipliers: Vec<Multiplier>,
     step: Option<TimeStep>,
-    /// Its factor, where that is to outlive the next one.
+    /// Its factor, if it is kept while the workspace factors other matrices.
     kept: Option<Arc<Factorization>>,
 }
 

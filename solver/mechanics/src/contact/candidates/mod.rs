@@ -93,7 +93,8 @@ pub fn between_within(
     Ok(pairs)
 }
 
-/// Those of some pairs that [`between`] finds with this radius [m], in their order.
+/// Keeps the pairs that may come closer than `radius` [m] while vertices move from `x0` to `x1` [m], by the test of
+/// [`between`]. Their order stays.
 #[must_use]
 pub fn coming_within(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], radius: f64) -> Vec<Pair> {
     let radius = radius + rounding(x0, x1);
