@@ -1,6 +1,6 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
     ArcFollower, LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about,
-    predicted_time,
+    predicted_iterations, predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, End, ErrorBars, Simulation, Status};
@@ -27,6 +27,7 @@ use crate::report::results;
 use crate::report::simulation::{self, Spent};
 use crate::report::stability;
 use crate::report::summary;
+use crate::report::time_left::{Pace, foretell};
 use crate::report::writer::{Writer, write_beside};
 use crate::report::{reinforcement, threads};
 use crate::study::as_cast;
@@ -79,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let (scene, as_cast) = read(arguments)?;
     let begin = Instant::now();
-    let (problem, workspace) = scene.problem(&scene.body)?;
+    let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     scene.check_loads()?;
     scene.warn_of_growth();
@@ -94,7 +95,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let timed = scene.config.time.is_some();
     let time_steps_done = if timed { done } else { 0 };
     let steps = steps_of(&scene, arguments, time_steps_done);
-    let predicted_s = predicted_time(&problem, &workspace, scene.config.steps(steps.len()));
+    let kind = scene.config.steps(steps.len());
+    let predicted_s = predicted_time(&problem, &workspace, kind);
+    if !timed {
+        let expected = predicted_iterations(&problem, kind);
+        workspace.watch = Some(foretell(workspace.watch.take(), expected));
+    }
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     let pictures = !arguments.final_only;
@@ -198,9 +204,6 @@ fn announce(scene: &Scene, workspace: &Workspace) {
 /// Memory for all states, where error bars need them; others lie on disk [B].
 const STATE_MEMORY: f64 = 4e9;
 
-/// Steps whose speed counts for how long the rest takes.
-const LAST: usize = 3;
-
 /// Least time between two checkpoints of a static run.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(1);
 
@@ -220,10 +223,7 @@ struct Run<'a> {
     /// Load steps of a static scene that an interrupted run has made.
     done: usize,
     start: Instant,
-    /// The times at which it was at last, and when it was there [s].
-    passed: VecDeque<[f64; 2]>,
-    /// Where it ends [s].
-    to: f64,
+    pace: Pace,
 }
 
 impl<'a> Run<'a> {
@@ -250,7 +250,7 @@ impl<'a> Run<'a> {
         let (last, start) = (None, Instant::now());
         let reached = stepper.progress.last.last();
         let from = reached.map_or(stepper.progress.time, |last| last.time);
-        let (passed, to) = (VecDeque::from([[from, 0.0]]), scene.end());
+        let pace = Pace::from(from, scene.end());
         Self {
             scene,
             problem,
@@ -262,8 +262,7 @@ impl<'a> Run<'a> {
             states,
             done,
             start,
-            passed,
-            to,
+            pace,
         }
     }
 
@@ -278,7 +277,7 @@ impl<'a> Run<'a> {
             return self.go_to_load(writer, checkpoint);
         }
         let count = time_steps.end;
-        self.to = time_steps.clone().last().map_or(self.to, |n| self.scene.times()[n]);
+        time_steps.clone().last().inspect(|&n| self.pace.end = self.scene.times()[n]);
         let mut leapt = false;
         for n in time_steps {
             let before = self.stepper.progress.reached().to_vec();
@@ -357,13 +356,14 @@ impl<'a> Run<'a> {
             Some(follower) => follower.next(stepper, self.problem, workspace, rest)?,
             None => stepper.next(self.problem, workspace, rest, end)?,
         };
-        let left = self.left(step.time);
+        let now = self.start.elapsed().as_secs_f64();
+        let left = self.pace.left(step.time, now).filter(|_| self.follower.is_none());
         log::info!(
             "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s{}",
             self.scene.progress(step.time),
             step.newton_iterations,
             step.residual,
-            self.start.elapsed().as_secs_f64(),
+            now,
             left.map(|s| format!("  about {} left", about(s))).unwrap_or_default()
         );
         if step.smallest_volume_ratio <= 0.0 {
@@ -378,22 +378,6 @@ impl<'a> Run<'a> {
             states.push(end, self.stepper.progress.integrator.last().clone());
         }
         Ok(step)
-    }
-
-    /// How long the rest takes, at the speed of the last [`LAST`] steps [s]; none of a path, whose end is not known, and
-    /// of less than a second and a half.
-    ///
-    /// In 13 runs with contact, beside other work, the time that was left at 10, 20 … 90 % differed from this by a factor of 1.7
-    /// in the median, and by 2.6 from that by the mean speed of all steps.
-    fn left(&mut self, time: f64) -> Option<f64> {
-        let now = self.start.elapsed().as_secs_f64();
-        let [from, then] = *self.passed.front()?;
-        self.passed.push_back([time, now]);
-        if self.passed.len() > LAST {
-            self.passed.pop_front();
-        }
-        let left = (now - then) * (self.to - time) / (time - from);
-        (self.follower.is_none() && left.is_finite() && left >= 1.5).then_some(left)
     }
 
     /// What is known of the state at the end, and surfaces that have passed through each other.

@@ -19,4 +19,5 @@ pub mod simulation;
 pub mod stability;
 pub mod summary;
 pub mod threads;
+pub mod time_left;
 pub mod writer;

@@ -29,11 +29,12 @@ const KEPT_PAIRS: usize = 2_000_000;
 /// Part of the slack by which positions may be beside a way that they are taken to be on.
 const BESIDE: f64 = 1e-3;
 
-/// Candidate pairs of which none is missing while no vertex is farther than `slack` from
+/// Candidate pairs of which none is missing while no vertex is farther than the slack from
 /// where it was.
 pub struct Neighbours {
     x: Vec<Vec3>,
-    slack: f64,
+    /// δ [m]; that of a list along a motion is less by the part [`BESIDE`].
+    pub slack: f64,
     /// The pairs that may repel each other, in a fixed order.
     pub pairs: Vec<Pair>,
     /// Those through the solid of a body.

@@ -47,15 +47,20 @@ pub enum Steps {
     Dynamic(usize),
 }
 
-/// Predicted time of a run [s].
+/// Predicted number of Newton iterations of a run.
 #[must_use]
-pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) -> f64 {
-    let iterations = match steps {
+pub fn predicted_iterations(problem: &Problem, steps: Steps) -> f64 {
+    match steps {
         Steps::Load(count) => STATIC + LOAD_STEP * count.saturating_sub(1) as f64,
         Steps::Quasistatic(count) => QUASISTATIC_STEP * count as f64,
         Steps::Dynamic(count) if problem.energies.contact.is_some() => CONTACT_STEP * count as f64,
         Steps::Dynamic(count) => STEP * count as f64,
-    };
+    }
+}
+
+/// Predicted time of a run [s].
+#[must_use]
+pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) -> f64 {
     let space = &problem.space;
     // strain of degree 1 is constant in an element: one point stands for all
     let each = if space.degree() == 1 { 1 } else { space.volume_table().weights.len() };
@@ -67,7 +72,7 @@ pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) ->
         + FACTORIZATIONS * factor.flops
         + SOLVES * factor.entries as f64
         + others * problem.dofs() as f64;
-    iterations * work / product_speed()
+    predicted_iterations(problem, steps) * work / product_speed()
 }
 
 /// A time as people say it, with one or two digits.

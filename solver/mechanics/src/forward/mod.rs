@@ -45,7 +45,7 @@ mod workspace;
 
 pub use burst::{Burst, BurstSearch, Torn};
 pub use certificate::{Uncertified, certificate};
-pub use cost::{Steps, about, predicted_time};
+pub use cost::{Steps, about, predicted_iterations, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
 pub use integrator::{Formula, Growth, Integrator, Method, State, Weights};
 pub use limit::{Covector, First, Left, Limit, LimitSearch};

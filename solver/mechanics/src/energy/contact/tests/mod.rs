@@ -314,6 +314,12 @@ fn on_the_way_of_a_step_contact_is_what_it_is_without() {
         let [found, expected] =
             [&scene, &fresh].map(|of| of.contact.value(&of.at(&of.rest, &u)).to_bits());
         assert_eq!(found, expected, "{part} of the step");
+        let slack = |of: &Scene| {
+            let (x, rest) =
+                (of.contact.positions(&of.at(&of.rest, &u)), of.contact.rest(&of.here()));
+            of.contact.neighbours.last_at(&rest, &[&x]).expect("a list").slack
+        };
+        assert!(slack(&scene) < slack(&fresh), "the list is not of the step");
         touched += usize::from(f64::from_bits(found) > 0.0);
     }
     assert!(touched > 0, "nothing touched on the way");
