@@ -10,7 +10,7 @@ use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    ArcFollower, LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace, about,
+    ArcFollower, LoadStep, Problem, Steps, TimeStepper, Trajectory, Unreached, Workspace, about,
     predicted_iterations, predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
@@ -97,7 +97,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let steps = steps_of(&scene, arguments, time_steps_done);
     let kind = scene.config.steps(steps.len());
     let predicted_s = predicted_time(&problem, &workspace, kind);
-    if !timed {
+    // steps tell how long the rest takes, and the end of a path is not known
+    if matches!(kind, Steps::Load(1)) && scene.path().is_none() {
         let expected = predicted_iterations(&problem, kind);
         workspace.watch = Some(foretell(workspace.watch.take(), expected));
     }
@@ -250,7 +251,7 @@ impl<'a> Run<'a> {
         let (last, start) = (None, Instant::now());
         let reached = stepper.progress.last.last();
         let from = reached.map_or(stepper.progress.time, |last| last.time);
-        let pace = Pace::from(from, scene.end());
+        let pace = Pace::new(from, scene.end());
         Self {
             scene,
             problem,
@@ -277,7 +278,9 @@ impl<'a> Run<'a> {
             return self.go_to_load(writer, checkpoint);
         }
         let count = time_steps.end;
-        time_steps.clone().last().inspect(|&n| self.pace.end = self.scene.times()[n]);
+        if let Some(n) = time_steps.clone().last() {
+            self.pace.end = self.scene.times()[n];
+        }
         let mut leapt = false;
         for n in time_steps {
             let before = self.stepper.progress.reached().to_vec();

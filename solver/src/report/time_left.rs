@@ -1,8 +1,8 @@
 //! How long the rest of a run takes.
 //!
-//! After the first Newton iterations of a static scene: their time, and the number that such a run takes
-//! ([`predicted_iterations`](mechanics::forward::predicted_iterations)). After each step: the speed of the last ones. A
-//! time step takes 2 to 30 iterations, so that there the first step says more than a number that is known before.
+//! A run of one load step is judged by the time of its first Newton iterations, and by the number that such runs take
+//! ([`predicted_iterations`](mechanics::forward::predicted_iterations)). A run of several steps is judged by the speed of
+//! the last ones: a step takes 2 to 30 iterations, which nobody knows before the first is made.
 
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
@@ -10,12 +10,11 @@ use std::time::Instant;
 
 use mechanics::forward::{Event, Watch, about};
 
-/// Newton iterations after which a static run tells how long it takes, by their time without the first: that has the
-/// ordering and the memory of all.
+/// Newton iterations whose time counts, without the first: in that one the matrix is ordered, and memory is cleared.
 const FIRST: u32 = 4;
-/// Steps whose speed counts later.
+/// Steps whose speed counts.
 const LAST: usize = 3;
-/// Time left of which nothing is said if it is shorter [s].
+/// The shortest time left that is said [s].
 const WORTH_SAYING: f64 = 1.5;
 
 /// A watch that says, once, how much is left of a run of so many Newton iterations.
@@ -53,10 +52,10 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Of a run from a time to another [s].
+    /// The pace of a run that begins at the time `start` and ends at `end` [s].
     #[must_use]
-    pub fn from(time: f64, end: f64) -> Self {
-        Self { passed: VecDeque::from([[time, 0.0]]), end }
+    pub fn new(start: f64, end: f64) -> Self {
+        Self { passed: VecDeque::from([[start, 0.0]]), end }
     }
 
     /// How long the rest takes at the speed of the last [`LAST`] steps [s], where the run has come to a time after
@@ -82,7 +81,7 @@ mod tests {
     /// Ten steps: slow ones of 4 s, then ones of 1 s.
     #[test]
     fn the_last_steps_tell_how_long_the_rest_takes() {
-        let mut pace = Pace::from(0.0, 10.0);
+        let mut pace = Pace::new(0.0, 10.0);
         let left = [(1.0, 4.0), (2.0, 8.0), (3.0, 9.0), (4.0, 10.0), (5.0, 11.0), (9.0, 15.0)]
             .map(|(time, now)| pace.left(time, now));
         assert_eq!(left, [Some(36.0), Some(32.0), Some(21.0), Some(12.0), Some(5.0), None]);

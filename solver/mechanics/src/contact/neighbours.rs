@@ -33,7 +33,7 @@ const BESIDE: f64 = 1e-3;
 /// where it was.
 pub struct Neighbours {
     x: Vec<Vec3>,
-    /// δ [m]; that of a list along a motion is less by the part [`BESIDE`].
+    /// δ [m]. A list on the way of a motion has less of it, by the part [`BESIDE`].
     pub slack: f64,
     /// The pairs that may repel each other, in a fixed order.
     pub pairs: Vec<Pair>,
@@ -202,7 +202,8 @@ impl NeighbourList {
     }
 }
 
-/// The slack of a list at positions [m]. The surface has its edges; to find them anew took 3 % of a run of the gripper.
+/// The slack of a list at positions [m]. It takes the edges that the surface keeps: a search for them in each call took
+/// 3 % of a run of the gripper.
 fn slack(potential: &Potential, x: &[Vec3]) -> f64 {
     let edges = &potential.surface().features().edges;
     let length: f64 = edges.iter().map(|[a, b]| (x[*b] - x[*a]).norm()).sum();

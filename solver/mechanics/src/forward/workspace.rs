@@ -68,7 +68,7 @@ pub struct Linearization {
     time: f64,
     multipliers: Vec<Multiplier>,
     step: Option<TimeStep>,
-    /// Its factor, if it is kept while the workspace factors other matrices.
+    /// The factor of its tangent, where [`Workspace::keep`] has kept it.
     kept: Option<Arc<Factorization>>,
 }
 
