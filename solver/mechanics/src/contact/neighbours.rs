@@ -33,7 +33,7 @@ const BESIDE: f64 = 1e-3;
 /// where it was.
 pub struct Neighbours {
     x: Vec<Vec3>,
-    /// δ [m]. A list on the way of a motion has less of it, by the part [`BESIDE`].
+    /// δ [m]. A list on the way of a motion has less of it, by the part `BESIDE`.
     pub slack: f64,
     /// The pairs that may repel each other, in a fixed order.
     pub pairs: Vec<Pair>,
