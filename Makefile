@@ -125,7 +125,7 @@ bodies: setup  ## random bodies from model to verified mold, with their statisti
 	BODIES_COUNT=$(or $(COUNT),200) BODIES_SEED=$(or $(SEED),0) \
 		cargo test --release --locked --workspace --test bodies -- --ignored --nocapture bodies_become_molds
 
-campaign: setup  ## bodies of three more families from model to verified mold, with verdicts on refusals (COUNT=200 of each, SEED=0, FAMILY=shells)
+campaign: setup  ## bodies of six more families from model to verified mold, with verdicts on refusals (COUNT=200 of each, SEED=0, FAMILY=shells)
 	.venv/bin/python -B tests/campaign/run.py $(BIN) build/campaign --count $(or $(COUNT),200) --seed $(or $(SEED),0) \
 		$(if $(FAMILY),--family $(FAMILY))
 

@@ -176,7 +176,7 @@ fn family(python: &Path, name: &str, count: usize, dir: &Workdir) -> Vec<PathBuf
 
 #[test]
 fn bodies_of_the_campaign_are_modelled() {
-    let Some(python) = python("numpy, gmsh") else { return };
+    let Some(python) = python("numpy, gmsh, manifold3d") else { return };
     let dir = Workdir::new();
     let mut models = family(&python, "shells", 4, &dir);
     models.extend(family(&python, "lattices", 2, &dir));
@@ -184,11 +184,19 @@ fn bodies_of_the_campaign_are_modelled() {
         let model = ModelFile::read(&folder.join("model.toml"), &[]).unwrap().model;
         assert_eq!(modelled(&model), Ok(()), "{}", folder.display());
     });
-    family(&python, "fillets", 1, &dir);
-    let run: Run =
-        dir.command_of("cad2fem", "-q model fillets-0/model.step -o out").output().unwrap().into();
-    run.assert_good();
-    assert_eq!(dir.files("out/patches"), ["ch1.stl", "ch2.stl", "seat.stl", "skin.stl"]);
+    let step = "model FAMILY-0/model.step";
+    let stl = "import FAMILY-0/skin.stl --subtract FAMILY-0/cavity.stl --unit mm";
+    for (name, command, patches) in [
+        ("fillets", step, vec!["ch1.stl", "ch2.stl", "seat.stl", "skin.stl"]),
+        ("lofts", step, vec!["cavity.stl", "seat.stl", "skin.stl"]),
+        ("periodic", stl, vec!["cavity.stl", "skin.stl"]),
+    ] {
+        family(&python, name, 1, &dir);
+        let command = format!("-q {} -o {name}", command.replace("FAMILY", name));
+        let run: Run = dir.command_of("cad2fem", &command).output().unwrap().into();
+        run.assert_good();
+        assert_eq!(dir.files(&format!("{name}/patches")), patches);
+    }
     assert!(
         campaign(&python, "verdict.py", &["shells-1"], &dir).contains("chain False in one piece")
     );
@@ -197,7 +205,7 @@ fn bodies_of_the_campaign_are_modelled() {
 #[test]
 #[ignore = "a minute: runs in make test-all"]
 fn verdicts_tell_bodies_that_cannot_be_cast() {
-    let Some(python) = python("numpy") else { return };
+    let Some(python) = python("numpy, manifold3d") else { return };
     let dir = Workdir::new();
     family(&python, "shells", 20, &dir);
     family(&python, "lattices", 4, &dir);

@@ -1,4 +1,4 @@
-"""Random bodies of three families, each with what is known of it by construction.
+"""Random bodies of six families, each with what is known of it by construction.
 
     python bodies.py FOLDER [--family NAME] [--count 10] [--seed 0]
 
@@ -12,9 +12,10 @@ import json
 import pathlib
 import random
 
+import manifold3d
 import numpy
 
-FAMILIES = {"shells": "shells", "lattices": "lattices", "fillets": "fillets"}
+FAMILIES = ("shells", "lattices", "fillets", "lofts", "periodic", "scans")
 
 # The mesher's envelope over the least wall: what it moves does not matter to a wall.
 ENVELOPE = 1 / 10
@@ -23,7 +24,8 @@ SELECTION = 2.0
 
 
 class Body:
-    """What a generator returns: a model, the names of its chambers, and facts [mm]."""
+    """What a generator returns: a model, the names of its chambers, and facts [mm]. A model is implicit, the bytes of a
+    STEP file, or triangles (corners, three a row) by the names of their STL files."""
 
     def __init__(self, kind, model, chambers=("cavity",), *, size, wall, inlet, gap=None, castable=True):
         self.kind, self.model, self.chambers = kind, model, chambers
@@ -33,6 +35,9 @@ class Body:
         folder.mkdir(parents=True, exist_ok=True)
         if isinstance(self.model, bytes):
             (folder / "model.step").write_bytes(self.model)
+        elif isinstance(self.model, dict):
+            for name, corners in self.model.items():
+                write_stl(folder / f"{name}.stl", corners)
         else:
             (folder / "model.toml").write_text(self.model.text())
         wall, size = (self.facts[name] * 1e-3 for name in ("wall", "size"))
@@ -44,7 +49,9 @@ class Body:
         )
         tags = f"epsilon = {SELECTION * envelope:.3e}\n"
         for name in (*self.chambers, "seat", "skin"):
-            tags += f'[[tag]]\nname = "{name}"\npatch = "{name}.stl"\n'
+            seat = name == "seat" and isinstance(self.model, dict)
+            where = "plane = { point = [0, 0, 0], normal = [0, 0, -1] }" if seat else f'patch = "{name}.stl"'
+            tags += f'[[tag]]\nname = "{name}"\n{where}\n'
             tags += "pressure = true\n" if name in self.chambers else ""
             tags += 'rim = "seat"\n' if name in self.chambers and self.facts["inlet"] else ""
         (folder / "tags.toml").write_text(tags)
@@ -62,9 +69,29 @@ def between(a, b):
     return numpy.linalg.norm(first[:, None] - second[None], axis=2).min()
 
 
+def triangles(solid):
+    """Corners of the triangles of a manifold, three a row."""
+    mesh = solid.to_mesh()
+    return numpy.asarray(mesh.vert_properties, float)[:, :3][mesh.tri_verts]
+
+
+def apart(skin, chamber):
+    """Least distance of a manifold to another one within it."""
+    box = numpy.array(skin.bounding_box()).reshape(2, 3) + [[-1], [1]]
+    around = manifold3d.Manifold.cube(box[1] - box[0]).translate(box[0]) - skin
+    return around.min_gap(chamber, float((box[1] - box[0]).max()))
+
+
+def write_stl(path, corners):
+    """A binary STL, whose triangles share no corners."""
+    facets = numpy.zeros(len(corners), dtype=[("normal", "<3f4"), ("corners", "<9f4"), ("rest", "<u2")])
+    facets["corners"] = corners.reshape(-1, 9)
+    path.write_bytes(bytes(80) + numpy.uint32(len(corners)).tobytes() + facets.tobytes())
+
+
 def make(folder, family, seed):
     """Writes the body of a seed; its folder."""
-    generator = importlib.import_module(FAMILIES[family])
+    generator = importlib.import_module(family)
     place = pathlib.Path(folder) / f"{family}-{seed}"
     generator.body(random.Random(f"{family} {seed}")).write(place, family, seed)
     return place

@@ -18,10 +18,14 @@ LEAST_WALL, LEAST_INLET, LEAST_FILLET = 1.4, 1.5, 0.3
 
 
 def body(random):
-    """A random body; radii of fillets are drawn again where OpenCASCADE makes no solid with them."""
+    """A random body."""
     size = 10 * 20 ** random.random()
     wall = max(LEAST_WALL, size * random.uniform(0.06, 0.1))
-    kind = random.choice(KINDS)
+    return redrawn(random.choice(KINDS), random, size, wall)
+
+
+def redrawn(kind, random, size, wall):
+    """A body of that kind; its numbers are drawn again where OpenCASCADE makes no solid with them."""
     for _ in range(20):
         gmsh.initialize()
         gmsh.option.setNumber("General.Terminal", 0)

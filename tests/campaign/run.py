@@ -27,13 +27,17 @@ LONGEST = 900
 REFUSED = (1, 2)
 # Part of the bodies that may fail for no reason that the model shows.
 MOST_WRONG = 0.03
-FAMILIES = ("shells", "lattices", "fillets")
+FAMILIES = ("shells", "lattices", "fillets", "lofts", "periodic", "scans")
 
 
 def chain(folder):
     """The commands by the stage they belong to."""
-    cad = folder / "model.step"
-    yield "model", ["cad2fem", "model", cad if cad.exists() else folder / "model.toml", "-o", folder / "model"]
+    cad, skin = folder / "model.step", folder / "skin.stl"
+    if skin.exists():
+        brought = ["import", skin, "--subtract", folder / "cavity.stl", "--unit", "mm"]
+    else:
+        brought = ["model", cad if cad.exists() else folder / "model.toml"]
+    yield "model", ["cad2fem", *brought, "-o", folder / "model"]
     yield "mesh", ["cad2fem", "tetmesh", folder / "model/model.stl", "--config", folder / "cad2fem.toml",
                    "--no-cache", "-o", folder / "volume.msh"]
     yield "tags", ["tagger", "tag", folder / "volume.msh", "--config", folder / "tags.toml",

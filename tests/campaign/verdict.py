@@ -96,8 +96,19 @@ def of_step(path):
     triangles = {name: numpy.concatenate(parts) for name, parts in triangles.items()}
     skin = triangles.pop("skin")
     triangles.pop("seat", None)
-    walls = numpy.concatenate(list(triangles.values()))
+    return of_triangles(skin, numpy.concatenate(list(triangles.values())))
 
+
+def of_stl(folder):
+    """The same of two files."""
+    def corners(path):
+        facets = numpy.frombuffer(path.read_bytes()[84:], dtype=[("normal", "<3f4"), ("corners", "<9f4"), ("rest", "<u2")])
+        return facets["corners"].reshape(-1, 3, 3).astype(float)
+
+    return of_triangles(corners(folder / "skin.stl"), corners(folder / "cavity.stl"))
+
+
+def of_triangles(skin, walls):
     def inside(_, axes):
         filled, chamber = (odd(part, axes) for part in (skin, walls))
         return filled, chamber & filled
@@ -251,8 +262,8 @@ def in_halves(voxels):
 def cannot_be_cast(folder):
     """Whether no mold makes the body, and why."""
     folder = pathlib.Path(folder)
-    step = folder / "model.step"
-    voxels = of_step(step) if step.exists() else of_model(folder / "model.toml")
+    step, skin = folder / "model.step", folder / "skin.stl"
+    voxels = of_step(step) if step.exists() else of_stl(folder) if skin.exists() else of_model(folder / "model.toml")
     whole = as_a_whole(voxels) if voxels.opens_below or not voxels.chamber.any() else LOCKED
     if whole <= PEEL:
         return False, f"in one piece silicone gives way by {whole:.2f} of its width, {PEEL} is possible"
