@@ -1,7 +1,7 @@
 //! Random bodies from model to verified mold: what becomes of them, by kind; and random bodies of families
 //! that are hard to mesh.
 //!
-//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds, of either. Three families more, with verdicts
+//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds, of either. Six families more, with verdicts
 //! that use none of our programs, are in `campaign`: `make campaign`.
 #![allow(missing_docs, clippy::unwrap_used)]
 
