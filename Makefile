@@ -14,8 +14,8 @@ $(call refuse,DIR BODY SWEEP QUALITY RETRY TARGET PREFIX DESTDIR PYTHON CASES CA
 
 # Every folder in pipelines with settings of a mesh is a body: `make NAME`. Those with
 # cad2fem.paper.toml have finer settings, too. Those that are not scenes here have rules of their own.
-BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(wildcard pipelines/*/cad2fem.toml))
-FINER := $(patsubst pipelines/%/cad2fem.paper.toml,%,$(wildcard pipelines/*/cad2fem.paper.toml))
+BODIES := $(patsubst pipelines/%/cad2fem.toml,%,$(call files,pipelines/*/cad2fem.toml))
+FINER := $(patsubst pipelines/%/cad2fem.paper.toml,%,$(call files,pipelines/*/cad2fem.paper.toml))
 SCENES := $(filter-out gripper walker worm,$(BODIES))
 
 # One elsewhere: `make body DIR=...`
@@ -163,7 +163,7 @@ book: .cargo-tools/book/installed  ## the book, as pages that load nothing from 
 		cargo install --locked --version $(MDBOOK) --no-default-features --features search --root .cargo-tools mdbook
 	rm -rf build/book
 	mdbook build pipelines/book
-	cp --parents $$(find pipelines cad2fem/page/pictures -name '*.png' -o -name '*.svg') build/book
+	find pipelines cad2fem/page/pictures \( -name '*.png' -o -name '*.svg' \) -print0 | xargs -0 cp --parents --target-directory build/book --
 	echo '<meta http-equiv="refresh" content="0; url=pipelines/book/index.html">' > build/book/index.html
 	@echo "book: open build/book/index.html"
 

@@ -33,3 +33,5 @@ $(chains)
 ifneq ($(LIKE),)
 include rules.mk
 endif
+
+$(look-at-sources)

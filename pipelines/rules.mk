@@ -1,6 +1,6 @@
 # The bodies in pipelines, and what some of them need beyond the chain of chain.mk.
 
-build/.sources/%: pipelines/% always
+build/.sources/%: | pipelines/%
 	$(keep-source)
 
 build/%/model/model.json: pipelines/%/model.toml | setup
@@ -12,7 +12,7 @@ build/%/model/model.json: pipelines/%/model.geo | setup
 build/%/model/model.json: pipelines/%/model.step | setup
 	$(BIN)/cad2fem model $< -o $(@D)
 
-$(foreach model,$(wildcard $(foreach e,toml geo step,pipelines/*/model.$(e) pipelines/*/*/model.$(e))),\
+$(foreach model,$(foreach e,toml geo step,$(call files,pipelines/*/model.$(e)) $(call files,pipelines/*/*/model.$(e))),\
 $(eval $(patsubst pipelines/%,build/%,$(dir $(model)))model/model.json: $(call seen,$(model))))
 
 # All results of a scene on one page. What is to be on it are its prerequisites, below.
@@ -21,8 +21,7 @@ build/%/report.html: | setup
 
 # It holds the number of the make that made it: with another one there was nothing to do.
 build/%/done: build/%/report.html
-	@echo $$PPID > $@
-	@echo "$*: results in $(@D), all to be seen in $<; to send: $(filter %.zip,$^)"
+	$(call finish,$*)
 
 # Bodies that are cast as modelled and have walls that are checked under load, too.
 cast-loaded.pneunet := yes
@@ -453,4 +452,6 @@ $(eval $(call mesh,fibre/path,$(TIP),))
 $(eval $(call mesh,fibre/core,build/fibre/core/body,))
 
 # Bodies with rules of their own.
-include $(wildcard pipelines/*/rules.mk)
+include $(call files,pipelines/*/rules.mk)
+
+$(look-at-sources)

@@ -53,7 +53,7 @@ $(foreach w,$(CAPSULES),$(eval from.capsule-$(call capsule.wall,$(w)) := pipelin
 $(foreach w,$(CAPSULES),$(eval to.capsule-$(call capsule.wall,$(w)) := $(VALIDATION)/capsule/$(call capsule.wall,$(w))))
 $(foreach w,$(CAPSULES),$(eval $(call capsule,$(call capsule.wall,$(w)),$(call capsule.pumped,$(w)),$(call capsule.other,$(call capsule.wall,$(w))))))
 
-$(VALIDATION)/errors.json: $(call source,pipelines/validation/validation.toml) $(call source,$(wildcard pipelines/validation/measured/*.csv)) | setup
+$(VALIDATION)/errors.json: $(call source,pipelines/validation/validation.toml) $(call source,$(call files,pipelines/validation/measured/*.csv)) | setup
 	$(BIN)/solver validate $< -o $(@D)
 
 $(VALIDATION)/calibration/calibration.json: $(call source,pipelines/validation/beam/calibrate.toml pipelines/validation/beam/sim.datasheet.toml) \
