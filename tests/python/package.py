@@ -18,6 +18,9 @@ import numpy as np
 
 import softpuffer as sp
 
+# As at a terminal, also where SIGINT was ignored from the start, as in the background of a shell: Python then leaves it so.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 SILICONE = {"kind": "mooney-rivlin-quadratic", "c1": 55e3, "c2": 5e3, "c3": 1.7e3, "d1": 1e6}
 EDGE = 0.01
 
