@@ -83,9 +83,9 @@ fn bodies_are_combined_turned_and_scaled() {
     let chamber = |x: f64| moved(block(10.0, 10.0, 4.0), Vec3::new(x, 5.0, 3.0));
     write_surface(&dir.path("left.stl"), &chamber(5.0)).unwrap();
     write_surface(&dir.path("right.stl"), &chamber(20.0)).unwrap();
-    let chambers = ["--subtract", "left.stl", "--subtract", "right.stl"];
+    let chambers = ["--subtract", "left.stl", "right.stl"];
     let all = [&["import", "body.stl", "lug.stl", "-o", "out"], &chambers[..]].concat();
-    dir.run(&all).says("left.stl subtracted: 0.4000 cm3 less");
+    dir.run(&all).says("right.stl subtracted: 0.4000 cm3 less");
     let (_, volume, names) = result(&dir);
     // 40·20·10 + 10·20·10 − 5·20·5 that both have − 2·10·10·4
     assert!((volume / (8000.0 + 2000.0 - 500.0 - 800.0) - 1.0).abs() < 1e-6, "{volume}");
@@ -104,6 +104,21 @@ fn bodies_are_combined_turned_and_scaled() {
     write_surface(&dir.path("far.stl"), &moved(block(1.0, 1.0, 1.0), Vec3::repeat(90.0))).unwrap();
     dir.run(&["import", "body.stl", "--subtract", "far.stl", "-o", "out"])
         .fails(2, "far.stl: it does not meet the body");
+}
+
+#[test]
+fn a_chamber_that_is_there_already_is_told() {
+    let dir = Workdir::new();
+    let body = Solid::cube(&Vec3::zeros(), &Vec3::new(40.0, 20.0, 10.0));
+    // closed, and open at a side, through which the air that is subtracted reaches
+    for (x, there) in [(5.0, 8), (-5.0, 4)] {
+        let low = Vec3::new(x, 5.0, 3.0);
+        let air = Solid::cube(&low, &(low + Vec3::new(10.0, 10.0, 4.0)));
+        write_surface(&dir.path("air.stl"), &air.to_surface()).unwrap();
+        write_surface(&dir.path("body.stl"), &body.difference(&air).to_surface()).unwrap();
+        let told = format!("air.stl: the body has this chamber already: {there} of its 8 vertices");
+        dir.run(&["import", "body.stl", "--subtract", "air.stl", "-o", "never"]).fails(2, &told);
+    }
 }
 
 #[test]

@@ -33,9 +33,9 @@ pub struct Args {
     /// Unit of files that state none; otherwise it is guessed by their size, and said
     #[arg(long)]
     unit: Option<Unit>,
-    /// File with what is taken away, such as a chamber, or a solid of the CAD file by its name or
-    /// number; again for each
-    #[arg(long, value_name = "FILE|SOLID")]
+    /// Files with what is taken away, such as chambers, or solids of the CAD file by their names or
+    /// numbers
+    #[arg(long, value_name = "FILE|SOLID", num_args = 1..)]
     subtract: Vec<String>,
     /// CAD: several solids that touch or cross are one body
     #[arg(long)]

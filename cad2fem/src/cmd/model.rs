@@ -35,8 +35,8 @@ pub struct Args {
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     /// STEP, .brep and .iges: a solid of the file, by name or number, that is taken out of the
-    /// others, such as the air of a chamber; again for each
-    #[arg(long, value_name = "SOLID")]
+    /// others, such as the air of a chamber; several follow each other
+    #[arg(long, value_name = "SOLID", num_args = 1..)]
     subtract: Vec<String>,
     /// CAD: let the script, and `FILE.opt` beside the file, run programs, read and write files
     #[arg(long)]

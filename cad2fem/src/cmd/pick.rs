@@ -45,9 +45,9 @@ pub struct Args {
     /// Unit of a file that states none
     #[arg(long)]
     unit: Option<Unit>,
-    /// What is taken away from a file: another file, or a solid of the CAD file by its name or
-    /// number; again for each
-    #[arg(long, value_name = "FILE|SOLID")]
+    /// What is taken away from a file: other files, or solids of the CAD file by their names or
+    /// numbers
+    #[arg(long, value_name = "FILE|SOLID", num_args = 1..)]
     subtract: Vec<String>,
     /// Several solids of a CAD file that touch or cross are one body
     #[arg(long)]

@@ -13,9 +13,10 @@ pub mod split;
 pub mod weld;
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, anyhow, ensure};
+use mesh::bvh::SurfaceBvh;
 use mesh::measure::diagonal;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
@@ -31,6 +32,9 @@ use source::Reader;
 
 /// Triangles thinner than this are needles, which rounding to 32 bits may fold [diagonal].
 const THIN: f64 = 1e-6;
+
+/// A wall that is no farther from another surface is the same one, in other facets [diagonal].
+const THERE: f64 = 1e-3;
 
 /// A surface [m] with the patch of each triangle.
 #[derive(Clone, Debug, Default)]
@@ -154,7 +158,7 @@ fn combined(
 ) -> Result<Solid> {
     let count = bodies.len();
     let body = bodies.into_iter().reduce(|a, b| a.union(&b));
-    let mut body = body.ok_or_else(|| anyhow::anyhow!("no file: at least one is needed"))?;
+    let mut body = body.ok_or_else(|| anyhow!("no file: at least one is needed"))?;
     if count > 1 {
         record.change(format!("union of {count} files: {:.4} cm3", body.volume() * 1e6));
     }
@@ -162,12 +166,9 @@ fn combined(
         let before = body.volume();
         body = body.difference(cavity);
         let taken = before - body.volume();
-        ensure!(
-            taken > 1e-9 * before,
-            "{}: it does not meet the body, of which it should be subtracted; are both in the same \
-             unit and place? `cad2fem picture` shows them together",
-            file.display()
-        );
+        if taken <= 1e-9 * before {
+            return Err(nothing_taken(&body, cavity, file));
+        }
         record.change(format!("{} subtracted: {:.4} cm3 less", file.display(), taken * 1e6));
     }
     ensure!(!body.is_empty(), "nothing is left of the body after subtracting");
@@ -176,6 +177,24 @@ fn combined(
         record.change(format!("it is {pieces} separate pieces"));
     }
     Ok(body)
+}
+
+/// Why subtracting took nothing away: the wall of a chamber that is there already lies on the surface of the body.
+fn nothing_taken(body: &Solid, cavity: &Solid, file: &Path) -> anyhow::Error {
+    let (surface, wall) = (SurfaceBvh::new(&body.to_surface()), cavity.to_surface().vertices);
+    let near = THERE * diagonal(&wall);
+    let there = wall.iter().filter(|p| surface.closest(p).distance < near).count();
+    let (file, count) = (file.display(), wall.len());
+    if 2 * there >= count {
+        return anyhow!(
+            "{file}: the body has this chamber already: {there} of its {count} vertices lie on the surface \
+             of the body, and nothing is left to subtract; leave it out"
+        );
+    }
+    anyhow!(
+        "{file}: it does not meet the body, of which it should be subtracted; are both in the same \
+         unit and place? `cad2fem picture` shows them together"
+    )
 }
 
 /// The boundary of a solid whose labels are patches.
