@@ -6,6 +6,7 @@
 pub mod bvh;
 pub mod check;
 pub mod crossings;
+pub mod faces;
 pub mod improve;
 pub mod inside;
 pub mod io;

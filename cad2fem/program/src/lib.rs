@@ -14,6 +14,7 @@ mod memory;
 mod nearest;
 mod owner;
 mod pattern;
+mod picked;
 mod progress;
 pub mod schema;
 mod settings;
@@ -32,6 +33,7 @@ pub use memory::peak_rss_mb;
 pub use nearest::{did_you_mean, nearest, unknown};
 pub use owner::{is_as_safe_as_program, is_own_folder, temporary_folder};
 pub use pattern::fits;
+pub use picked::{Picked, Recognized};
 pub use progress::{Heartbeat, Progress, Spinner};
 pub use settings::{
     Change, Changes, KeyPath, Keys, Meaning, Misfit, Settings, VERSION, read_key, read_table,
