@@ -1,14 +1,16 @@
 //! What was read of bodies from elsewhere, and what was changed of them.
 
+use program::InputFile;
 use serde::Serialize;
-
-use crate::report::Input;
 
 /// What was read and what was changed, for `model.json`.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Record {
     /// The files.
     pub files: Vec<Source>,
+    /// Angle at which faces of files of triangles end [deg], if they were parted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split: Option<f64>,
     /// In the order in which it was done, in words.
     changes: Vec<String>,
 }
@@ -37,8 +39,8 @@ pub enum Known {
 #[derive(Clone, Debug, Serialize)]
 pub struct Source {
     #[serde(flatten)]
-    /// The file and its hash.
-    pub input: Input,
+    /// The file and its hash; in a report its path is seen from the folder of the report.
+    pub input: InputFile,
     /// The unit of its lengths.
     pub unit: String,
     /// How that is known.

@@ -138,7 +138,7 @@ fn claim_inside(
 ) -> Result<Tally> {
     let name: String =
         tag.value.clone().try_into().context("`patch` must be the file of an open surface")?;
-    let path = sources.folder.join(name);
+    let path = sources.file(&name)?;
     let patch = mesh::io::read_surface_in_metres(&path)?;
     let found = inside::select(mesh, &patch, &path, sources.epsilon)?;
     let selected = found.len();

@@ -1,10 +1,11 @@
 //! `tags.toml`: an ordered list of selections.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use program::schema::{Format, add_keys, one_of};
-use program::{Change, KeyPath, Keys, Misfit, Settings, read_key, unknown};
+use program::{Change, KeyPath, Keys, Misfit, Picked, Settings, misfit, read_key, unknown};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -31,6 +32,8 @@ pub struct Config {
     pub tags: Vec<Tag>,
     /// Selections of tetrahedra, which have none in common.
     pub volumes: Vec<Volume>,
+    /// The faces of the model when they were picked, by the names of their files.
+    pub faces: BTreeMap<String, Picked>,
 }
 
 /// One `[[volume]]`.
@@ -106,6 +109,12 @@ pub struct File {
     relative_epsilon: Option<f64>,
     /// File of the whole model surface, which competes with the patches.
     surface: Option<PathBuf>,
+    /// Angle at which faces of a file of triangles ended when they were picked [deg]; `make` imports the file with it.
+    split: Option<f64>,
+    /// All faces of the model as they were when they were picked, by the names of their files. A `patch` is then the face
+    /// that is like it now, whatever its name.
+    #[serde(default)]
+    faces: BTreeMap<String, Picked>,
     /// Parts of the surface; the first that holds a facet wins.
     #[serde(default)]
     #[schemars(schema_with = "tags")]
@@ -197,7 +206,11 @@ impl Config {
             let what = format!("the name `{}` of a [[volume]] is used twice", volume.name);
             ensure!(!twice, KeyPath::list("volume").number(i + 1).key("name").told(what));
         }
-        Ok(Self { epsilon, surface: file.surface, tags, volumes })
+        if let Some(angle) = file.split {
+            let needed = format!(" = {angle}: an angle above 0 and below 180° is needed");
+            ensure!(angle > 0.0 && angle < 180.0, misfit!(KeyPath::of("split"), "{needed}"));
+        }
+        Ok(Self { epsilon, surface: file.surface, tags, volumes, faces: file.faces })
     }
 }
 
@@ -220,6 +233,15 @@ impl Tag {
         );
         let value = table.remove(selector).ok_or_else(|| anyhow!("`{selector}` is missing"))?;
         Ok(Self { name, selector, value, pressure, rim, plug, inside })
+    }
+}
+
+impl Tag {
+    /// The names of its patches, as the file has them.
+    pub fn patches(&self) -> impl Iterator<Item = &str> {
+        let value = Some(&self.value).filter(|_| self.selector == "patch");
+        let several = value.and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
+        value.into_iter().chain(several).filter_map(toml::Value::as_str)
     }
 }
 

@@ -42,15 +42,20 @@ fn run(dir: &Workdir, program: &str, arguments: &[&str]) -> Run {
 /// `volume.msh`, its surface in millimetres in `bar.stl`.
 fn bar() -> Workdir {
     let dir = Workdir::new();
+    write_bar(&dir, [1.0, 1.0]);
+    dir
+}
+
+/// The same, longer and wider by factors.
+fn write_bar(dir: &Workdir, [longer, wider]: [f64; 2]) {
     let channel = |[x, y, z]: [usize; 3]| x > 1 && y == 1 && z == 1;
     // the channel is of one cell, 20/3 mm wide
-    let stretched = |p: Vec3| Vec3::new(p.x, p.y * 20.0 / 15.0, p.z * 20.0 / 15.0);
+    let stretched = |p: Vec3| Vec3::new(p.x * longer, p.y * wider * 20.0 / 15.0, p.z * 20.0 / 15.0);
     let mesh = block([8, 3, 3], 5e-3, channel, stretched);
     mesh::io::write_tets(&dir.path("volume.msh"), &mesh, &mesh::Tags::default()).unwrap();
     let mut surface = boundary(&mesh).surface(&mesh).0;
     surface.vertices.iter_mut().for_each(|p| *p *= 1e3);
     mesh::io::write_surface(&dir.path("bar.stl"), &surface).unwrap();
-    dir
 }
 
 fn state(browser: &mut Chromium) -> Value {
@@ -185,6 +190,58 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     let by_page = tagged("saved/tags.toml", "by-page/tagged.msh");
     assert_eq!(by_page, tagged("hand.toml", "by-hand/tagged.msh"));
     assert!(by_page.lines().count() > 200);
+    in_a_changed_body(&dir, &text);
+}
+
+/// The same file of the page in a bar that is longer and wider, whose faces have other numbers.
+fn in_a_changed_body(dir: &Workdir, text: &str) {
+    assert!(text.contains("\nsplit = 40\n") && text.contains("\n[faces]\n"), "{text}");
+    write_bar(dir, [1.1, 1.2]);
+    run(dir, "cad2fem", &["import", "bar.stl", "--split", "40", "-o", "model"]).assert_good();
+    let tag = |config: &str| {
+        let arguments = [
+            "tag",
+            "volume.msh",
+            "--config",
+            config,
+            "--patches",
+            "model/patches",
+            "-o",
+            "tagged.msh",
+        ];
+        run(dir, "tagger", &arguments)
+    };
+    let tagged = tag("saved/tags.toml");
+    tagged.assert_good();
+    let said = &tagged.stderr;
+    assert!(said.contains("faces with other names than when they were picked"), "{said}");
+    assert!(
+        said.contains("between the same neighbours: 11, moved by up to")
+            && !said.contains("may mean"),
+        "{said}"
+    );
+    let tags = dir.json("tags.json");
+    let area = |name: &str| {
+        let i = tags["names"].as_array().unwrap().iter().position(|n| *n == json!(name)).unwrap();
+        1e6 * tags["areas"][i].as_f64().unwrap()
+    };
+    let (mouth, walls) = (20.0 / 3.0 * 8.0, 2.0 * 33.0 * (20.0 / 3.0 + 8.0));
+    let expected = [("fixed", 480.0 - mouth), ("far end", 480.0), ("cavity", walls + mouth)];
+    for (name, expected) in expected {
+        assert!((area(name) / expected - 1.0).abs() < 1e-5, "{name}: {} mm²", area(name));
+    }
+    // one face of a tag less, and a face of the wall of the channel twice as far away as any that could be it
+    let wall = text.lines().find(|line| line.contains("middle = [0.01, 0.01, 0.01]")).unwrap();
+    let gone = wall.replace("middle = [0.01, 0.01", "middle = [0.01, 0.9");
+    dir.write("gone.toml", &text.replace(wall, &gone));
+    tag("gone.toml").assert_refused(
+        2,
+        &["`cavity`", "no face is like outer-11.stl any more", "the nearest is"],
+    );
+    // the page shows what is left, and says what is not
+    let page = run(dir, "cad2fem", &["pick", "model", "--tags", "gone.toml", "-o", "pick.html"]);
+    page.assert_good();
+    assert!(page.stderr.contains("cavity: no face is like outer-11.stl"), "{}", page.stderr);
 }
 
 /// Tags of the bar: two of faces, and between them one by a plane; a part, and a selection distance.

@@ -127,9 +127,12 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
         shift: args.shift.unwrap_or_default(),
         split: args.split,
     };
-    let labelled = import(&mut request)?;
+    let mut labelled = import(&mut request)?;
     remark_on_count(args, &labelled);
     let _lock = FolderLock::new(&args.output)?;
+    for file in labelled.import.iter_mut().flat_map(|record| &mut record.files) {
+        file.input = file.input.seen_from(&args.output);
+    }
     remove_litter(&args.output.join("patches"));
     let input = Input::of(&args.files[0])?;
     labelled.write(&args.output, input, start)?.log();

@@ -123,6 +123,7 @@ pub struct Request {
 /// If a file cannot be read or repaired, if its unit is not clear, or if nothing is left.
 pub fn import(request: &mut Request) -> Result<LabelledSurface> {
     let mut record = Record::default();
+    record.split = request.split;
     let mut patches = Patches::default();
     let several = request.files.len() + request.subtract.len() > 1;
     let mut solids = Vec::new();

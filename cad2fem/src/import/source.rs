@@ -8,13 +8,13 @@ use mesh::SurfaceMesh;
 use mesh::io::{MshFile, read_surface, read_tets, threemf};
 use mesh::measure::diagonal;
 use mesh::topology::boundary;
+use program::{InputFile, sha256_file};
 
 use super::{Patched, Patches};
 use crate::cad::{CadOptions, read_faces};
 use crate::labelled::Facts;
 use crate::mesher::gmsh::{Faces, Kind};
 use crate::record::{Known, Source};
-use crate::report::Input;
 use crate::solids::Solids;
 use crate::units::{Unit, guess};
 
@@ -52,7 +52,6 @@ impl Reader {
         several: bool,
         patches: &mut Patches,
     ) -> Result<(Patched, Source)> {
-        let input = Input::of(file)?;
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
         let stem = file_name(&file.file_stem().unwrap_or_default().to_string_lossy());
         let extension = extension.to_ascii_lowercase();
@@ -78,7 +77,7 @@ impl Reader {
             _ => self.cad(file, several.then_some(&stem), patches)?,
         };
         let source = Source {
-            input,
+            input: InputFile { path: file.to_path_buf(), sha256: sha256_file(file)? },
             unit: unit.into(),
             unit_is,
             triangles: raw.surface.triangles.len(),

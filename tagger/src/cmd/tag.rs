@@ -59,14 +59,38 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(surface) = &config.surface {
         sources.surface = Some(io::read_surface_in_metres(&folder.join(surface))?);
     }
-    info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
     let of_config = || args.config.display().to_string();
+    if !config.faces.is_empty() {
+        sources.recognize(&config.faces).with_context(of_config)?;
+        remark_on_faces(args, &config, &sources);
+    }
+    info!("{} facets, diagonal {diagonal:.6} m, epsilon {epsilon:.3e} m", facets.len());
     let volumes = volumes::assign(&config, &mesh, &before.volumes, &facets, &mut sources);
     let volumes = volumes.with_context(of_config)?;
     let assignment = assign::assign(&config, &mesh, &facets, sources).with_context(of_config)?;
     report(&config, &assignment, &facets);
     let tags = Tags { volumes, ..assignment.tags(&config, &facets) };
     super::write_tagged(&args.output, &mesh, &tags)
+}
+
+/// Says which faces are not quite those that were picked.
+fn remark_on_faces(args: &Args, config: &Config, sources: &Sources) {
+    let path = args.config.display();
+    let faces = &sources.recognized;
+    faces.changes().iter().for_each(|line| info!("{path}: {line}"));
+    let look = format!("look: cad2fem pick MODEL --tags {path} -o pick.html");
+    for (name, doubt) in faces.doubts() {
+        if let Some(tag) = config.tags.iter().find(|tag| tag.patches().any(|own| own == name)) {
+            warn!("{path}: {} may mean another face now: {doubt}; {look}", tag.name);
+        }
+    }
+    let has_tag = |file: &str| {
+        let mut own = config.tags.iter().flat_map(|tag| tag.patches());
+        own.any(|own| program::fits(file, own))
+    };
+    if let Some(new) = faces.new_faces(has_tag) {
+        warn!("{path}: {new}; {look}");
+    }
 }
 
 /// The envelope of the mesher [m], if its report lies beside the mesh.

@@ -11,10 +11,13 @@ mod plane;
 mod point;
 mod volume;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, anyhow};
-use mesh::{SurfaceMesh, Vec3};
+use anyhow::{Context as _, Result, anyhow};
+use mesh::faces::Face;
+use mesh::{SurfaceMesh, Vec3, io};
+use program::{Picked, Recognized};
 use schemars::{Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 
@@ -73,6 +76,8 @@ pub struct Sources {
     pub surface: Option<SurfaceMesh>,
     /// Index into `patches` of the patch that each facet belongs to.
     pub nearest: Vec<Option<usize>>,
+    /// Which faces are those that were picked.
+    pub recognized: Recognized,
 }
 
 impl Sources {
@@ -80,7 +85,35 @@ impl Sources {
     #[must_use]
     pub fn new(folder: &Path, epsilon: f64) -> Self {
         let folder = folder.to_path_buf();
-        Self { folder, epsilon, patches: vec![], surface: None, nearest: vec![] }
+        let recognized = Recognized::default();
+        Self { folder, epsilon, patches: vec![], surface: None, nearest: vec![], recognized }
+    }
+
+    /// Looks for the faces that were picked among the patches in the folder.
+    ///
+    /// # Errors
+    /// If there is no such folder, or a patch in it cannot be read.
+    pub fn recognize(&mut self, picked: &BTreeMap<String, Picked>) -> Result<()> {
+        let shown = || self.folder.display().to_string();
+        let entries = std::fs::read_dir(&self.folder).with_context(shown)?;
+        let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        files.retain(|path| io::extension(path) == "stl");
+        files.sort();
+        let patches: Vec<SurfaceMesh> =
+            files.iter().map(|path| io::read_surface_in_metres(path)).collect::<Result<_, _>>()?;
+        let names = files.iter().map(|path| path.file_name().unwrap_or_default());
+        let names = names.map(|name| name.to_string_lossy().into_owned());
+        let now = names.zip(Face::of_patches(&patches)).collect();
+        self.recognized = Recognized::new(picked, now)?;
+        Ok(())
+    }
+
+    /// The file of a selection; of a face that was picked, the one that is like it.
+    ///
+    /// # Errors
+    /// If no face is like it any more.
+    pub fn file(&self, name: &str) -> Result<PathBuf> {
+        Ok(self.folder.join(self.recognized.file(name)?))
     }
 }
 

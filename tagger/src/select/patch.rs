@@ -55,7 +55,7 @@ fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>
     };
     let begin = sources.patches.len();
     for name in &names {
-        for path in files(name, &sources.folder)? {
+        for path in files(name, sources)? {
             let surface = io::read_surface_in_metres(&path)?;
             sources.patches.push((path, surface));
         }
@@ -65,8 +65,8 @@ fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>
 }
 
 /// The files that a name means, in the order of their names.
-fn files(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
-    let path = folder.join(name);
+fn files(name: &str, sources: &Sources) -> Result<Vec<PathBuf>> {
+    let path = sources.file(name)?;
     let pattern = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if path.is_file() {
         return Ok(vec![path]);

@@ -6,7 +6,7 @@ use std::path::{Component, Path};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use mesh::io::read_surface;
-use mesh::measure::{triangle_area, triangle_normal};
+use mesh::measure::triangle_normal;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Vec3};
 use serde_json::{Value, json};
@@ -42,6 +42,8 @@ pub struct Face {
     pub middle: Vec3,
     /// Unit normal out of the body; none of a curved face.
     pub normal: Option<Vec3>,
+    /// Mean of its unit normals.
+    pub facing: Vec3,
 }
 
 /// Where two faces meet.
@@ -58,6 +60,8 @@ pub struct Border {
 pub struct Body {
     /// Name of the file that it was made of, or of its folder.
     pub source: String,
+    /// Angle at which the faces of a file of triangles end [deg].
+    pub split: Option<f64>,
     /// All triangles [m], face by face; those of surfaces inside have vertices of their own.
     pub surface: SurfaceMesh,
     /// All faces, in the order of their triangles.
@@ -102,6 +106,7 @@ impl Body {
         );
         let mut body = groups.body(&model);
         body.source = source(&report, folder);
+        body.split = report["import"]["split"].as_f64();
         for (kind, (name, patch)) in sheets {
             body.add_sheet(name, kind, &patch);
         }
@@ -118,6 +123,23 @@ impl Body {
         })
     }
 
+    /// What its faces measure, by the names of their files.
+    #[must_use]
+    pub fn measured(&self) -> Vec<(String, mesh::faces::Face)> {
+        let with_file: Vec<usize> =
+            (0..self.faces.len()).filter(|&i| self.faces[i].file.is_some()).collect();
+        let one = |&i: &usize| {
+            let Face { file, area, middle, facing, .. } = &self.faces[i];
+            let beside = self.beside(i).filter_map(|other| with_file.binary_search(&other).ok());
+            let beside: BTreeSet<usize> = beside.collect();
+            let (area, middle, normal) = (*area, *middle, *facing);
+            let face =
+                mesh::faces::Face { area, middle, normal, beside: beside.into_iter().collect() };
+            (file.clone().unwrap_or_default(), face)
+        };
+        with_file.iter().map(one).collect()
+    }
+
     fn add_sheet(&mut self, name: String, kind: Option<String>, patch: &SurfaceMesh) {
         let (offset, begin) = (self.surface.vertices.len(), self.surface.triangles.len());
         self.surface.vertices.extend(&patch.vertices);
@@ -129,28 +151,12 @@ impl Body {
 
     /// A face of some of the triangles.
     fn face(&self, name: String, kind: Option<String>, triangles: Range<usize>) -> Face {
-        let (mut area, mut middle, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
-        for t in triangles.clone() {
-            let [a, b, c] = self.surface.corners(t);
-            let part = triangle_area(a, b, c);
-            area += part;
-            middle += part * self.surface.centroid(t);
-            normal += part * triangle_normal(a, b, c);
-        }
-        let normal = normal / area;
-        let flat = (normal.norm() > FLAT_FACE_NORMAL).then(|| normal.normalize());
+        let measured = mesh::faces::Face::of(&self.surface, triangles.clone());
+        let mesh::faces::Face { area, middle, normal: facing, .. } = measured;
+        let flat = (facing.norm() > FLAT_FACE_NORMAL).then(|| facing.normalize());
         let kind = kind.unwrap_or_else(|| if flat.is_some() { "plane" } else { "curved" }.into());
         let file = Some(format!("{name}.stl"));
-        Face {
-            name,
-            file,
-            kind,
-            inside: false,
-            triangles,
-            area,
-            middle: middle / area,
-            normal: flat,
-        }
+        Face { name, file, kind, inside: false, triangles, area, middle, normal: flat, facing }
     }
 
     /// What the page needs of it, lengths in millimetres.
@@ -169,6 +175,7 @@ impl Body {
                 "area": MM * MM * f.area,
                 "middle": (MM * f.middle).as_slice(),
                 "normal": f.normal.map(|n| [n.x, n.y, n.z]),
+                "facing": f.facing.as_slice(),
             })
         };
         let border = |b: &Border| json!([b.faces[0], b.faces[1], b.smooth]);
@@ -238,8 +245,13 @@ impl Groups {
         order.sort_by_key(|&t| self.owner[t].unwrap_or(rest));
         let triangles = order.iter().map(|&t| model.triangles[t]).collect();
         let surface = SurfaceMesh { vertices: model.vertices.clone(), triangles };
-        let mut body =
-            Body { source: String::new(), surface, faces: Vec::new(), borders: Vec::new() };
+        let mut body = Body {
+            source: String::new(),
+            split: None,
+            surface,
+            faces: Vec::new(),
+            borders: Vec::new(),
+        };
         let mut begin = 0;
         for (index, (name, kind)) in self.named.into_iter().enumerate() {
             let count = self.owner.iter().filter(|owner| **owner == Some(index)).count();

@@ -3,11 +3,11 @@
 //! The page shows tags that are made of faces of the body. All else that the file holds is kept as it
 //! is written, and goes into the file that the page saves.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use program::{KeyPath, Keys, Settings, fits, misfit, read_table};
+use program::{KeyPath, Keys, Picked, Recognized, Settings, fits, misfit, read_table};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -55,6 +55,11 @@ struct File {
     epsilon: Option<Value>,
     relative_epsilon: Option<Value>,
     surface: Option<String>,
+    /// The page has that of the body.
+    #[serde(rename = "split")]
+    _split: Option<Value>,
+    #[serde(default)]
+    faces: BTreeMap<String, Picked>,
     #[serde(default)]
     tag: Vec<Table>,
     #[serde(default)]
@@ -105,6 +110,7 @@ impl Given {
 
     fn of(file: File, body: &Body) -> Result<Self> {
         let mut given = Self { of: vec![NONE; body.faces.len()], ..Self::default() };
+        let recognized = Recognized::new(&file.faces, body.measured())?;
         let mut rims = Vec::new();
         for (i, table) in file.tag.into_iter().enumerate() {
             let at = || KeyPath::list("tag").number(i + 1);
@@ -114,13 +120,15 @@ impl Given {
                 at().key("name").told(format!("the name `{name}` is used twice"))
             );
             let shown = || format!("[[tag]] `{name}` cannot be shown");
-            let rim = given.add(table, body).map_err(|what| at().around(shown(), &what))?;
+            let rim =
+                given.add(table, body, &recognized).map_err(|what| at().around(shown(), &what))?;
             rims.push(rim);
         }
         ensure!(!given.list.is_empty(), "no [[tag]]: there is nothing to begin with");
         for (tag, rim) in rims.into_iter().enumerate() {
             given.hold(tag, rim, body);
         }
+        given.remark_on_faces(&recognized, body);
         for (key, value) in [("epsilon", file.epsilon), ("relative_epsilon", file.relative_epsilon)]
         {
             given.head.extend(value.map(|value| format!("{key} = {value}\n")));
@@ -135,8 +143,25 @@ impl Given {
         Ok(given)
     }
 
-    /// Adds a tag, and gives its faces to it which no tag before it has; returns its rim.
-    fn add(&mut self, table: Table, body: &Body) -> Result<Vec<String>> {
+    /// Says which faces may be others than those that were picked, and which are new.
+    fn remark_on_faces(&mut self, recognized: &Recognized, body: &Body) {
+        let tag_of = |file: &str| {
+            let face = body.faces.iter().position(|face| face.file.as_deref() == Some(file));
+            face.and_then(|face| usize::try_from(self.of[face]).ok())
+        };
+        let doubted = recognized.doubts().into_iter().filter_map(|(name, doubt)| {
+            let tag = tag_of(recognized.file(name).ok()?)?;
+            Some(format!("{} may mean another face now: {doubt}.", self.list[tag].name))
+        });
+        let mut found: Vec<String> = doubted.collect();
+        let new = recognized.new_faces(|file| tag_of(file).is_some());
+        found.extend(new.map(|new| format!("{new}.")));
+        self.remarks.extend(found);
+    }
+
+    /// Adds a tag, and gives its faces to it which no tag before it has; returns its rim. A face that is not there any
+    /// more is told.
+    fn add(&mut self, table: Table, body: &Body, recognized: &Recognized) -> Result<Vec<String>> {
         if !has_faces(&table) {
             let kept = Some(written("tag", &table)?);
             let chamber = table.get("pressure").and_then(Value::as_bool).unwrap_or(false);
@@ -147,7 +172,14 @@ impl Given {
         let Faces { name, patch, pressure, rim, plug, inside } = read_table(&table)?;
         let own = i64::try_from(self.list.len())?;
         for pattern in patch.all() {
-            for face in faces(&pattern, body)? {
+            let file = match recognized.file(&pattern) {
+                Ok(file) => file,
+                Err(gone) => {
+                    self.remarks.push(format!("{name}: {gone}."));
+                    continue;
+                }
+            };
+            for face in faces(file, body)? {
                 ensure!(
                     body.faces[face].inside == inside,
                     misfit!(
@@ -285,6 +317,34 @@ mod tests {
         );
         // f1 lies outside, among faces of the skin
         assert_eq!(found.remarks, ["[[volume]] stiff is kept as it is."]);
+    }
+
+    #[test]
+    fn faces_are_found_by_what_they_measure() {
+        let folder = hollow();
+        let body = Body::read(folder.path()).unwrap();
+        let line = |(name, face): &(String, mesh::faces::Face), shift: f64| {
+            let (middle, normal) = (face.middle + mesh::Vec3::x() * shift, face.normal);
+            format!(
+                "\"old-{name}\" = {{ area = {}, middle = {:?}, normal = {:?} }}\n",
+                face.area,
+                middle.as_slice(),
+                normal.as_slice()
+            )
+        };
+        let measured = body.measured();
+        assert!(measured.iter().all(|(_, face)| face.beside.len() == 4));
+        let lines: String = measured[..11].iter().map(|face| line(face, 0.0)).collect();
+        let far = line(&measured[11], 1.0);
+        let text = format!(
+            "split = 40\n[[tag]]\nname = \"seat\"\npatch = \"old-f3.stl\"\n\
+             [[tag]]\nname = \"lost\"\npatch = [\"old-f11.stl\", \"f4.stl\"]\n[faces]\n{lines}{far}"
+        );
+        let found = given(&text, &body).unwrap();
+        assert_eq!((found.of[3], found.of[4], found.of[11]), (0, 1, NONE));
+        let remarks = found.remarks.join("\n");
+        assert!(remarks.contains("lost: no face is like old-f11.stl any more"), "{remarks}");
+        assert!(remarks.contains("have no tag: f11.stl of"), "{remarks}");
     }
 
     #[test]

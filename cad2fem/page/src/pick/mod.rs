@@ -62,6 +62,7 @@ pub fn write(source: &Source<'_>, output: &Path) -> Result<Summary> {
     let data = json!({
         "title": title,
         "folder": source.folder.display().to_string(),
+        "split": body.split,
         "body": body.packed(&mut store),
         "found": found,
         "given": given,

@@ -84,6 +84,22 @@ function table(tags, tag) {
   return `${lines.join('\n')}\n`;
 }
 
+/** All faces as they are: where they have other numbers in a changed body, tagger finds them by what they measure. */
+function measured(tags) {
+  const numbers = (list) => `[${list.map((x) => Number(x.toPrecision(5))).join(', ')}]`;
+  const one = ({ file, area, middle, facing }, i) => {
+    const beside = tags.beside[i].map(([other]) => tags.faces[other].file).filter(Boolean).map(quoted);
+    const parts = [
+      `area = ${Number((1e-6 * area).toPrecision(5))}`,
+      `middle = ${numbers(middle.map((x) => 1e-3 * Number(x.toFixed(5))))}`,
+      `normal = ${numbers(facing.map((x) => Number(x.toFixed(5))))}`,
+      `beside = [${beside.join(', ')}]`,
+    ];
+    return file ? `${quoted(file)} = { ${parts.join(', ')} }\n` : '';
+  };
+  return tags.faces.map(one).join('');
+}
+
 /** The file. */
 export function written(tags, data) {
   const used = tags.list.map((_, i) => i).filter((i) => tags.list[i].kept || tags.facesOf(i).length > 0);
@@ -97,5 +113,11 @@ export function written(tags, data) {
 ${head && `${head}
 `}# The whole surface, so that no tag grows beyond its faces${left > 0 ? `: ${count(left, 'face')} ${left === 1 ? 'has' : 'have'} no tag` : ''}.
 surface = "../model.stl"
-${used.map((tag) => `\n${table(tags, tag)}`).join('')}${tail}`;
+${data.split ? `
+# Faces end at edges sharper than this [deg]: make imports ${plain(data.title)} with it.
+split = ${data.split}
+` : ''}${used.map((tag) => `\n${table(tags, tag)}`).join('')}${tail}
+# All faces as they were when these were chosen, for tagger to find them in a changed body.
+[faces]
+${measured(tags)}`;
 }
