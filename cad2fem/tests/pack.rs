@@ -56,7 +56,13 @@ fn entries(bytes: &[u8]) -> BTreeMap<String, Vec<u8>> {
 fn a_package_has_results_and_sources_and_is_always_the_same() {
     let dir = results();
     std::os::unix::fs::symlink("/etc/hostname", dir.path("mine/link.toml")).unwrap();
-    dir.run(&PACK).says("mine.zip: ");
+    // a Makefile of others is a program, and the name of a scene may be one
+    dir.write("mine/Makefile", "$(shell touch ran)");
+    dir.write("mine/rules.mk", "$(shell touch ran)");
+    dir.write("mine/sim.`touch ran`.toml", "");
+    let run = dir.run(&PACK);
+    run.says("mine.zip: ");
+    run.says("sources/sim.`touch ran`.toml: left out of the package, as make or a shell may take the '`'");
     let first = fs::read(dir.path("mine/build/mine.zip")).unwrap();
     let packed = entries(&first);
     let names: Vec<&str> = packed.keys().map(String::as_str).collect();
@@ -74,6 +80,7 @@ fn a_package_has_results_and_sources_and_is_always_the_same() {
         "mine/report.html",
         "mine/run/curve.csv",
         "mine/run/report.json",
+        "mine/sources/Makefile",
         "mine/sources/model.toml",
         "mine/sources/parts/rib.step",
         "mine/versions.txt",
@@ -84,6 +91,9 @@ fn a_package_has_results_and_sources_and_is_always_the_same() {
     for words in ["solver 9", "fab 9", "c0ffee  ../tagged.msh"] {
         assert!(versions.contains(words), "{words}: {versions}");
     }
+    let makefile = text("mine/sources/Makefile");
+    assert!(makefile.contains("include $(or $(shell $(BIN)/cad2fem rules)"), "{makefile}");
+    assert!(!makefile.contains("touch") && !makefile.contains("LIKE"), "{makefile}");
     let sums = text("mine/SHA256SUMS");
     assert_eq!(sums.lines().count(), expected.len() - 1);
     for line in sums.lines() {
@@ -98,6 +108,51 @@ fn a_package_has_results_and_sources_and_is_always_the_same() {
     dir.write("mine/model.toml", "changed");
     dir.run(&PACK).succeeds();
     assert!(fs::read(dir.path("mine/build/mine.zip")).unwrap() != first);
+}
+
+#[test]
+fn a_model_made_by_hand_is_packed_with_its_cad() {
+    let dir = results();
+    fs::remove_file(dir.path("mine/model.toml")).unwrap();
+    for (name, text) in
+        [("air.step", "air"), ("mine/parts/body.step", "body"), ("gone.step", "gone")]
+    {
+        dir.write(name, text);
+    }
+    let file = |path: &str, text: &str| {
+        format!(
+            r#"{{"path": "../../../{path}", "sha256": "{}", "unit": "mm"}}"#,
+            program::sha256(text.as_bytes())
+        )
+    };
+    let list =
+        [file("mine/parts/body.step", "body"), file("air.step", "air"), file("gone.step", "other")];
+    fs::create_dir_all(dir.path("mine/build/model/patches")).unwrap();
+    let report = format!(r#"{{"import": {{"files": [{}], "changes": []}}}}"#, list.join(", "));
+    dir.write("mine/build/model/model.json", &report);
+    for name in ["model.stl", "patches/air.stl"] {
+        dir.write(&format!("mine/build/model/{name}"), name);
+    }
+    dir.write("mine/Makefile", "LIKE := gripper\n");
+    let run = dir.run(&PACK);
+    run.says("gone.step is not what this result was made from");
+    let packed = entries(&fs::read(dir.path("mine/build/mine.zip")).unwrap());
+    let names: Vec<&str> =
+        packed.keys().filter_map(|name| name.strip_prefix("mine/sources/")).collect();
+    let expected = [
+        "Makefile",
+        "build/model/model.json",
+        "build/model/model.stl",
+        "build/model/patches/air.stl",
+        "cad/air.step",
+        "parts/body.step",
+        "parts/rib.step",
+        "rules.mk",
+    ];
+    assert_eq!(names, expected);
+    // the rules of that body, which came with this program
+    assert!(packed["mine/sources/rules.mk"].starts_with(b"# What makes the gripper"));
+    assert!(packed["mine/sources/Makefile"].windows(16).any(|text| text == b"LIKE := gripper\n"));
 }
 
 #[test]

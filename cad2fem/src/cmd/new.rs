@@ -48,7 +48,9 @@ pub fn run(args: &Args) -> Result<()> {
         write_atomic(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }
     if !place.in_pipelines {
-        write_atomic(&folder.join("Makefile"), |out| out.write_all(makefile(template).as_bytes()))?;
+        let own = std::env::current_exe().ok().filter(|own| special(own).is_none());
+        let text = makefile(template, own.as_deref());
+        write_atomic(&folder.join("Makefile"), |out| out.write_all(text.as_bytes()))?;
     }
     let readme = readme(name, template, &place);
     write_atomic(&folder.join("README.md"), |out| out.write_all(readme.as_bytes()))?;
@@ -84,7 +86,7 @@ impl Place {
             true => format!("make {command}"),
             false => format!("make -C {} {command}", top.display()),
         };
-        if let (true, Some(top)) = (above.join("rules.mk").is_file(), above.parent()) {
+        if let (true, Some(top)) = (is_in_pipelines(&full), above.parent()) {
             return Ok(Self {
                 in_pipelines: true,
                 command: from(top, name.to_owned()),
@@ -114,15 +116,19 @@ impl Place {
     }
 }
 
+/// Whether the rules of a checkout make a body.
+pub(super) fn is_in_pipelines(folder: &Path) -> bool {
+    folder.parent().is_some_and(|above| above.join("rules.mk").is_file())
+}
+
 fn special(path: &Path) -> Option<char> {
     path.to_string_lossy().chars().find(|c| SPECIAL.contains(*c))
 }
 
-/// The Makefile of a body anywhere: it takes the rules of the cad2fem in PATH, else of this one.
-fn makefile(template: &Template) -> String {
+/// The Makefile of a body anywhere: it takes the rules of the cad2fem in PATH, else of its `own`.
+pub(super) fn makefile(template: &Template, own: Option<&Path>) -> String {
     let like =
         if template.has_rules() { format!("LIKE := {}\n", template.name) } else { String::new() };
-    let own = std::env::current_exe().ok().filter(|own| special(own).is_none());
     let found = own.map_or_else(
         || "$(shell command -v cad2fem)".into(),
         |own| format!("$(or $(shell command -v cad2fem),{})", own.display()),
@@ -147,7 +153,7 @@ fn readme(name: &str, template: &Template, place: &Place) -> String {
         "# {name}\n\n\
          Written by `cad2fem new --like {}`: {}.\n\n\
          ```\n{}\n```\n\n\
-         makes everything that is missing, or older than or made from another version of its sources, and \
+         {}makes everything that is missing, or older than or made from another version of its sources, and \
          `{results}/report.html`, a page of all results.\n\n\
          | file | read by | contains |\n|-|-|-|\n\
          | `{model}` | `cad2fem model` | the body and its regions |\n\
@@ -158,7 +164,8 @@ fn readme(name: &str, template: &Template, place: &Place) -> String {
          | `mold.toml` | `fab mold` | how the body is cast |\n{}",
         template.name,
         template.about,
-        place.command,
+        if place.in_pipelines { &place.command } else { "make" },
+        if place.in_pipelines { "" } else { "in this folder " },
         if place.in_pipelines { "" } else { "| `Makefile` | `make` | where its rules are |\n" }
     )
 }

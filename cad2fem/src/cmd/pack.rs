@@ -6,19 +6,28 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use mesh::io::{note_results, read_bytes, write_atomic};
+use mesh::io::{note_results, read_bytes, read_text, write_atomic};
 use page::contents;
 use page::reported::{Provenance, read};
 use page::survey::{Survey, entries, name};
+use program::InputFile;
+use serde::Deserialize;
 use system::canonical;
 use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipWriter};
+
+use super::new;
+use crate::template::{TEMPLATES, Template};
 
 /// Ends of the names of sources.
 const SOURCES: [&str; 16] = [
     "toml", "geo", "py", "step", "stp", "brep", "iges", "igs", "stl", "obj", "ply", "3mf", "msh",
     "csv", "json", "md",
 ];
+
+/// Ends of the name of the model that the rules of make look for.
+const MODELS: [&str; 10] =
+    ["toml", "geo", "step", "stp", "brep", "iges", "3mf", "stl", "obj", "ply"];
 
 /// Folders in the folder of sources that are looked into, one in the other.
 const DEEP: usize = 3;
@@ -61,7 +70,10 @@ pub fn run(args: &Args) -> Result<()> {
         for path in sources_in(sources, &args.folder, DEEP)? {
             files.push((format!("sources/{}", inside(&path, sources)?), read_bytes(&path)?));
         }
+        files.extend(makefile(sources)?);
+        files.extend(model_by_hand(sources, &args.folder)?);
     }
+    files.retain(|(place, _)| has_plain_name(place));
     files.push(("versions.txt".into(), versions(&survey)?.into_bytes()));
     files.sort();
     files.dedup_by(|a, b| a.0 == b.0);
@@ -81,6 +93,80 @@ pub fn run(args: &Args) -> Result<()> {
         start.elapsed().as_secs_f64()
     );
     Ok(())
+}
+
+/// Whether make and a shell take a name as it is, wherever the package is unpacked; says what is left out.
+fn has_plain_name(place: &str) -> bool {
+    let odd = place.chars().find(|&c| !(c.is_ascii_alphanumeric() || "._-/".contains(c)));
+    if let Some(c) = odd {
+        log::warn!(
+            "{place}: left out of the package, as make or a shell may take the {c:?} in its name for their own: give it a \
+             name of letters, digits, - . and _"
+        );
+    }
+    odd.is_none()
+}
+
+/// A Makefile for the sources, as `cad2fem new` writes it: one that lies there may run anything.
+fn makefile(sources: &Path) -> Result<Vec<(String, Vec<u8>)>> {
+    let full = canonical(sources).with_context(|| sources.display().to_string())?;
+    if new::is_in_pipelines(&full) {
+        return Ok(Vec::new());
+    }
+    let there = sources.join("Makefile");
+    let text = if there.is_file() { read_text(&there)? } else { String::new() };
+    let like = text.lines().find_map(|line| line.strip_prefix("LIKE := "));
+    let template = like.and_then(|name| Template::find(name.trim()).ok()).unwrap_or(&TEMPLATES[0]);
+    let rules = template.files.iter().filter(|(name, _)| *name == "rules.mk");
+    let rules = rules.map(|(name, text)| (format!("sources/{name}"), text.as_bytes().to_vec()));
+    let makefile = new::makefile(template, None).into_bytes();
+    Ok(rules.chain([("sources/Makefile".to_owned(), makefile)]).collect())
+}
+
+/// Of a body without a file of its model among the sources: the model, where the rules of make look for it, and the files
+/// that it was imported from.
+fn model_by_hand(sources: &Path, results: &Path) -> Result<Vec<(String, Vec<u8>)>> {
+    let folder = results.join("model");
+    let report = folder.join("model.json");
+    let own = MODELS.iter().any(|end| sources.join(format!("model.{end}")).exists());
+    if own || !report.is_file() {
+        return Ok(Vec::new());
+    }
+    let mut files = Vec::new();
+    let patches = folder.join("patches");
+    let all = if patches.is_dir() { entries(&patches)? } else { Vec::new() };
+    for path in all.into_iter().chain([report.clone(), folder.join("model.stl")]) {
+        files
+            .push((format!("sources/build/model/{}", inside(&path, &folder)?), read_bytes(&path)?));
+    }
+    let imported: Imported = read(&report)?;
+    let top = canonical(sources)?;
+    for file in imported.import.files {
+        match (InputFile { path: file.path, sha256: file.sha256 }).find(&folder) {
+            Ok(path) if canonical(&path).is_ok_and(|path| path.starts_with(&top)) => {}
+            Ok(path) => files.push((format!("sources/cad/{}", name(&path)), read_bytes(&path)?)),
+            Err(error) => log::warn!("{}: left out of the package: {error:#}", report.display()),
+        }
+    }
+    Ok(files)
+}
+
+/// The files that a model was imported from.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Imported {
+    import: Files,
+}
+
+#[derive(Default, Deserialize)]
+struct Files {
+    files: Vec<CadFile>,
+}
+
+#[derive(Deserialize)]
+struct CadFile {
+    path: PathBuf,
+    sha256: String,
 }
 
 /// The place of a file in the package: as it lies in its folder.
