@@ -61,8 +61,8 @@ source = $(foreach file,$(1),$(file) $(call seen,$(file)))
 
 # A first copy has the date of its source, so that results that are there stay; no link is followed.
 define keep-source
-@mkdir -p $(@D); dated=-p; [ ! -e $@ ] || dated=; rm -f $@; \
-	[ ! -L $(firstword $(subst /.sources/,/.sources ,$@)) ] || { echo "$@: lies behind a link: remove that"; exit 1; }; cp $$dated $| $@
+@[ ! -L $(firstword $(subst /.sources/,/.sources ,$@)) ] || { echo "$@: lies behind a link: remove that"; exit 1; }; \
+	mkdir -p $(@D); dated=-p; [ ! -e $@ ] || dated=; rm -f $@; cp $$dated $| $@
 endef
 
 # Copies that differ from their sources, for the end of the rules: these alone are made again, so that `make -n` lists no more

@@ -1,17 +1,23 @@
-//! Names that are given to make: what make or the shell take for their own is refused, before any rule is
-//! read and any shell runs.
+//! Names that are given to make, or that it finds: what make or the shell take for their own is refused, before any
+//! rule is read and any shell runs.
 
+use std::fs;
+use std::path::Path;
 use std::process::{Command, Output};
 
 use tests::workdir::{Workdir, repository};
 
-/// Runs make in the checkout, without the flags of a make that runs this test.
-fn make(arguments: &[&str]) -> Output {
+/// Runs make in a folder, without the flags of a make that runs this test.
+fn make_in(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new("make");
     for flags in ["MAKEFLAGS", "MFLAGS", "MAKELEVEL"] {
         command.env_remove(flags);
     }
-    command.args(["--dry-run"]).args(arguments).current_dir(repository()).output().unwrap()
+    command.args(["--dry-run"]).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn make(arguments: &[&str]) -> Output {
+    make_in(&repository(), arguments)
 }
 
 #[test]
@@ -51,5 +57,111 @@ fn other_names_are_taken_as_they_are() {
             String::from_utf8(output.stdout).unwrap().contains("there is no model.toml"),
             "{name}"
         );
+    }
+}
+
+/// Parts of names of files that would run as code, or that make parts in two.
+const HOSTILE: [&str; 7] = [
+    "`{touch,ran}`",
+    "$(shell touch ran)",
+    "$(touch ran)",
+    "x;touch ran;",
+    "x:\n\ttouch ran\nx",
+    "x y",
+    "\u{e9}\u{1b}[31m",
+];
+
+/// What make reads in the checkout, with no body.
+fn rules() -> Workdir {
+    let dir = Workdir::new();
+    let of = |name: &str| format!("pipelines/{name}.mk");
+    let files = ["chain", "rules", "folder", "gripper/rules", "validation/rules"].map(of);
+    for file in files.iter().map(String::as_str).chain(["Makefile"]) {
+        fs::create_dir_all(dir.path(file).parent().unwrap()).unwrap();
+        fs::copy(repository().join(file), dir.path(file)).unwrap();
+    }
+    dir
+}
+
+/// Plants a file at a place, sees that make refuses it by its name as it is `shown` and that nothing runs, and takes it
+/// away.
+fn plant(dir: &Workdir, place: &str, shown: &str, arguments: &[&str]) {
+    for name in HOSTILE {
+        let file = dir.path(&place.replace('@', name));
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(&file, "").unwrap();
+        let output = make_in(&dir.path("."), arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{file:?}: {said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{file:?}: {said}");
+        let escaped = name.replace(' ', "\\ ").replace('\n', "\\n").replace('\t', "\\t");
+        let escaped = escaped.replace('\u{e9}', "\\303\\251").replace('\u{1b}', "\\033");
+        assert!(
+            said.contains(&format!(" {}: the name", shown.replace('@', &escaped))),
+            "{file:?}: {said}"
+        );
+        assert!(said.contains("has letters, digits, - . _ alone"), "{file:?}: {said}");
+        let ran = ["ran", "mine/ran"].iter().any(|ran| dir.path(ran).exists());
+        assert!(!ran && output.stdout.is_empty(), "{file:?}");
+        fs::remove_file(&file).unwrap();
+        // the folder of a hostile name is gone, too, if it was made here
+        let _ = fs::remove_dir(file.parent().unwrap());
+    }
+}
+
+/// A plant for each pattern by which the rules find files.
+#[test]
+fn names_of_files_run_nothing_and_are_told() {
+    let dir = rules();
+    for place in [
+        "@/cad2fem.toml",
+        "@/cad2fem.paper.toml",
+        "@/model.toml",
+        "@/model.geo",
+        "@/model.step",
+        "beam/@/model.toml",
+        "beam/@/model.geo",
+        "beam/@/model.step",
+        "@/rules.mk",
+        "validation/measured/@.csv",
+    ] {
+        let place = format!("pipelines/{place}");
+        plant(&dir, &place, &place, &["help"]);
+    }
+    // a folder elsewhere, by the rules of the checkout, by its own Makefile, and as `puffer make` makes it
+    fs::create_dir(dir.path("mine")).unwrap();
+    for file in ["model", "cad2fem", "tags", "sim", "mold"] {
+        dir.write(&format!("mine/{file}.toml"), "");
+    }
+    let folder = dir.path("pipelines/folder.mk").display().to_string();
+    dir.write("mine/Makefile", &format!("BIN := bin\ninclude {folder}\n"));
+    let scene = "mine/sim.@.toml";
+    for (shown, arguments) in [
+        (scene, &["body", "DIR=mine", "--old-file=setup"][..]),
+        ("./sim.@.toml", &["-C", "mine", "--no-print-directory"]),
+        ("./sim.@.toml", &["-C", "mine", "--no-print-directory", "-f", &folder, "BIN=bin"]),
+    ] {
+        let output = make_in(&dir.path("."), arguments);
+        assert!(output.status.success(), "{output:?}");
+        plant(&dir, scene, shown, arguments);
+    }
+}
+
+/// Those that would put their results into a folder of others.
+#[test]
+fn names_of_scenes_are_their_own() {
+    let dir = rules();
+    fs::create_dir(dir.path("mine")).unwrap();
+    for name in ["baseline", "mold", "pictures", "optimized", ".", "..", "", ".x"] {
+        let file = format!("mine/sim.{name}.toml");
+        dir.write(&file, "");
+        let output = make_in(&dir.path("."), &["body", "DIR=mine"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            output.status.code() == Some(2)
+                && said.contains(&format!("{file}: a scene beside others")),
+            "{said}"
+        );
+        fs::remove_file(dir.path(&file)).unwrap();
     }
 }
