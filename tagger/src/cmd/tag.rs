@@ -78,7 +78,8 @@ fn remark_on_faces(args: &Args, config: &Config, sources: &Sources) {
     let path = args.config.display();
     let faces = &sources.recognized;
     faces.changes().iter().for_each(|line| info!("{path}: {line}"));
-    let look = format!("look: cad2fem pick MODEL --tags {path} -o pick.html");
+    let model = sources.folder.parent().unwrap_or(Path::new("."));
+    let look = format!("look: cad2fem pick {} --tags {path} -o pick.html", model.display());
     for (name, doubt) in faces.doubts() {
         if let Some(tag) = config.tags.iter().find(|tag| tag.patches().any(|own| own == name)) {
             warn!("{path}: {} may mean another face now: {doubt}; {look}", tag.name);
