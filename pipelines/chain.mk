@@ -77,7 +77,7 @@ always:
 # A scene that gives nothing to be used (exit code 1) has a report that says why. What comes after it is made nevertheless,
 # up to `done`, which is not: it ends with the scenes of which that is so.
 run = $(BIN)/solver simulate $(1) -o $(@D) || { [ $$? = 1 ] && grep --silent '"usable": false' $@; }
-unusable = $(patsubst %/report.json,%,$(shell grep --files-with-matches '"usable": false' $(1) /dev/null))
+unusable = $(patsubst %/report.json,%,$(shell grep --no-messages --files-with-matches '"usable": false' $(1) /dev/null))
 define finish
 $(if $(call unusable,$(filter %/report.json,$^)),$(error $(1): no usable result, as report.json says there, in \
 	$(call unusable,$(filter %/report.json,$^)): all else is made, see $<; change the scene, or remove its report.json to run \
