@@ -87,54 +87,78 @@ pub struct Again {
     pub beside: usize,
 }
 
+/// Two faces that may be the same, by what they measure.
+struct Pair {
+    before: usize,
+    now: usize,
+    /// Sum of what differs [1].
+    difference: f64,
+    differs: bool,
+}
+
 /// For each earlier face the one that it is now, if any is like it; none stands for two.
 ///
 /// Faces that measure the same are found first. The others follow by what differs least: their middles, areas, normals and
-/// the neighbours that are found already.
+/// the neighbours that are found already. In each round those pairs are taken of which neither face has a better one.
 #[must_use]
 pub fn found_again(before: &[Face], now: &[Face]) -> Vec<Option<Again>> {
-    let size = before.iter().map(|face| face.area).sum::<f64>().sqrt();
-    let scaled = |b: usize, n: usize| {
-        let [middle, area, normal] = before[b].differs(&now[n]);
-        [middle / size, area, normal]
-    };
-    let within = |found: [f64; 3], most: [f64; 3]| (0..3).all(|i| found[i] <= most[i]);
-    let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
-    for b in 0..before.len() {
-        let near = (0..now.len()).map(|n| (n, scaled(b, n)));
-        let near = near.filter(|(_, difference)| within(*difference, FARTHEST));
-        pairs.extend(near.map(|(n, difference)| (b, n, difference.iter().sum())));
-    }
-    let mut found: Vec<Option<usize>> = vec![None; before.len()];
-    let mut is_same = vec![false; before.len()];
-    loop {
-        let cost = |&(b, n, difference): &(usize, usize, f64)| {
-            let same = within(scaled(b, n), SAME);
-            let [common, known] = common(&before[b], &now[n], &found);
+    let mut pairs = pairs(before, now);
+    let mut found: Vec<Option<Again>> = vec![None; before.len()];
+    while !pairs.is_empty() {
+        let cost = |pair: &Pair| {
+            let [common, known] = common(&before[pair.before], &now[pair.now], &found);
             let strange = if known == 0 { 0.0 } else { 1.0 - common as f64 / known as f64 };
-            (!same, difference + NEIGHBOURS * strange)
+            (pair.differs, pair.difference + NEIGHBOURS * strange)
         };
-        let least = pairs.iter().map(|pair| (cost(pair), *pair));
-        let Some(((differs, _), (b, n, _))) =
-            least.min_by(|(x, _), (y, _)| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)))
-        else {
-            break;
+        let costs: Vec<(bool, f64)> = pairs.iter().map(cost).collect();
+        let less = |i: usize, j: usize| {
+            costs[i].0.cmp(&costs[j].0).then(costs[i].1.total_cmp(&costs[j].1)).is_lt()
         };
-        (found[b], is_same[b]) = (Some(n), !differs);
-        pairs.retain(|&(other, taken, _)| other != b && taken != n);
+        let mut best = [vec![None; before.len()], vec![None; now.len()]];
+        for (i, pair) in pairs.iter().enumerate() {
+            for (best, face) in best.iter_mut().zip([pair.before, pair.now]) {
+                best[face] = best[face].filter(|&other| !less(i, other)).or(Some(i));
+            }
+        }
+        let mut taken = vec![false; now.len()];
+        for (i, &Pair { before: b, now: face, differs, .. }) in pairs.iter().enumerate() {
+            if best[0][b] == Some(i) && best[1][face] == Some(i) {
+                found[b] = Some(Again { face, same: !differs, beside: 0 });
+                taken[face] = true;
+            }
+        }
+        pairs.retain(|pair| found[pair.before].is_none() && !taken[pair.now]);
     }
-    let again = |b: usize| {
-        let face = found[b]?;
-        Some(Again { face, same: is_same[b], beside: common(&before[b], &now[face], &found)[0] })
+    let beside = |b: usize| {
+        let again = found[b]?;
+        Some(Again { beside: common(&before[b], &now[again.face], &found)[0], ..again })
     };
-    (0..before.len()).map(again).collect()
+    (0..before.len()).map(beside).collect()
+}
+
+/// All pairs of faces that are not too far to be the same.
+fn pairs(before: &[Face], now: &[Face]) -> Vec<Pair> {
+    let size = before.iter().map(|face| face.area).sum::<f64>().sqrt();
+    let within = |found: [f64; 3], most: [f64; 3]| (0..3).all(|i| found[i] <= most[i]);
+    let mut pairs = Vec::new();
+    for (b, earlier) in before.iter().enumerate() {
+        for (n, later) in now.iter().enumerate() {
+            let [middle, area, normal] = earlier.differs(later);
+            let found = [middle / size, area, normal];
+            if within(found, FARTHEST) {
+                let (difference, differs) = (found.iter().sum(), !within(found, SAME));
+                pairs.push(Pair { before: b, now: n, difference, differs });
+            }
+        }
+    }
+    pairs
 }
 
 /// How many neighbours of a face are also neighbours of another one, and of how many it is known which they are now.
-fn common(before: &Face, now: &Face, found: &[Option<usize>]) -> [usize; 2] {
+fn common(before: &Face, now: &Face, found: &[Option<Again>]) -> [usize; 2] {
     let known = before.beside.iter().filter_map(|&b| found[b]);
-    known.fold([0, 0], |[common, known], n| {
-        [common + usize::from(now.beside.binary_search(&n).is_ok()), known + 1]
+    known.fold([0, 0], |[common, known], again| {
+        [common + usize::from(now.beside.binary_search(&again.face).is_ok()), known + 1]
     })
 }
 

@@ -11,6 +11,9 @@ use serde::Deserialize;
 /// More faces than these are only counted.
 const MOST: usize = 10;
 
+/// More faces than these are none that a person has picked; each is compared with all that are there now.
+const LARGEST: usize = 10_000;
+
 /// A face as it was when it was picked.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -40,7 +43,13 @@ impl Recognized {
     /// # Errors
     /// If a face measures nothing that can be.
     pub fn new(picked: &BTreeMap<String, Picked>, now: Vec<(String, Face)>) -> Result<Self> {
-        let number = |name: &String| picked.keys().position(|other| other == name);
+        ensure!(
+            picked.len() <= LARGEST,
+            "[faces] has {} faces, {LARGEST} at most can be looked for",
+            picked.len()
+        );
+        let numbers: BTreeMap<&String, usize> =
+            picked.keys().enumerate().map(|(i, name)| (name, i)).collect();
         let face = |(name, picked): (&String, &Picked)| {
             let (middle, normal) = (Vec3::from(picked.middle), Vec3::from(picked.normal));
             ensure!(
@@ -50,7 +59,8 @@ impl Recognized {
                     && middle.norm().is_finite(),
                 "[faces] {name}: an area above 0, a finite middle and a normal at most 1 long are needed"
             );
-            let beside = picked.beside.iter().filter_map(number).collect();
+            let beside =
+                picked.beside.iter().filter_map(|name| numbers.get(name).copied()).collect();
             Ok((name.clone(), Face { area: picked.area, middle, normal, beside }))
         };
         let before: Vec<(String, Face)> = picked.iter().map(face).collect::<Result<_>>()?;
