@@ -223,6 +223,12 @@ impl Settings {
             path.display()
         );
         let text = read_text(path)?;
+        // such as the environment of a process, of which nothing is shown
+        ensure!(
+            !text.contains('\0'),
+            "{}: it has characters without meaning (NUL), and a file with settings is needed here",
+            path.display()
+        );
         let canonical = system::canonical(path).with_context(|| path.display().to_string())?;
         ensure!(
             !above.contains(&canonical) && above.len() < DEPTH,

@@ -9,7 +9,7 @@ use super::key_path::{KeyPath, Step};
 use super::merge::identity;
 
 /// As much of a line is shown before a place, and twice as much from there on [bytes].
-const AROUND: usize = 300;
+const AROUND: usize = 60;
 
 /// The place that keys lead to, as far as they do; words are looked for where that is.
 pub fn of_path(tree: &DeTable, path: &KeyPath) -> Option<Range<usize>> {
@@ -151,6 +151,13 @@ fn floor(text: &str, at: usize) -> usize {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn of_a_long_line_little_is_shown() {
+        let text = format!("{}?{}", "a".repeat(5000), "b".repeat(5000));
+        let shown = shown("a.toml", &text, 5000..5001, "what");
+        assert!(shown.len() < 500 && shown.contains("aaa?bbb") && shown.ends_with('^'), "{shown}");
+    }
 
     #[test]
     fn keys_lead_to_keys_and_to_values() {

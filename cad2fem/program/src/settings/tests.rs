@@ -206,6 +206,8 @@ fn includes_that_cannot_be_meant_are_refused() {
         ("there/wrong.toml", "degree = 1\nmash = ''\n"),
         ("later.toml", "degree = 1\npuffer = '7.5'\n"),
         ("gone.toml", "include = 'none.toml'\n"),
+        ("bytes.toml", "include = 'environ'\n"),
+        ("environ", "TOKEN=secret\0PATH=/bin\0"),
         ("body.msh", "$MeshFormat\n4.1 0 8\n"),
     ]);
     let message = folder.refuses("body.msh", &[]);
@@ -217,6 +219,9 @@ fn includes_that_cannot_be_meant_are_refused() {
     assert!(folder.refuses("a.toml", &[]).contains("included by itself"));
     let message = folder.refuses("same.toml", &[]);
     assert!(message.starts_with("same.toml: nothing of peak.toml is used"), "{message}");
+    let message = folder.refuses("bytes.toml", &[]);
+    assert!(message.contains("environ: it has characters without meaning"), "{message}");
+    assert!(!message.contains("secret"), "{message}");
     let message = folder.refuses("number.toml", &[]);
     assert!(
         message.starts_with("number.toml:2:11: include: expected the name of a file"),
