@@ -33,7 +33,8 @@ class Response:
         """Writes the table as CSV."""
         with open(path, "w", newline="") as file:
             table = csv.writer(file)
-            table.writerow(self.columns)
+            # a name is never a formula of a spreadsheet
+            table.writerow([f" {name}" if name.startswith((*"=+-@\t\r",)) else name for name in self.columns])
             table.writerows([[repr(float(value)) for value in row] for row in self.rows])
 
 

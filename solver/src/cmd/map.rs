@@ -9,6 +9,7 @@ use program::{Changes, Unusable, read_checkpoint, write_checkpoint};
 use serde::{Deserialize, Serialize};
 
 use crate::number;
+use crate::report::table;
 use crate::study::map::{Grid, Map, Row};
 
 /// Tabulate a scene's equilibria, probes and their derivatives on a grid of numbers
@@ -91,7 +92,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             saved = Instant::now();
         }
     }
-    write(&arguments.output, &columns, &begun.rows)?;
+    let table = [columns].into_iter().chain(begun.rows.iter().cloned());
+    table::write(&arguments.output, table)?;
     mesh::io::remove_output(&path)?;
     let found = begun.rows.iter().filter(|row| row[grid.len()] == FOUND).count();
     log::info!("{}: {found} of {count} rows have an equilibrium", arguments.output.display());
@@ -140,13 +142,4 @@ fn in_words(row: &Row, grid: &[Grid], [i, count]: [usize; 2], start: Instant) ->
     let status = if row.values.is_some() { "" } else { "  no equilibrium" };
     let seconds = start.elapsed().as_secs_f64();
     format!("row {i}/{count}  {}{status}  {seconds:.1} s", numbers.collect::<Vec<_>>().join("  "))
-}
-
-fn write(path: &Path, columns: &[String], rows: &[Vec<String>]) -> Result<()> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(columns)?;
-    rows.iter().try_for_each(|row| table.write_record(row))?;
-    let text = table.into_inner().map_err(csv::IntoInnerError::into_error)?;
-    mesh::io::write_atomic(path, |out| std::io::Write::write_all(out, &text))?;
-    Ok(())
 }

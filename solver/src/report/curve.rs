@@ -5,26 +5,22 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use measure::probe::Probe;
 use reports::Step;
 use serde_json::json;
 
 use super::results::CURVE;
+use super::table;
 
 /// Writes the table of a run to a folder, from the `lines` of its steps.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write(folder: &Path, lines: &[Step], probes: &[Probe]) -> Result<()> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(lines.first().map_or_else(Vec::new, |line| header(line, probes)))?;
-    for line in lines {
-        table.write_record(row(line, probes).into_iter().map(cell))?;
-    }
-    let text = table.into_inner().context("a table in memory")?;
-    mesh::io::write_atomic(&folder.join(CURVE), |out| out.write_all(&text))?;
-    Ok(())
+    let header = lines.first().map_or_else(Vec::new, |line| header(line, probes));
+    let rows = lines.iter().map(|line| row(line, probes).into_iter().map(cell).collect());
+    table::write(&folder.join(CURVE), [header].into_iter().chain(rows))
 }
 
 fn header(line: &Step, probes: &[Probe]) -> Vec<String> {

@@ -18,6 +18,7 @@ pub mod results;
 pub mod simulation;
 pub mod stability;
 pub mod summary;
+pub mod table;
 pub mod threads;
 pub mod time_left;
 pub mod writer;

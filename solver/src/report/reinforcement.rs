@@ -11,7 +11,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use mechanics::energy::{
     self, Axis, Energies, Energy, FibreMean, FibreSummary, Fibres, Helix, Iterate, WindingSummary,
 };
@@ -20,6 +20,8 @@ use mesh::io::vtu::Field;
 use reports::{Fibre, Winding};
 use scene::Scene;
 use scene::config::WindingConfig;
+
+use super::table;
 
 /// Forces along the threads.
 pub const THREADS: &str = "windings.csv";
@@ -129,25 +131,23 @@ pub fn write_threads(
     if energies.windings.is_empty() {
         return Ok(());
     }
-    let mut table = csv::Writer::from_writer(Vec::new());
     let places = ["start", "end"].into_iter().flat_map(|end| {
         ["at rest", "now"].into_iter().flat_map(move |when| {
             ["x", "y", "z"].map(move |axis| format!("{end} {when} {axis} [m]"))
         })
     });
     let title = ["winding".to_owned()].into_iter().chain(places);
-    table.write_record(title.chain(["force [N]".to_owned()]))?;
+    let mut rows = vec![title.chain(["force [N]".to_owned()]).collect()];
     for (winding, thread) in scene.config.winding.iter().zip(&energies.windings) {
-        for strand in thread.strands(at) {
+        rows.extend(thread.strands(at).into_iter().map(|strand| {
             let ends = strand.rest.into_iter().zip(strand.moved);
             let places = ends.flat_map(|(rest, moved)| [rest, rest + moved]);
             let numbers = places.flat_map(<[f64; 3]>::from).chain([strand.force]);
             let name = [winding.name.clone()].into_iter();
-            table.write_record(name.chain(numbers.map(|number| number.to_string())))?;
-        }
+            name.chain(numbers.map(|number| number.to_string())).collect()
+        }));
     }
-    let text = table.into_inner().context("a table in memory")?;
-    Ok(mesh::io::write_atomic(&folder.join(THREADS), |out| out.write_all(&text))?)
+    table::write(&folder.join(THREADS), rows)
 }
 
 /// Fields of the cells.
