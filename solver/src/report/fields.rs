@@ -1,7 +1,7 @@
 //! Strains and stresses of a state, for ParaView.
 //!
 //! With F = I + ∇u, J = det F and P = ∂ψ/∂F of the law at a quadrature point, with mean dilatation
-//! its pressure U'(J̄) of the element:
+//! its pressure in place of U'(J):
 //!
 //! | name | is | unit |
 //! |-|-|-|
@@ -41,9 +41,9 @@ struct Point {
 }
 
 impl Point {
-    fn new(law: &ElementLaw, grad_u: &Mat3) -> Self {
+    fn new(law: &ElementLaw, q: usize, grad_u: &Mat3) -> Self {
         let k = Kinematics::new(grad_u);
-        let p = law.first_piola(&k);
+        let p = law.first_piola(q, &k);
         let cauchy = p * k.f.transpose() / k.j();
         let pressure = -cauchy.trace() / 3.0;
         let deviator = cauchy + pressure * Mat3::identity();
@@ -76,8 +76,8 @@ pub fn fields(energies: &Energies, at: &Iterate) -> [Vec<Field>; 2] {
             for (e, points) in range.zip(points.chunks_exact_mut(quadrature)) {
                 let law = body.elastic.law_in(at, first + e);
                 let gradients = space.displacement_gradients(at.rest, at.u, first + e);
-                for (point, grad_u) in points.iter_mut().zip(gradients) {
-                    *point = Point::new(&law, &grad_u);
+                for (q, (point, grad_u)) in points.iter_mut().zip(gradients).enumerate() {
+                    *point = Point::new(&law, q, &grad_u);
                 }
             }
         });

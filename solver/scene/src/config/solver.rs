@@ -86,10 +86,9 @@ pub enum Dilatation {
     /// At every point.
     #[default]
     Pointwise,
-    /// As a whole, by the mean of J over the element (mean dilatation): elements of degree 2 do not
-    /// lock, however large the bulk modulus. With degree 1 there is no difference; with degree 3, for
-    /// which a constant pressure is too little, bodies are too soft. Not for the laws
-    /// `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
+    /// As a whole (mean dilatation), in elements of degree 2 by the mean of J, in those of degree 3 by the linear
+    /// polynomial that is nearest to J: they do not lock, however large the bulk modulus. With degree 1 there is no
+    /// difference. Not for the laws `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
     Mean,
 }
 

@@ -116,23 +116,32 @@ fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, gra
 }
 
 /// What is used again from batch to batch.
-pub(in crate::energy) struct Memory<S: Simd> {
+pub(in crate::energy) struct Memory<S: Simd, const N: usize> {
     /// Blocks of elements that are not of degree 2.
     local: Vec<[Lanes<S>; 9]>,
     /// Moments of elements that are of degree 2.
     moments: Moments<S>,
+    /// Derivatives of the mean dilatations, as they are summed up.
+    by_volume: Vec<Forces<S, N>>,
+    /// The same, of the nodes.
+    changes: Vec<Nodal<S, N>>,
 }
 
-impl<S: Simd> Default for Memory<S> {
+impl<S: Simd, const N: usize> Default for Memory<S, N> {
     fn default() -> Self {
-        Self { local: Vec::new(), moments: Moments::default() }
+        Self {
+            local: Vec::new(),
+            moments: Moments::default(),
+            by_volume: Vec::new(),
+            changes: Vec::new(),
+        }
     }
 }
 
 impl ElementEnergy for Elastic {
     const NAME: &'static str = "elastic";
 
-    type Memory<S: Simd, const N: usize> = Memory<S>;
+    type Memory<S: Simd, const N: usize> = Memory<S, N>;
 
     fn range(&self, space: &FunctionSpace) -> Range<usize> {
         self.elements(space)
@@ -169,7 +178,7 @@ impl ElementEnergy for Elastic {
             let grad_u = batch.grad_u(q, &g);
             let mut stress = first_piola(batch.simd, law, &grad_u);
             if let Some(mean) = &mean {
-                mean.add_stress(&grad_u, &mut stress);
+                mean.add_stress(q, &grad_u, &mut stress);
             }
             forces.add(batch, q, &g, &scaled(&stress, batch.volume * weight));
         }
@@ -181,12 +190,12 @@ impl ElementEnergy for Elastic {
         &self,
         batch: &Batch<S, N>,
         kind: Hessian,
-        memory: &mut Memory<S>,
+        memory: &mut Memory<S, N>,
         out: &mut Blocks,
     ) {
         let (simd, zero) = (batch.simd, batch.splat(0.0));
         let (law, split) = self.parts(batch.iterate.space);
-        let Memory { local, moments } = memory;
+        let Memory { local, moments, by_volume, changes } = memory;
         if N == QUADRATIC {
             moments.reserve(batch.iterate.space.volume_table(), zero);
         } else {
@@ -194,14 +203,18 @@ impl ElementEnergy for Elastic {
             local.fill([zero; 9]);
         }
         let mean = split.map(|split| Mean::new(batch, split));
-        let mut by_volume = Forces::none(batch);
+        let means = mean.as_ref().map_or(0, Mean::count);
+        by_volume.clear();
+        by_volume.resize(means, Forces::none(batch));
         for (q, weight) in points::<N>(batch.iterate) {
             let g = batch.gradients(q);
             let grad_u = batch.grad_u(q, &g);
             let mut tangents = tangents(simd, law, &grad_u);
             if let Some(mean) = &mean {
-                mean.add_tangent(&grad_u, &mut tangents);
-                by_volume.add(batch, q, &g, &mean.volume_change(&grad_u, weight));
+                mean.add_tangent(q, &grad_u, &mut tangents);
+                for (c, sum) in by_volume.iter_mut().enumerate() {
+                    sum.add(batch, q, &g, &mean.volume_change(c, q, &grad_u, weight));
+                }
             }
             if kind == Hessian::Projected {
                 project(simd, law, &mut tangents, &grad_u);
@@ -215,14 +228,19 @@ impl ElementEnergy for Elastic {
         if N == QUADRATIC {
             moments.integrate(batch);
         }
-        let stiffness = mean.map(|mean| mean.stiffness(kind) * batch.volume);
-        let by_volume = by_volume.of_nodes(batch);
+        changes.clear();
+        for sum in by_volume.iter() {
+            changes.push(sum.of_nodes(batch));
+        }
         for a in 0..N {
             for b in 0..=a {
                 let pair = pair_index(a, b);
                 let mut block = if N == QUADRATIC { moments.block(a, b) } else { local[pair] };
-                if let Some(stiffness) = stiffness {
-                    add_dyad(&by_volume[a], &by_volume[b], stiffness, &mut block);
+                if let Some(mean) = &mean {
+                    for (c, change) in changes.iter().enumerate() {
+                        let stiffness = mean.stiffness(c, kind) * batch.volume;
+                        add_dyad(&change[a], &change[b], stiffness, &mut block);
+                    }
                 }
                 out.write(pair, &block);
             }

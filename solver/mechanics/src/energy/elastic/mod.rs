@@ -28,6 +28,7 @@ use crate::material::{Kinematics, Material, Split};
 use crate::math::tensor::{Mat3, cofactor_change, vec9};
 
 pub use mean::ElementLaw;
+use mean::MEANS;
 
 /// Elastic energy of elements with one law.
 #[derive(Clone)]
@@ -79,7 +80,7 @@ impl Elastic {
 
     /// The law at the points of an element in a state.
     #[must_use]
-    pub fn law_in(&self, at: &Iterate, element: usize) -> ElementLaw<'_> {
+    pub fn law_in<'a>(&'a self, at: &Iterate<'a>, element: usize) -> ElementLaw<'a> {
         let (law, split) = self.parts(at.space);
         ElementLaw::new(law, split, at, element)
     }
@@ -102,8 +103,8 @@ impl Elastic {
         let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
         let corner = corner_gradients(&element);
         let ElementLaw { law, dilatation } = self.law_in(iterate, e);
-        // of the mean dilatation: by λ, and by ∇V
-        let (mut along, mut by_rest) = (0.0, Mat3::zeros());
+        // of the mean dilatations: by λ, and by ∇V
+        let (mut along, mut by_rest) = ([0.0; MEANS], [Mat3::zeros(); MEANS]);
         let mut local = [Vec3::zeros(); 4];
         for (q, weight) in points::<N>(iterate) {
             let g: [Vec3; N] = element.gradients(iterate.space, q);
@@ -113,10 +114,13 @@ impl Elastic {
             let pushed = law.tangent(&k) * vec9(&grad_l);
             let mut pushed = Mat3::from_column_slice(pushed.as_slice());
             if let Some(mean) = &dilatation {
-                stress += mean.pressure() * k.cofactor;
-                pushed += mean.pressure() * cofactor_change(&k.f, &grad_l);
-                along += weight * k.cofactor.dot(&grad_l);
-                by_rest -= weight * grad_u.transpose() * k.cofactor;
+                stress += mean.pressure(q) * k.cofactor;
+                pushed += mean.pressure(q) * cofactor_change(&k.f, &grad_l);
+                for c in 0..mean.count() {
+                    let weight = weight * mean.weight(c, q);
+                    along[c] += weight * k.cofactor.dot(&grad_l);
+                    by_rest[c] -= weight * grad_u.transpose() * k.cofactor;
+                }
             }
             // V = ψ_j e_k has ∇V = e_k ⊗ ∇ψ_j, so M : ∇V = (M ∇ψ_j)_k
             let m = Mat3::identity() * stress.dot(&grad_l)
@@ -127,8 +131,10 @@ impl Elastic {
             }
         }
         if let Some(mean) = &dilatation {
-            let by = mean.stiffness() * along * element.volume;
-            local.iter_mut().zip(&corner).for_each(|(o, c)| *o += by * (by_rest * c));
+            for c in 0..mean.count() {
+                let by = mean.stiffness(c) * along[c] * element.volume;
+                local.iter_mut().zip(&corner).for_each(|(o, g)| *o += by * (by_rest[c] * g));
+            }
         }
         local
     }
@@ -145,16 +151,19 @@ impl Elastic {
             let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
             let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
             let ElementLaw { law, dilatation } = self.law_in(iterate, e);
-            let mut along = 0.0;
+            let mut along = [0.0; MEANS];
             for (q, weight) in points::<N>(iterate) {
                 let g: [Vec3; N] = element.gradients(iterate.space, q);
                 let bar = field_gradient(&l, &g) * (weight * element.volume);
                 let k = Kinematics::new(&field_gradient(&u, &g));
                 law.add_parameter_vjp(&k, &bar, &mut sum);
-                along += k.cofactor.dot(&bar);
+                if let Some(mean) = &dilatation {
+                    let by = k.cofactor.dot(&bar);
+                    (0..mean.count()).for_each(|c| along[c] += mean.weight(c, q) * by);
+                }
             }
             if let Some(mean) = dilatation {
-                mean.add_parameter_vjp(along, &mut sum);
+                mean.add_parameter_vjp(&along, &mut sum);
             }
         }
         sum

@@ -22,6 +22,8 @@ pub(in crate::energy) type Nodal<S, const N: usize> = [[Lanes<S>; 3]; N];
 pub(in crate::energy) const CORNERS: usize = 4;
 /// Nodes of an element of degree 2.
 pub(in crate::energy) const QUADRATIC: usize = 10;
+/// Nodes of an element of degree 3.
+pub(in crate::energy) const CUBIC: usize = 20;
 
 /// Consecutive straight-sided elements, as many as there are lanes.
 pub(in crate::energy) struct Batch<'a, S: Simd, const N: usize> {
@@ -175,6 +177,7 @@ impl<'a, S: Simd, const N: usize> Batch<'a, S, N> {
 }
 
 /// Σ_q w P ∇φ_a of tensors P at quadrature points.
+#[derive(Clone, Copy)]
 pub(in crate::energy) struct Forces<S: Simd, const N: usize> {
     of_nodes: Nodal<S, N>,
     /// Σ_q w λ_c P in elements of degree 2.

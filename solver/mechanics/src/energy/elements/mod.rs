@@ -15,7 +15,7 @@ use crate::math::sparse::{BlockMatrix, pair_count};
 use crate::math::tensor::Mat3;
 use crate::parallel::{fill, map_merge, map_merge_waves};
 
-pub(super) use batch::{Batch, CORNERS, Forces, Nodal, QUADRATIC, points};
+pub(super) use batch::{Batch, CORNERS, CUBIC, Forces, Nodal, QUADRATIC, points};
 
 #[cfg(test)]
 pub(super) mod tests;
