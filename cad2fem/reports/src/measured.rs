@@ -160,6 +160,9 @@ pub struct StretchRange {
 pub struct Locking {
     /// Degree of the elements.
     pub degree: usize,
+    /// The elements that they are compared with.
+    #[serde(default)]
+    pub compared_with: String,
     /// Largest bulk modulus of the laws, in shear moduli.
     pub bulk_over_shear: f64,
     /// 1 − |u| / |u + δ|: the part of the displacement that is missing, negative where it is too large;

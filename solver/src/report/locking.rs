@@ -7,11 +7,12 @@
 //! no bound. Elements of degree 1 cannot bend and, nearly incompressible, hardly change their shape at
 //! all; those of degree 2 do both, unless the bulk modulus is beyond [`FIRM`] shear moduli.
 //!
-//! With mean dilatation (`mechanics::energy`) those of degree 2 do both at any bulk modulus. There is no estimate
-//! of them: degree 3 with mean dilatation is further off, too soft, and standard elements would take the changes
-//! of volume at points, which those are free to make, for enormous pressures.
+//! With mean dilatation (`mechanics::energy`) those of degree 2 do both at any bulk modulus, and the next degree is that
+//! with mean dilatation, too. What the estimate then finds is how soft or stiff the mesh is.
 //!
-//! The cost is one assembly and one factorisation with the next degree.
+//! The cost is one assembly and one factorisation with the next degree. Standard elements of bodies that are nearly
+//! incompressible, as all of the library are, are compared with those of the same degree with mean dilatation: that costs
+//! no more than an iteration.
 //!
 //! Source: p-refinement as an estimate of the error: Szabó and Babuška, "Finite Element Analysis", 1991.
 
@@ -33,6 +34,8 @@ pub const FIRM_ENOUGH: &str = "100 to 1000 times, poisson = 0.4950 to 0.4995, wh
      1 to 0.1 % of the shear strain";
 /// What to do about elements of degree 2 that hardly change their volume at each point.
 pub const AS_A_WHOLE: &str = "[solver] dilatation = \"mean\"";
+/// Bulk modulus in shear moduli from which on standard elements are compared with those with mean dilatation.
+const NEARLY: f64 = 50.0;
 /// Bulk modulus in shear moduli beyond which Newton's method is slow.
 const SLOW: f64 = 1e4;
 /// Change of the displacement beyond which a state is not to be trusted.
@@ -40,6 +43,41 @@ const LARGE: f64 = 0.05;
 
 /// Missing part of the displacement beyond which its number says no more than that it is large.
 const HALF: f64 = 0.5;
+
+/// What a state is compared with.
+#[derive(Clone, Copy, PartialEq)]
+enum Richer {
+    /// Elements of the next degree.
+    Degree,
+    /// Elements of the same degree, with mean dilatation.
+    Mean,
+}
+
+impl Richer {
+    /// What is due for a scene.
+    fn of(scene: &Scene) -> Option<Self> {
+        let (degree, ratio) = (scene.config.degree, bulk_over_shear(scene));
+        let pointwise = scene.config.solver.dilatation == Dilatation::Pointwise;
+        let next = (degree < HIGHEST_DEGREE).then_some(Self::Degree);
+        let splits = || scene.laws.iter().all(|law| law.material.build().split().is_some());
+        match scene.config.solver.locking {
+            Locking::Never => None,
+            Locking::Always => next,
+            Locking::Likely if degree == 1 || pointwise && ratio > FIRM => next,
+            Locking::Likely => {
+                (degree > 1 && pointwise && ratio > NEARLY && splits()).then_some(Self::Mean)
+            }
+        }
+    }
+
+    /// What it is called after "with".
+    fn name(self, degree: usize) -> String {
+        match self {
+            Self::Degree => format!("degree {}", degree + 1),
+            Self::Mean => AS_A_WHOLE.to_owned(),
+        }
+    }
+}
 
 /// The estimate of a state, where the scene asks for it or its elements are likely to lock; it is said
 /// in the log, too, as a warning where the state is not to be trusted.
@@ -49,22 +87,12 @@ pub fn estimate(
     of: (&Problem, &[Probe]),
     state: &Iterate,
 ) -> Option<reports::Locking> {
+    let by = Richer::of(scene)?;
     let degree = scene.config.degree;
-    let pointwise = scene.config.solver.dilatation == Dilatation::Pointwise;
-    let possible = degree == 1 || pointwise && degree < HIGHEST_DEGREE;
-    let due = possible
-        && match scene.config.solver.locking {
-            Locking::Never => false,
-            Locking::Always => true,
-            Locking::Likely => degree == 1 || bulk_over_shear(scene) > FIRM,
-        };
-    if !due {
-        return None;
-    }
-    let found = estimated(scene, of, state);
+    let found = estimated(scene, by, of, state);
     match &found {
-        Ok(found) if found.change > LARGE => log::warn!("{}", in_words(found)),
-        Ok(found) => log::info!("{}", in_words(found)),
+        Ok(found) if found.change > LARGE => log::warn!("{}", in_words(scene, by, found)),
+        Ok(found) => log::info!("{}", in_words(scene, by, found)),
         Err(why) => {
             log::warn!("degree = {degree}: elements may lock; by how much is not known: {why:#}");
         }
@@ -109,14 +137,20 @@ pub fn bulk_over_shear(scene: &Scene) -> f64 {
 /// Where there is too little memory, or no step with the next degree.
 fn estimated(
     scene: &Scene,
+    with: Richer,
     (problem, probes): (&Problem, &[Probe]),
     state: &Iterate,
 ) -> Result<reports::Locking> {
     let begin = Instant::now();
-    let richer = richer(scene);
+    let richer = richer(scene, with);
     let (next, mut workspace) = richer.problem(&scene.body)?;
-    let step = state.step.map(|step| elevated(step, problem, &next)).transpose()?;
-    let u = elevate(state.space, &next.space, state.u);
+    let (step, u) = match with {
+        Richer::Mean => (state.step.cloned(), state.u.to_vec()),
+        Richer::Degree => (
+            state.step.map(|step| elevated(step, problem, &next)).transpose()?,
+            elevate(state.space, &next.space, state.u),
+        ),
+    };
     let start = Iterate { space: &next.space, u: &u, step: step.as_ref(), ..*state };
     let by = newton_step(&next, &mut workspace, &start).context("there is no Newton step")?;
     let moved: Vec<f64> = u.iter().zip(&by).map(|(u, by)| u + by).collect();
@@ -135,6 +169,7 @@ fn estimated(
     let missing = missing.map(|(name, q)| (name.clone(), 1.0 - values[&name] / q));
     Ok(reports::Locking {
         degree: scene.config.degree,
+        compared_with: with.name(scene.config.degree),
         bulk_over_shear: bulk_over_shear(scene),
         displacement: 1.0 - size(&u) / after,
         change: size(&by) / after,
@@ -144,13 +179,13 @@ fn estimated(
 }
 
 /// What to say of it.
-fn in_words(found: &reports::Locking) -> String {
-    let reports::Locking { degree, bulk_over_shear, displacement, change, probes, wall_s } = found;
-    let next = degree + 1;
+fn in_words(scene: &Scene, by: Richer, found: &reports::Locking) -> String {
+    let reports::Locking { degree, bulk_over_shear, displacement, change, probes, .. } = found;
+    let richer = &found.compared_with;
     let percent = 100.0 * displacement.abs();
     let amount = match displacement {
         // the step leads far beyond what it is accurate for
-        d if *d > HALF => format!("half of those with degree {next}, or less"),
+        d if *d > HALF => format!("half of those with {richer}, or less"),
         d if *d < 0.0 => format!("{percent:.1} % too large"),
         _ => format!("{percent:.1} % too small"),
     };
@@ -162,18 +197,26 @@ fn in_words(found: &reports::Locking) -> String {
     for (name, part) in probes {
         words += &format!(", \"{name}\" {:.1} %", 100.0 * part);
     }
-    let other = match degree {
-        1 => format!(" (where that locks, too, with {AS_A_WHOLE})"),
-        _ => format!(", {AS_A_WHOLE}"),
+    let pointwise = scene.config.solver.dilatation == Dilatation::Pointwise;
+    let next = degree + 1;
+    let better = match (by, *degree) {
+        (Richer::Mean, _) => AS_A_WHOLE.to_owned(),
+        (_, 1) => format!("degree = {next} (where that locks, too, with {AS_A_WHOLE})"),
+        _ if pointwise => format!("degree = {next}, {AS_A_WHOLE}"),
+        _ => format!("degree = {next}"),
     };
-    let advice = format!("; use degree = {next}{other}, or a finer mesh");
-    let advice = if *change > LARGE { &advice } else { "" };
-    words + &format!(" (one Newton step with degree {next}, {wall_s:.1} s){advice}")
+    let advice =
+        if *change > LARGE { format!("; use {better}, or a finer mesh") } else { String::new() };
+    words + &format!(" (one Newton step with {richer}, {:.1} s){advice}", found.wall_s)
 }
 
-/// The scene with the next degree, and the same collision surface.
-fn richer(scene: &Scene) -> Scene {
+/// The scene with richer elements, and the same collision surface.
+fn richer(scene: &Scene, by: Richer) -> Scene {
     let mut richer = scene.clone();
+    if by == Richer::Mean {
+        richer.config.solver.dilatation = Dilatation::Mean;
+        return richer;
+    }
     if let Some(contact) = richer.config.contact_mut() {
         contact.split = Some(contact.split.unwrap_or(scene.config.degree));
     }

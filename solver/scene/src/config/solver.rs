@@ -39,7 +39,7 @@ pub struct SolverConfig {
     /// What becomes of an equilibrium in which an element is turned inside out somewhere.
     pub inside_out: InsideOut,
     /// When `solver simulate` estimates by how much the state at the end would change with elements of
-    /// the next degree. That costs an assembly and a factorisation with that degree.
+    /// the next degree, or with `dilatation = "mean"`. That costs an assembly and a factorisation with those.
     pub locking: Locking,
     /// What leads from one state of a static scene to the next.
     #[serde(skip_serializing_if = "Follow::is_load")]
@@ -96,11 +96,11 @@ pub enum Dilatation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Locking {
-    /// Where it is likely: with degree 1, and with degree 2 at a bulk modulus of more than 1000 shear
-    /// moduli.
+    /// Where it is likely: with the next degree for degree 1, and for degree 2 at a bulk modulus of more than 1000 shear
+    /// moduli; with `dilatation = "mean"`, which costs no more than an iteration, from 50 shear moduli on.
     #[default]
     Likely,
-    /// Always, with degree 1, and with degree 2 unless `dilatation` is "mean".
+    /// Always, for degrees 1 and 2, with the next degree and the same `dilatation`.
     Always,
     /// Never.
     Never,
