@@ -15,8 +15,8 @@ mod validation;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
-    AsCast, Chamber, ErrorBar, ErrorBars, Fibre, Locking, Measurement, Membrane, Offset, Probe,
-    StretchRange, Tag, Winding,
+    AsCast, Chamber, ErrorBar, ErrorBars, Fibre, Locking, MaterialRange, Measurement, Membrane,
+    Offset, Probe, StretchRange, Tag, Winding,
 };
 pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};

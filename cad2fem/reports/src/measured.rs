@@ -139,19 +139,53 @@ pub struct Probe {
 pub struct StretchRange {
     /// Smallest principal stretch of a quadrature point [1].
     pub smallest: f64,
+    /// Rest centre of the tetrahedron of the smallest [m].
+    #[serde(default)]
+    pub smallest_at: [f64; 3],
     /// Largest principal stretch of a quadrature point [1].
     pub largest: f64,
     /// Rest centre of the tetrahedron of the largest [m].
     pub largest_at: [f64; 3],
-    /// Rest volume of the tetrahedra with a quadrature point beyond the fitted range, as a part of the
-    /// body [1].
+    /// Rest volume of the tetrahedra with a quadrature point whose smallest or largest stretch is beyond what their
+    /// material was fitted to, as a part of the body [1].
     pub volume_beyond: f64,
     /// Stretch at break over the largest stretch, if it is known: the body tears below 1 [1].
     pub margin: Option<f64>,
-    /// Range that the material was fitted to, if it is known [1].
+    /// Smallest and largest principal stretch that the material was fitted to, if they are known; of several materials,
+    /// those that all were fitted to [1].
     pub fitted: Option<[f64; 2]>,
     /// Uniaxial stretch at which the material tears, if it is known [1].
     pub at_break: Option<f64>,
+    /// The same of each material, beside its tests.
+    #[serde(default)]
+    pub materials: Vec<MaterialRange>,
+}
+
+/// Principal stretches of one material, beside those of its tests.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct MaterialRange {
+    /// The body or volume, where there are several materials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Smallest and largest principal stretch that it was fitted to, if they are known [1].
+    pub tested: Option<[f64; 2]>,
+    /// Modes that it was fitted in: `tension`, `biaxial`, which is also compression along one axis, `planar`; none where
+    /// they are not known.
+    pub modes: Vec<String>,
+    /// Smallest principal stretch of a quadrature point [1].
+    pub smallest: f64,
+    /// Rest centre of the tetrahedron of the smallest [m].
+    pub smallest_at: [f64; 3],
+    /// Largest principal stretch of a quadrature point [1].
+    pub largest: f64,
+    /// Rest centre of the tetrahedron of the largest [m].
+    pub largest_at: [f64; 3],
+    /// Rest volume of the tetrahedra with a quadrature point beyond what it was fitted to, as a part of its own [1].
+    pub volume_beyond: f64,
+    /// Rest volume of the tetrahedra that are strained by more than 20 % in a mode that it was not fitted in, by the mode
+    /// that they are nearest to, as a part of its own [1].
+    pub untested: BTreeMap<String, f64>,
 }
 
 /// By how much a state would change without locking.

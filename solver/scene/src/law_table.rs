@@ -3,6 +3,7 @@
 //! All of it follows from the rows of [`material::LAWS`] and [`sheet::LAWS`].
 
 use anyhow::{Context, Result, bail, ensure};
+use mechanics::material::response::Mode;
 use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
 use program::schema::{add_keys, add_kind};
 use program::{KeyPath, misfit, unknown};
@@ -10,8 +11,16 @@ use schemars::Schema;
 use serde_json::json;
 use toml::{Table, Value};
 
+/// Modes of tests as people write them. At constant volume a block that is compressed is stretched along both other axes.
+const MODES: [(&str, Mode); 4] = [
+    ("tension", Mode::Uniaxial),
+    ("compression", Mode::Biaxial),
+    ("biaxial", Mode::Biaxial),
+    ("planar", Mode::Planar),
+];
+
 /// Reads `kind`, the parameters of a law of a volume, and optionally `density`,
-/// `stretch_range`, `stretch_at_break`, `creep` and `mullins`.
+/// `stretch_range`, `modes`, `stretch_at_break`, `creep` and `mullins`.
 ///
 /// # Errors
 /// With what was found and what is needed.
@@ -20,13 +29,14 @@ pub fn volume(table: &Table) -> Result<Specification> {
     let law = law(&mut parameters, material::LAWS, "solver list")?;
     let density = parameters.remove("density").map(|v| density(&v)).transpose()?;
     let stretch_range = parameters.remove("stretch_range").map(|v| range(&v)).transpose()?;
+    let modes = parameters.remove("modes").map(|v| modes(&v)).transpose()?.unwrap_or_default();
     let stretch_at_break =
         parameters.remove("stretch_at_break").map(|v| at_break(&v)).transpose()?;
     let creep = parameters.remove("creep").map(|v| creep(&v)).transpose()?;
     let mullins = parameters.remove("mullins").map(|v| mullins(&v)).transpose()?;
     let softening = Softening { creep, mullins };
     let values = values(law, &parameters)?;
-    Ok(Specification { law, values, density, stretch_range, stretch_at_break, softening })
+    Ok(Specification { law, values, density, stretch_range, modes, stretch_at_break, softening })
 }
 
 /// Reads `kind` and the parameters of a law of a sheet.
@@ -161,11 +171,16 @@ pub fn volume_schemas() -> Vec<Schema> {
         "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
         "description": "Smallest and largest principal stretch that it was fitted to [1].",
     });
+    let modes = json!({
+        "type": "array", "items": { "enum": MODES.map(|(name, _)| name) }, "minItems": 1,
+        "description": "Modes that it was fitted in.",
+    });
     let number = |meaning: &str| json!({ "type": "number", "description": meaning });
     let at_break = number("Uniaxial stretch at which it tears: 1 + elongation at break [1].");
     let optional = [
         ("density", number("Density [kg/m³]."), false),
         ("stretch_range", range, false),
+        ("modes", modes, false),
         ("stretch_at_break", at_break, false),
         ("creep", number("Part by which strain grows while a load is held [1]."), false),
         ("mullins", number("Part by which stress falls after a first stretch [1]."), false),
@@ -260,6 +275,26 @@ fn range(value: &Value) -> Result<[f64; 2]> {
     Ok([low, high])
 }
 
+/// Modes by their names, each once.
+fn modes(value: &Value) -> Result<Vec<Mode>> {
+    let named = |item: &Value| {
+        let name = item.as_str()?;
+        Some(MODES.iter().find(|(known, _)| *known == name)?.1)
+    };
+    let items = value.as_array().filter(|items| !items.is_empty());
+    let found: Option<Vec<Mode>> = items.and_then(|items| items.iter().map(named).collect());
+    let mut found = found.ok_or_else(|| {
+        let known = MODES.map(|(name, _)| format!("\"{name}\"")).join(", ");
+        misfit!(
+            KeyPath::of("modes"),
+            " = {value}: expected a list of modes of tests out of {known}"
+        )
+    })?;
+    found.sort_unstable_by_key(|mode| mode.state());
+    found.dedup();
+    Ok(found)
+}
+
 #[cfg(test)]
 mod tests {
     use mechanics::material::Moduli;
@@ -298,12 +333,20 @@ mod tests {
         let text = "kind = 'ogden'\nmu = [1e4, -2e3]\nalpha = [2, -3]\nbulk = 1e6\n";
         let optional =
             "density = 1070\nstretch_range = [0.5, 4]\nstretch_at_break = 10\ncreep = 0.25";
-        let material = read(&format!("{text}{optional}\nmullins = 0.1")).expect("ok");
+        let modes = "modes = ['tension', 'compression', 'biaxial']";
+        let material = read(&format!("{text}{optional}\nmullins = 0.1\n{modes}")).expect("ok");
+        assert_eq!(material.modes, [Mode::Biaxial, Mode::Uniaxial]);
         let changes: Vec<_> = material.softening.changes().collect();
         assert_eq!(changes, [("creep", 1.0 / 1.25 - 1.0), ("mullins", -0.1)]);
         assert_eq!(material.values, [1e4, -2e3, 2.0, -3.0, 1e6]);
         assert_eq!(material.density, Some(1070.0));
-        assert_eq!(material.stretch_range, Some([0.5, 4.0]));
+        assert_eq!(
+            (material.stretch_range, material.tested()),
+            (Some([0.5, 4.0]), Some([0.5, 4.0]))
+        );
+        // without its thickness, that of a strip at constant volume
+        let pulled = read(&format!("{text}stretch_range = [1.0, 4.0]")).expect("ok");
+        assert_eq!((pulled.tested(), pulled.modes), (Some([0.5, 4.0]), Vec::new()));
         assert_eq!(material.stretch_at_break, Some(10.0));
     }
 
@@ -331,6 +374,11 @@ mod tests {
             (format!("{ogden}mu = [1e4]\nalpha = [0]"), "alpha of term 1 is 0"),
             (format!("{yeoh}density = -1"), "density = -1"),
             (format!("{yeoh}stretch_range = [2, 1]"), "around 1"),
+            (
+                format!("{yeoh}modes = ['torsion']"),
+                "\"tension\", \"compression\", \"biaxial\", \"planar\"",
+            ),
+            (format!("{yeoh}modes = 'tension'"), "expected a list of modes"),
             (format!("{yeoh}stretch_at_break = 0.9"), "above 1"),
             (format!("{yeoh}creep = -0.2"), "creep = -0.2"),
             (format!("{yeoh}mullins = 1"), "between 0 and 1"),

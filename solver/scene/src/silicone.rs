@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
 use library::silicones;
+use mechanics::material::response::Mode;
 use mechanics::material::{Softening, Specification};
 use program::KeyPath;
 use serde_json::{Value, json};
@@ -41,6 +42,7 @@ impl Silicone {
         let fit = |fit: &'static library::Fit| {
             let mut specification = law_table::volume(&fit.law).context(key)?;
             specification.density = entry.density;
+            specification.modes = modes(fit);
             let elongation = entry.casting.as_ref().and_then(|casting| casting.elongation);
             specification.stretch_at_break = elongation.map(|percent| 1.0 + percent / 100.0);
             if let Some(softening) = &entry.softening {
@@ -106,6 +108,20 @@ pub fn all() -> &'static [Silicone] {
         all.collect::<Result<_>>().expect("a test builds the laws of all silicones")
     });
     &ALL
+}
+
+/// The modes of the tests behind a law, as far as they are known. Compression is biaxial tension across it.
+fn modes(fit: &library::Fit) -> Vec<Mode> {
+    use library::Test;
+    let stiffening = fit.stiffening.iter().map(|_| Mode::Uniaxial);
+    let own = match fit.test {
+        Test::Tension | Test::Bending | Test::Datasheet | Test::Crosshead => Some(Mode::Uniaxial),
+        Test::Compression => Some(Mode::Biaxial),
+        Test::NotStated => None,
+    };
+    let mut modes: Vec<Mode> = own.into_iter().chain(stiffening).collect();
+    modes.dedup();
+    modes
 }
 
 /// What a name stands for: `silicone`, `silicone/source` or `silicone/law`; the first that fits.

@@ -267,6 +267,10 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         if let Some(range) = material.stretch_range {
             keys.insert("stretch_range".to_owned(), range.to_vec().into());
         }
+        if !material.modes.is_empty() {
+            let modes: Vec<&str> = material.modes.iter().map(|mode| mode.state()).collect();
+            keys.insert("modes".to_owned(), modes.into());
+        }
         if let Some(stretch) = material.stretch_at_break {
             keys.insert("stretch_at_break".to_owned(), stretch.into());
         }

@@ -71,6 +71,7 @@ impl Fitted {
             values: self.values.clone(),
             density: None,
             stretch_range: Some(self.quality.stretch_range),
+            modes: Vec::new(),
             stretch_at_break: None,
             softening: Softening::default(),
         }

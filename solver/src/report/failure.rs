@@ -63,7 +63,7 @@ impl Diagnosis {
         let start = Iterate { u: &zero, time: 0.0, ..at };
         let at_rest = SoftestMode::of(problem, workspace, &start, next - time);
         let reached = SoftestMode::of(problem, workspace, &at, next);
-        let stretches = Stretches::of(space, rest, &attempt.reached, scene.stretch_limits());
+        let stretches = Stretches::of(space, rest, &attempt.reached, scene.stretch_limits(body));
 
         let reason = reason(scene, unreached, &at_rest, space, rest);
         let mut lines = vec![reason.clone()];

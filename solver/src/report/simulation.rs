@@ -7,10 +7,10 @@ use anyhow::Result;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{self, Problem};
-use mechanics::stretch::{Limits, Stretches};
+use mechanics::stretch::{Strained, Stretches};
 use reports::{
-    End, EnergyBalance, Material, Moduli, OneOrList, Simulation, Status, StretchRange, Task,
-    Timings,
+    End, EnergyBalance, Material, MaterialRange, Moduli, OneOrList, Simulation, Status,
+    StretchRange, Task, Timings,
 };
 use scene::{Scene, SceneLaw, law_table};
 use serde_json::json;
@@ -162,11 +162,31 @@ fn balance(
 
 /// Principal stretches of the state, with warnings where the material was not tested or tears.
 fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
-    let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits());
+    let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits(&scene.body));
     found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
-    let Stretches { smallest, largest, largest_at, volume_beyond, margin, limits } = found;
-    let Limits { fitted, at_break } = limits;
-    StretchRange { smallest, largest, largest_at, volume_beyond, margin, fitted, at_break }
+    let one = |(of, law): (&Strained, &SceneLaw)| MaterialRange {
+        on: (scene.laws.len() > 1).then(|| scene.law_name(law)),
+        tested: of.limits.tested,
+        modes: of.limits.modes.iter().map(|mode| mode.state().to_owned()).collect(),
+        smallest: of.smallest.stretch,
+        smallest_at: of.smallest.at,
+        largest: of.largest.stretch,
+        largest_at: of.largest.at,
+        volume_beyond: of.beyond,
+        untested: of.untested.iter().map(|(mode, part)| (mode.state().to_owned(), *part)).collect(),
+    };
+    let tested = found.materials.iter().filter_map(|of| of.limits.tested);
+    StretchRange {
+        smallest: found.smallest.stretch,
+        smallest_at: found.smallest.at,
+        largest: found.largest.stretch,
+        largest_at: found.largest.at,
+        volume_beyond: found.volume_beyond,
+        margin: found.margin,
+        fitted: tested.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]),
+        at_break: found.at_break,
+        materials: found.materials.iter().zip(&scene.laws).map(one).collect(),
+    }
 }
 
 /// Where the time went, and how much was expected [s].

@@ -45,7 +45,7 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
     let held = problem.held(end.time, &growing);
     let mut workspace = Workspace::new(&held);
     let slope = PressureSlope::of(&held, &mut workspace, &configuration(end), &growing).ok();
-    let burst = scene.stretch_limits().at_break.map(|at_break| BurstSearch::new(end, at_break));
+    let burst = scene.stretch_at_break().map(|at_break| BurstSearch::new(end, at_break));
     let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
     let search = LimitSearch { stepping: scene.stepping(), most: config.most };
     let start = (end, scene.integrator(&scene.body, &held));

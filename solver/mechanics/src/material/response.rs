@@ -12,9 +12,14 @@
 //! σ = P₁₁ − P₃₃ λ₃/λ₁, for any law, and σ is linear in P, so its derivatives
 //! with respect to the parameters come from [`Material::add_parameter_vjp`].
 //!
-//! Source: Ogden, "Non-linear Elastic Deformations", section 7.2.
+//! A law of constant volume is stable (Drucker) where the second derivatives of ψ by the logarithmic strains h₁ and h₂ of
+//! two axes, h₃ = −h₁ − h₂, are positive definite: dτ · dh > 0 for the Kirchhoff stress of any small step. With
+//! T_ij = ∂τᵢ/∂h_j = λᵢ λⱼ A_iijj + δ_ij λᵢ Pᵢᵢ they are T_ij − T_i3 − T_3j + T_33.
+//!
+//! Sources: Ogden, "Non-linear Elastic Deformations", section 7.2; stability: Drucker 1959, doi:10.1115/1.4011929;
+//! parameter of the mode: Lode 1926, doi:10.1007/BF01400222.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Matrix3, Vector3};
 use serde::Serialize;
 
 use super::{Kinematics, Material};
@@ -43,6 +48,29 @@ impl Mode {
             Self::Uniaxial => "uniaxial",
             Self::Biaxial => "biaxial",
             Self::Planar => "planar",
+        }
+    }
+
+    /// The name of states that are strained like this. At constant volume compression along one axis is equibiaxial
+    /// tension across it.
+    #[must_use]
+    pub fn state(self) -> &'static str {
+        match self {
+            Self::Uniaxial => "tension",
+            Self::Biaxial => "biaxial",
+            Self::Planar => "planar",
+        }
+    }
+
+    /// The mode that a state with these principal stretches, the largest first, is nearest to, by Lode's parameter
+    /// (2 h₂ − h₁ − h₃)/(h₁ − h₃) of the logarithmic strains h: −1 in uniaxial, 0 in planar, 1 in biaxial tension.
+    #[must_use]
+    pub fn nearest(stretches: [f64; 3]) -> Self {
+        let [first, second, third] = stretches.map(f64::ln);
+        match (2.0 * second - first - third) / (first - third) {
+            ..-0.5 => Self::Uniaxial,
+            0.5.. => Self::Biaxial,
+            _ => Self::Planar,
         }
     }
 
@@ -77,8 +105,23 @@ impl Mode {
         material.add_parameter_vjp(&k, &weights, out);
     }
 
-    /// The stretch up to which σ rises with λ, looked for up to `limit`;
-    /// infinite when it rises all the way.
+    /// Whether small steps of any kind from the state at stretch λ take work (Drucker).
+    fn is_stable(self, material: &dyn Material, lambda: f64) -> bool {
+        let (k, _) = self.block(lambda);
+        let (stress, tangent) = (material.first_piola(&k), material.tangent(&k));
+        let l = self.stretches(lambda);
+        // vec has (i, i) at 4 i
+        let t = Matrix3::from_fn(|i, j| {
+            let own = if i == j { l[i] * stress[(i, i)] } else { 0.0 };
+            l[i] * l[j] * tangent[(4 * i, 4 * j)] + own
+        });
+        let h = Matrix2::from_fn(|i, j| t[(i, j)] - t[(i, 2)] - t[(2, j)] + t[(2, 2)]);
+        h.trace() > 0.0 && h.determinant() > 0.0
+    }
+
+    /// The stretch up to which σ rises with λ and the law is stable, looked for up to `limit`;
+    /// infinite when that is so all the way. Compression along one axis is biaxial tension across it, and so on: with
+    /// λ > 1 in all modes there is nothing else.
     #[must_use]
     pub fn stable_up_to(self, material: &dyn Material, limit: f64) -> f64 {
         let step = 1e-3;
@@ -86,7 +129,7 @@ impl Mode {
         let mut lambda = 1.0;
         while lambda < limit {
             let next = self.nominal_stress(material, lambda + step);
-            if next.is_nan() || next <= stress {
+            if next.is_nan() || next <= stress || !self.is_stable(material, lambda + step) {
                 return lambda;
             }
             (lambda, stress) = (lambda + step, next);
@@ -125,7 +168,7 @@ pub fn free_uniaxial(material: &dyn Material, lambda: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Lame, NeoHookean, Ogden, Yeoh};
+    use super::super::{Lame, MooneyRivlin, NeoHookean, Ogden, Yeoh};
     use super::*;
 
     #[test]
@@ -155,6 +198,32 @@ mod tests {
             let stress = Mode::Uniaxial.nominal_stress(&yeoh, l);
             assert!((stress / (2.0 * slope * (l - l.powi(-2))) - 1.0).abs() < 1e-12);
         }
+    }
+
+    /// With c₂ = −c₁/10 uniaxial stress rises all the way, but two sides of the strip give way at λ² = 10, where
+    /// c₁ (λ₂² + λ₃²) + c₂ (λ₂⁻² + λ₃⁻²) = 2 (c₁/λ + c₂ λ) is zero.
+    #[test]
+    fn what_gives_way_across_the_pull_is_found() {
+        let law = MooneyRivlin { c1: 1e5, c2: -1e4, c3: 0.0, d1: 1e7 };
+        let stress = |l: f64| Mode::Uniaxial.nominal_stress(&law, l);
+        assert!((30..60).all(|i| stress(0.1 * f64::from(i + 1)) > stress(0.1 * f64::from(i))));
+        let end = Mode::Uniaxial.stable_up_to(&law, 20.0);
+        assert!((end - 10.0_f64.sqrt()).abs() < 2e-3, "{end}");
+    }
+
+    #[test]
+    fn states_are_nearest_to_their_own_mode() {
+        for mode in Mode::ALL {
+            for l in [1.01, 2.0, 6.0] {
+                let mut stretches = mode.stretches(l);
+                stretches.sort_by(|a, b| b.total_cmp(a));
+                assert_eq!(Mode::nearest(stretches), mode);
+                // of another volume
+                assert_eq!(Mode::nearest(stretches.map(|s| 1.1 * s)), mode);
+            }
+        }
+        // compression along one axis
+        assert_eq!(Mode::nearest([1.4, 1.4, 0.5]), Mode::Biaxial);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A law with its parameters and where they may be trusted.
 
+use super::response::Mode;
 use super::{Law, Material, Moduli};
 
 /// A material of a scene.
@@ -14,6 +15,8 @@ pub struct Specification {
     /// Smallest and largest principal stretch that the parameters were fitted
     /// to and are stable in [1], if known.
     pub stretch_range: Option<[f64; 2]>,
+    /// Modes that the parameters were fitted in; none where that is not known.
+    pub modes: Vec<Mode>,
     /// Uniaxial stretch at which it tears [1], if known: 1 + elongation at break.
     pub stretch_at_break: Option<f64>,
     /// How much softer it may be than its law, as far as it is known.
@@ -43,6 +46,13 @@ impl Specification {
     #[must_use]
     pub fn build(&self) -> Box<dyn Material> {
         (self.law.build)(&self.values)
+    }
+
+    /// Smallest and largest principal stretch of its tests [1]: at constant volume a strip that was pulled to λ became
+    /// as thin as λ^−½ at least.
+    #[must_use]
+    pub fn tested(&self) -> Option<[f64; 2]> {
+        self.stretch_range.map(|[low, high]| [low.min(high.powf(-0.5)), high])
     }
 
     /// Moduli at rest.

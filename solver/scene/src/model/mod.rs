@@ -117,15 +117,23 @@ impl Scene {
         })
     }
 
-    /// How far all materials may be stretched, as far as it is known.
+    /// How far each material may be stretched, as far as it is known, on a body with the volumes of the scene.
     #[must_use]
-    pub fn stretch_limits(&self) -> Limits {
-        let materials = || self.laws.iter().map(|law| &law.material);
-        let ranges = materials().filter_map(|material| material.stretch_range);
-        Limits {
-            fitted: ranges.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]),
-            at_break: materials().filter_map(|m| m.stretch_at_break).reduce(f64::min),
-        }
+    pub fn stretch_limits(&self, body: &Body) -> Vec<Limits> {
+        let one = |law: &SceneLaw| Limits {
+            name: if self.laws.len() > 1 { self.law_name(law) } else { String::new() },
+            elements: law.elements(body),
+            tested: law.material.tested(),
+            modes: law.material.modes.clone(),
+            at_break: law.material.stretch_at_break,
+        };
+        self.laws.iter().map(one).collect()
+    }
+
+    /// Least of the stretches at which its materials tear [1], if one is known.
+    #[must_use]
+    pub fn stretch_at_break(&self) -> Option<f64> {
+        self.laws.iter().filter_map(|law| law.material.stretch_at_break).reduce(f64::min)
     }
 
     /// The discrete problem on a body with this scene's tags, and what solving it needs.

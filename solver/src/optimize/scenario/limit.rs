@@ -276,7 +276,7 @@ impl Scenario {
         let (config, time) = (self.scene.config.limit.as_ref()?, self.times[0]);
         let chambers = growing(problem, config);
         let search = LimitSearch { stepping: self.stepping, most: config.most };
-        let at_break = self.scene.stretch_limits().at_break;
+        let at_break = self.scene.stretch_at_break();
         let held = problem.held(time, &chambers);
         Some(Growing { held, chambers, rest, time, search, at_break })
     }

@@ -133,7 +133,7 @@ impl Scenario {
         };
         terms.iter_mut().for_each(|term| term.factor = factor(&term.name));
         if let Some(goal) = &design.limit {
-            goal.check_scene(&scene.config, scene.stretch_limits().at_break)?;
+            goal.check_scene(&scene.config, scene.stretch_at_break())?;
         }
         let goals = design.limit.iter().flat_map(LimitGoal::goals);
         let counted = |(name, Least { least, weight })| {

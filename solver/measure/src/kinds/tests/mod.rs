@@ -68,6 +68,7 @@ fn on_site<T>(case: &Case, with: impl FnOnce(Site) -> T) -> T {
         values: vec![2.6, 0.3],
         density: None,
         stretch_range: None,
+        modes: Vec::new(),
         stretch_at_break: None,
         softening: Softening::default(),
     };
