@@ -1,4 +1,4 @@
-//! The form that the three library files have in common.
+//! The form that the library files have in common.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ pub struct Source {
 #[serde(deny_unknown_fields)]
 struct File<T> {
     source: BTreeMap<String, Source>,
-    #[serde(alias = "silicone", alias = "printer", alias = "tube")]
+    #[serde(alias = "silicone", alias = "printed", alias = "printer", alias = "tube")]
     entry: BTreeMap<String, T>,
 }
 
@@ -76,7 +76,12 @@ impl<T> Catalog<T> {
     /// If an entry names a source that the file does not have; tests check all entries.
     #[must_use]
     pub fn source(&self, key: &str) -> &Source {
-        self.sources.get(key).expect("tests look up the sources of all entries")
+        self.known_source(key).expect("tests look up the sources of all entries")
+    }
+
+    /// The source of a key, if the file has it.
+    pub(crate) fn known_source(&self, key: &str) -> Option<&Source> {
+        self.sources.get(key)
     }
 
     fn nearest(&self, key: &str) -> Option<&str> {

@@ -1,12 +1,12 @@
-//! Silicones: data of their makers, and laws of elasticity fitted to tests of them.
+//! Silicones and printed elastomers: data of their makers, and laws of elasticity fitted to tests of them.
 
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Catalog, Source};
+use crate::{Catalog, PrinterKind, Source};
 
-/// A silicone one can buy.
+/// A silicone one can buy, or another elastomer that is printed.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Silicone {
@@ -26,6 +26,8 @@ pub struct Silicone {
     pub cure_h: Option<f64>,
     /// What else casting needs, if known.
     pub casting: Option<Casting>,
+    /// How it is printed, if it is.
+    pub printed: Option<Printed>,
     /// How much softer than its laws it may be, if known.
     pub softening: Option<Softening>,
     /// Laws by all sources that are known, the default first.
@@ -45,6 +47,18 @@ pub struct Casting {
     pub shrinkage: Option<f64>,
     /// Viscosity after mixing [Pa s], if known.
     pub viscosity: Option<f64>,
+}
+
+/// What is known of an elastomer that is printed.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Printed {
+    /// What it is printed of.
+    pub process: PrinterKind,
+    /// Shore A hardness.
+    pub hardness: f64,
+    /// Elongation at break [%], if known.
+    pub elongation: Option<f64>,
 }
 
 /// How much softer than its laws a silicone may be.
@@ -105,6 +119,8 @@ pub enum Test {
     Datasheet,
     /// Tension, with strain from the crosshead: the modulus comes out low.
     Crosshead,
+    /// None: Young's modulus by Gent's relation to the hardness.
+    Hardness,
     /// The source does not say.
     NotStated,
 }
@@ -117,11 +133,24 @@ pub fn silicones() -> &'static Catalog<Silicone> {
     &CATALOG
 }
 
+/// All elastomers that are printed.
+#[must_use]
+pub fn printed() -> &'static Catalog<Silicone> {
+    static CATALOG: LazyLock<Catalog<Silicone>> =
+        LazyLock::new(|| Catalog::new("printed elastomer", include_str!("../printed.toml")));
+    &CATALOG
+}
+
+/// The source of a key, in one of both files.
+fn source(key: &str) -> &'static Source {
+    printed().known_source(key).unwrap_or_else(|| silicones().source(key))
+}
+
 impl Fit {
     /// Where its numbers come from, and their licence.
     #[must_use]
     pub fn source(&self) -> &'static Source {
-        silicones().source(&self.source)
+        source(&self.source)
     }
 }
 
@@ -135,6 +164,7 @@ impl Test {
             Self::Compression => "compression",
             Self::Datasheet => "100 % modulus",
             Self::Crosshead => "tension, crosshead strain",
+            Self::Hardness => "Shore hardness alone",
             Self::NotStated => "test not stated",
         }
     }
@@ -155,7 +185,7 @@ impl Silicone {
         let [low, high] = self.shear_moduli();
         let spread = if self.fits.iter().any(|other| other.source != *source) {
             format!("sources give {} to {} kPa", kilopascals(low), kilopascals(high))
-        } else if *test == Test::Crosshead {
+        } else if *test == Test::Crosshead && self.printed.is_none() {
             let [least, most] = above_crosshead();
             format!(
                 "no other source; other silicones have {least:.1} to {most:.1} times as much as such tests say"
@@ -170,6 +200,13 @@ impl Silicone {
         )
     }
 
+    /// Elongation at break [%], if known.
+    #[must_use]
+    pub fn elongation(&self) -> Option<f64> {
+        let cast = self.casting.as_ref().and_then(|casting| casting.elongation);
+        cast.or_else(|| self.printed.as_ref()?.elongation)
+    }
+
     /// Parts A and B by weight, which add up to 1.
     #[must_use]
     pub fn shares(&self) -> Option<[f64; 2]> {
@@ -182,8 +219,7 @@ impl Silicone {
     /// Where its numbers come from, if it has any but the fits.
     #[must_use]
     pub fn citation(&self) -> Option<&'static str> {
-        let source = silicones().source(self.source.as_ref()?);
-        Some(&source.citation)
+        Some(&source(self.source.as_ref()?).citation)
     }
 }
 
@@ -232,8 +268,30 @@ mod tests {
     }
 
     #[test]
+    fn printed_elastomers_have_their_sources_and_hardness() {
+        for (key, elastomer) in printed().iter() {
+            let Some(of_printing) = &elastomer.printed else { panic!("{key}") };
+            assert!((20.0..=95.0).contains(&of_printing.hardness), "{key}");
+            // the number of the name is the hardness
+            assert!(key.contains(&format!("{:.0}", of_printing.hardness)), "{key}");
+            assert!(elastomer.casting.is_none() && elastomer.mix.is_none(), "{key}");
+            let facts = elastomer.density.or(elastomer.elongation());
+            assert_eq!(facts.is_some(), elastomer.citation().is_some(), "{key}");
+            for fit in elastomer.fits.iter().filter(|fit| fit.test == Test::Hardness) {
+                // Gent's relation [MPa]
+                let shore = of_printing.hardness;
+                let young =
+                    0.0981 * (56.0 + 7.62336 * shore) / (0.137_505 * (254.0 - 2.54 * shore));
+                let shear = young * 1e6 / (2.0 * 1.497_504);
+                assert!((fit.shear_modulus / shear - 1.0).abs() < 1e-3, "{key}: {shear}");
+            }
+        }
+        assert!(silicones().iter().all(|(_, silicone)| silicone.printed.is_none()));
+    }
+
+    #[test]
     fn every_range_holds_its_default_and_says_what_it_is_worth() {
-        for (key, silicone) in silicones().iter() {
+        for (key, silicone) in silicones().iter().chain(printed().iter()) {
             let ([low, high], default) = (silicone.shear_moduli(), &silicone.fits[0]);
             assert!(
                 low > 0.0 && low <= default.shear_modulus && default.shear_modulus <= high,

@@ -4,13 +4,13 @@ use crate::law_table;
 use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
-use library::silicones;
+use library::{printed, silicones};
 use mechanics::material::response::Mode;
 use mechanics::material::{Softening, Specification};
-use program::KeyPath;
+use program::{KeyPath, unknown};
 use serde_json::{Value, json};
 
-/// A silicone one can buy, and its laws.
+/// A silicone one can buy or an elastomer that is printed, and its laws.
 pub struct Silicone {
     /// Name in scenes, such as `ecoflex-00-30`.
     pub key: &'static str,
@@ -43,8 +43,8 @@ impl Silicone {
             let mut specification = law_table::volume(&fit.law).context(key)?;
             specification.density = entry.density;
             specification.modes = modes(fit);
-            let elongation = entry.casting.as_ref().and_then(|casting| casting.elongation);
-            specification.stretch_at_break = elongation.map(|percent| 1.0 + percent / 100.0);
+            specification.stretch_at_break =
+                entry.elongation().map(|percent| 1.0 + percent / 100.0);
             if let Some(softening) = &entry.softening {
                 let library::Softening { creep, mullins, .. } = *softening;
                 specification.softening = Softening { creep, mullins };
@@ -97,14 +97,15 @@ impl Named {
     }
 }
 
-/// All silicones, by key.
+/// All silicones, by key, and behind them all printed elastomers.
 ///
 /// # Panics
 /// When a law of the library is wrong, which a test rules out.
 #[must_use]
 pub fn all() -> &'static [Silicone] {
     static ALL: LazyLock<Vec<Silicone>> = LazyLock::new(|| {
-        let all = silicones().iter().map(|(key, entry)| Silicone::new(key, entry));
+        let all = silicones().iter().chain(printed().iter());
+        let all = all.map(|(key, entry)| Silicone::new(key, entry));
         all.collect::<Result<_>>().expect("a test builds the laws of all silicones")
     });
     &ALL
@@ -117,7 +118,7 @@ fn modes(fit: &library::Fit) -> Vec<Mode> {
     let own = match fit.test {
         Test::Tension | Test::Bending | Test::Datasheet | Test::Crosshead => Some(Mode::Uniaxial),
         Test::Compression => Some(Mode::Biaxial),
-        Test::NotStated => None,
+        Test::Hardness | Test::NotStated => None,
     };
     let mut modes: Vec<Mode> = own.into_iter().chain(stiffening).collect();
     modes.dedup();
@@ -131,7 +132,18 @@ fn modes(fit: &library::Fit) -> Vec<Mode> {
 pub fn find(name: &str) -> Result<Named> {
     let (key, which) = name.split_once('/').map_or((name, None), |(key, which)| (key, Some(which)));
     let silicone = all().iter().find(|s| s.key == key).ok_or_else(|| {
-        let unknown = silicones().find(key).err().unwrap_or_default();
+        let known = || all().iter().map(|s| s.key);
+        // part of a name, as "tpu" or "ninjaflex"
+        let like: Vec<&str> =
+            known().filter(|known| !key.is_empty() && known.contains(key)).collect();
+        let before = format!("\"{key}\" is no known material");
+        let unknown = match &like[..] {
+            [] => {
+                let all = known().collect::<Vec<_>>().join(", ");
+                unknown(&before, key, known(), ';', &format!("known are {all}"))
+            }
+            like => format!("{before}; those with it in their name are {}", like.join(", ")),
+        };
         KeyPath::word(name).told(format!(
             "material = \"{name}\": {unknown}\n  `solver list --silicones` describes them; for \
              another one use a table [material], or `solver fit`"
@@ -178,8 +190,9 @@ mod tests {
             for fit in &silicone.fits {
                 let (s, key) = (&fit.specification, silicone.key);
                 let moduli = s.moduli();
-                // units: silicones have 1 kPa to 5 MPa
-                assert!((1e3..5e6).contains(&moduli.shear), "{key}: {moduli:?}");
+                // units: silicones have 1 kPa to 5 MPa, plastics for printing up to 20 MPa
+                let hardest = if silicone.entry.printed.is_some() { 20e6 } else { 5e6 };
+                assert!((1e3..hardest).contains(&moduli.shear), "{key}: {moduli:?}");
                 // four digits in the library
                 let stated = fit.entry.shear_modulus / moduli.shear - 1.0;
                 assert!(stated.abs() < 6e-4, "{key}: {moduli:?} is not {:?}", fit.entry);
@@ -188,7 +201,9 @@ mod tests {
                     assert!((ratio / BULK_RATIO - 1.0).abs() < 1e-3, "{key}: {ratio}");
                 }
                 if let Some([low, high]) = s.stretch_range {
-                    assert!(low == 1.0 && fit.entry.r2.is_none_or(|r2| r2 > 0.99), "{key}");
+                    // plastics of 95A have a knee
+                    let least = if silicone.entry.printed.is_some() { 0.98 } else { 0.99 };
+                    assert!(low == 1.0 && fit.entry.r2.is_none_or(|r2| r2 > least), "{key}");
                     for mode in Mode::ALL {
                         let end = mode.stable_up_to(s.build().as_ref(), high);
                         assert!(end >= high, "{key}: {mode:?} ends at {end}");
@@ -217,7 +232,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(count, 8);
+        assert_eq!(count, 10);
     }
 
     /// Gent's law has the stiffening of the fit that its entry names: the same ratio of the
@@ -306,7 +321,20 @@ mod tests {
         assert_eq!(law("ecoflex-00-30/yeoh").law.key, "yeoh");
         assert_eq!(law("ecoflex-00-30/marechal-2021").law.key, "ogden");
         let message = find("ecoflex").err().expect("unknown").to_string();
-        assert!(message.contains("ecoflex-00-50, elastosil-m4601"), "{message}");
+        assert!(message.contains("ecoflex-00-30") && !message.contains("elastosil"), "{message}");
+        let message = find("tpu").err().expect("unknown").to_string();
+        assert!(
+            message.contains("in their name are tpu-60a-filaflex, tpu-70a-filaflex"),
+            "{message}"
+        );
+        assert!(!message.contains("tpe") && !message.contains("ecoflex"), "{message}");
+        let message = find("rubber").err().expect("unknown").to_string();
+        assert!(
+            message.contains("elastosil-m4601") && message.contains("resin-elastic-50a"),
+            "{message}"
+        );
+        assert_eq!(law("tpu-85a-ninjaflex").modes, [Mode::Uniaxial]);
+        assert_eq!(law("resin-elastic-50a").stretch_at_break, Some(2.6));
         let message = find("ecoflex-00-30/neo").err().expect("unknown").to_string();
         assert!(message.contains("campbell-2025, datasheet, dawood-2026, gent"), "{message}");
     }

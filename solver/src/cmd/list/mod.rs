@@ -26,7 +26,7 @@ const WIDTH: usize = 96;
 /// the kind of a [[probe]]; an objective is the kind of an [[objective]] of a design problem.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The silicones in place of the laws
+    /// The silicones and printed elastomers in place of the laws
     #[arg(long)]
     silicones: bool,
     /// The laws of thin sheets in place of those of bodies

@@ -1,6 +1,6 @@
-//! Silicones of the library with all their sources.
+//! Silicones and printed elastomers of the library with all their sources.
 
-use library::kilopascals;
+use library::{PrinterKind, kilopascals};
 use mechanics::material::Parameter;
 use scene::law_table;
 use scene::silicone::{Fit, Silicone};
@@ -24,6 +24,13 @@ pub fn text(all: &[Silicone]) -> String {
 fn one(silicone: &Silicone) -> String {
     let entry = silicone.entry;
     let mut facts = vec![format!("{}, {}", entry.name, entry.vendor)];
+    facts.extend(entry.printed.as_ref().map(|of| {
+        let what = match of.process {
+            PrinterKind::Filament => "filament",
+            PrinterKind::Resin => "resin",
+        };
+        format!("{what}, Shore {}A", of.hardness)
+    }));
     facts.extend(entry.density.map(|d| format!("{d} kg/m³")));
     facts.extend(entry.mix.as_ref().map(|m| format!("mix {m}")));
     facts.extend(entry.pot_life_min.map(|t| format!("pot life {t} min")));
@@ -90,6 +97,7 @@ pub fn json(silicone: &Silicone) -> Value {
         "vendor": entry.vendor,
         "density": entry.density,
         "mix": entry.mix,
+        "printed": entry.printed.as_ref().map(|of| json!({ "process": of.process, "hardness": of.hardness })),
         "pot_life_min": entry.pot_life_min,
         "cure_h": entry.cure_h,
         "shear_modulus_range": entry.shear_moduli(),
