@@ -11,7 +11,7 @@ use program::{FolderLock, Unusable};
 use scene::law_table;
 use serde_json::{Value, json};
 
-use crate::fit::{self, CANDIDATES, Fitted, Test, Units};
+use crate::fit::{self, CANDIDATES, Fitted, Spread, Test, Units};
 
 /// R² below which no law describes the data.
 const USABLE: f64 = 0.95;
@@ -76,7 +76,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ))
         .into());
     };
-    print(&fits, chosen)?;
+    let remarks = remarks(&tests, &fits, chosen)?;
+    print(&fits, chosen, &remarks)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     fit::draw(&folder.join("fit.svg"), &tests, &fits, chosen)?;
@@ -92,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ))
         .into());
     }
-    let text = snippet(&tests, chosen)?;
+    let text = snippet(&tests, chosen, &remarks)?;
     mesh::io::write_atomic(&material, |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }
@@ -129,29 +130,33 @@ fn end(stretch: Option<f64>) -> String {
     stretch.map_or("all".to_owned(), |s| format!("{s:.2}"))
 }
 
-fn print(fits: &[Fitted], chosen: &Fitted) -> Result<()> {
+fn print(fits: &[Fitted], chosen: &Fitted, remarks: &[String]) -> Result<()> {
     let mut out = program::stdout();
     let [low, high] = chosen.quality.fitted;
     writeln!(out, "data: stretch {low:.3} to {high:.3}")?;
+    let several = chosen.quality.left_out.is_some();
     writeln!(
         out,
-        "law             R²        rms [kPa]  shear [kPa]  stable up to stretch (uni, bi, planar)"
+        "law             R²        rms [kPa]  shear [kPa]  {}stable up to stretch (uni, bi, planar)",
+        if several { "mode from the others  " } else { "" }
     )?;
     for fit in fits {
         let q = &fit.quality;
         let ends: Vec<_> = q.stable_up_to.iter().map(|(_, e)| end(*e)).collect();
+        let error = q.left_out.map_or("none".to_owned(), |part| format!("{:.1} %", 100.0 * part));
         writeln!(
             out,
-            "{:14}  {:.6}  {:9.4}  {:11.3}  {}{}",
+            "{:14}  {:.6}  {:9.4}  {:11.3}  {}{}{}",
             fit.candidate.name,
             q.r2,
             1e-3 * q.rms,
             1e-3 * q.moduli.shear,
+            if several { format!("{error:>20}  ") } else { String::new() },
             ends.join(", "),
             if std::ptr::eq(fit, chosen) { "   <- written" } else { "" }
         )?;
     }
-    Ok(())
+    remarks.iter().try_for_each(|line| Ok(writeln!(out, "{line}")?))
 }
 
 fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
@@ -175,48 +180,82 @@ fn report(tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<Value> {
         "program": scene::PROGRAM,
         "tests": tests.iter().map(data).collect::<Result<Vec<_>>>()?,
         "fits": fits.iter().map(one).collect::<Vec<_>>(),
+        "spread": fit::spreads(fits, chosen, tests),
         "written": chosen.candidate.name,
     }))
 }
 
-/// The table [material] of a scene.
-fn snippet(tests: &[Test], fit: &Fitted) -> Result<String> {
+/// What is known of the law, as the file has it above its numbers.
+fn remarks(tests: &[Test], fits: &[Fitted], fit: &Fitted) -> Result<Vec<String>> {
     let q = &fit.quality;
-    let [low, high] = q.stretch_range;
     ensure!(
-        high > 1.0,
+        q.stretch_range[1] > 1.0,
         "{}: its stress falls from the start, so it has no range of use",
         fit.candidate.name
     );
-    let mut text = String::new();
+    let mut lines = Vec::new();
     for test in tests {
-        let name = test.path.display();
-        writeln!(
-            text,
-            "# {}, fitted to {} points of {name} ({})",
+        lines.push(format!(
+            "{}, fitted to {} points of {} ({})",
             fit.candidate.name,
             test.points.len(),
+            test.path.display(),
             test.mode.name()
-        )?;
+        ));
     }
-    writeln!(
-        text,
-        "# R² {:.6}, rms error {:.1} Pa, data at stretch {:.4} to {:.4}",
+    lines.push(format!(
+        "R² {:.6}, rms error {:.1} Pa, data at stretch {:.4} to {:.4}",
         q.r2, q.rms, q.fitted[0], q.fitted[1]
-    )?;
-    writeln!(
-        text,
-        "# The bulk modulus is chosen, not measured ({:.1} times the shear modulus); in this range it\n\
-         # changes the uniaxial stress by up to {:.2} % of its largest value.",
-        q.moduli.bulk / q.moduli.shear,
-        100.0 * q.compressibility
-    )?;
-    if q.stretch_range[1] < q.fitted[1] {
-        writeln!(text, "# The range ends before the data: beyond it this law is not stable.")?;
+    ));
+    if let Some(part) = q.left_out {
+        let percent = 100.0 * part;
+        lines.push(format!(
+            "Each mode predicted from the others: {percent:.1} % off (root of the mean square)."
+        ));
     }
-    if tests.len() == 1 {
-        writeln!(text, "# Only one mode was tested: other strains are the law's guess.")?;
+    lines.push(format!(
+        "The bulk modulus is chosen, not measured ({:.1} times the shear modulus); in this range it",
+        q.moduli.bulk / q.moduli.shear
+    ));
+    let percent = 100.0 * q.compressibility;
+    lines
+        .push(format!("changes the uniaxial stress by up to {percent:.2} % of its largest value."));
+    if !fit.stable() {
+        lines.push("The range ends before the data: beyond it this law is not stable.".to_owned());
     }
+    for Spread { mode, stretch, stress, laws } in fit::spreads(fits, fit, tests) {
+        let [least, most] = stress.map(|stress| 1e-3 * stress);
+        let mut line = format!(
+            "Not tested, and the law's guess: {} tension. At stretch {stretch:.3} laws that fit as well say ",
+            mode.name()
+        );
+        line += &match laws[0] == laws[1] {
+            true => format!("{least:.4} kPa ({} alone).", laws[0]),
+            false => format!("{least:.4} ({}) to {most:.4} kPa ({}).", laws[0], laws[1]),
+        };
+        lines.push(line);
+    }
+    Ok(lines)
+}
+
+/// Modes of tests as scenes have them: a block that was pulled, and one that was compressed.
+fn modes(tests: &[Test]) -> Vec<&'static str> {
+    let mut modes = Vec::new();
+    for test in tests {
+        let is_any = |of: fn(f64) -> bool| test.points.iter().any(|point| of(point.0));
+        if test.mode != Mode::Uniaxial {
+            modes.push(test.mode.state());
+            continue;
+        }
+        modes.extend(is_any(|stretch| stretch > 1.0).then_some("tension"));
+        modes.extend(is_any(|stretch| stretch < 1.0).then_some("compression"));
+    }
+    modes
+}
+
+/// The table [material] of a scene.
+fn snippet(tests: &[Test], fit: &Fitted, remarks: &[String]) -> Result<String> {
+    let mut text: String = remarks.iter().map(|line| format!("# {line}\n")).collect();
     writeln!(text, "[material]\nkind = \"{}\"", fit.law().key)?;
     for (parameter, values) in fit.law().named(&fit.values) {
         let numbers: Vec<_> = values.iter().map(|v| format!("{v:.7e}")).collect();
@@ -228,6 +267,9 @@ fn snippet(tests: &[Test], fit: &Fitted) -> Result<String> {
             (false, _) => bail!("{} has {} values", parameter.name, numbers.len()),
         }
     }
+    let [low, high] = fit.quality.stretch_range;
     writeln!(text, "stretch_range = [{low:.4}, {high:.4}]")?;
+    let modes: Vec<_> = modes(tests).iter().map(|mode| format!("\"{mode}\"")).collect();
+    writeln!(text, "modes = [{}]", modes.join(", "))?;
     Ok(text)
 }

@@ -6,17 +6,23 @@
 //!
 //! A test of a soft rubber says nothing about its bulk modulus: it is set to a
 //! fixed ratio to the shear modulus, [`mechanics::material::BULK_RATIO`] unless another is given.
+//!
+//! A test in one mode says little about others (Ogden, Saccomandi and Sgura 2004, doi:10.1007/s00466-004-0593-y): where
+//! several modes were tested, a law is judged by how it predicts each of them from the others, and where one is missing,
+//! by how far laws that fit equally well are apart in it.
 
 mod candidate;
 mod data;
+mod judge;
 mod plot;
 
 pub use candidate::{CANDIDATES, Candidate};
 pub use data::{Test, Units, read};
+pub use judge::{Spread, choose, spreads};
 pub use plot::draw;
 
 use mechanics::material::response::{Mode, free_uniaxial};
-use mechanics::material::{Law, Moduli, Softening, Specification};
+use mechanics::material::{Law, Moduli};
 use serde::Serialize;
 
 /// Stretch up to which stability is looked for.
@@ -46,11 +52,17 @@ pub struct Quality {
     pub moduli: Moduli,
     /// Smallest and largest stretch in the data, along the pull [1].
     pub fitted: [f64; 2],
-    /// For each mode, the stretch up to which nominal stress rises [1]; none
-    /// when it rises as far as was looked.
+    /// Smallest and largest principal stretch in the data [1].
+    pub tested: [f64; 2],
+    /// For each mode, in tension and compression, the stretch up to which nominal stress rises and the law is stable
+    /// (Drucker) [1]; none when it is so as far as was looked.
     pub stable_up_to: Vec<(Mode, Option<f64>)>,
-    /// The fitted range as far as it is stable in all modes.
+    /// Smallest and largest principal stretch in the data, as far as the law is stable in all modes [1].
     pub stretch_range: [f64; 2],
+    /// Where several modes were tested: each predicted by the law that is fitted to the others, root of the mean of the
+    /// squared errors over that of the stresses, and the same mean over the modes [1]. None where no such fit is
+    /// admissible.
+    pub left_out: Option<f64>,
     /// Largest change of uniaxial stress, relative to the largest stress, that
     /// the finite bulk modulus causes in the fitted range [1].
     pub compressibility: f64,
@@ -63,24 +75,10 @@ impl Fitted {
         self.candidate.law()
     }
 
-    /// Law, parameters and range.
-    #[must_use]
-    pub fn specification(&self) -> Specification {
-        Specification {
-            law: self.law(),
-            values: self.values.clone(),
-            density: None,
-            stretch_range: Some(self.quality.stretch_range),
-            modes: Vec::new(),
-            stretch_at_break: None,
-            softening: Softening::default(),
-        }
-    }
-
-    /// Whether nominal stress rises over all of the data, in every mode.
+    /// Whether it is stable over all of the data, in every mode.
     #[must_use]
     pub fn stable(&self) -> bool {
-        self.quality.stretch_range[1] >= self.quality.fitted[1]
+        self.quality.stretch_range == self.quality.tested
     }
 }
 
@@ -88,24 +86,9 @@ impl Fitted {
 #[must_use]
 pub fn fit(candidate: &'static Candidate, tests: &[Test], bulk_ratio: f64) -> Option<Fitted> {
     let values = candidate.solve(tests, bulk_ratio)?;
-    let quality = quality(candidate.law(), &values, tests);
+    let mut quality = quality(candidate.law(), &values, tests);
+    quality.left_out = judge::left_out(candidate, tests, bulk_ratio);
     Some(Fitted { candidate, values, quality })
-}
-
-/// The fit to use: of those that are stable over the data and within 0.001 of
-/// the best R², the one with the fewest parameters; without a stable one, the
-/// one that is stable furthest.
-#[must_use]
-pub fn choose(fits: &[Fitted]) -> Option<&Fitted> {
-    let stable: Vec<_> = fits.iter().filter(|f| f.stable()).collect();
-    let best = stable.iter().map(|f| f.quality.r2).fold(f64::NEG_INFINITY, f64::max);
-    let good = stable.into_iter().filter(|f| f.quality.r2 >= best - 1e-3);
-    let simplest = good.min_by(|a, b| {
-        let by_count = a.candidate.unknowns().cmp(&b.candidate.unknowns());
-        by_count.then(b.quality.r2.total_cmp(&a.quality.r2))
-    });
-    let reach = |f: &&Fitted| f.quality.stretch_range[1];
-    simplest.or_else(|| fits.iter().max_by(|a, b| reach(a).total_cmp(&reach(b))))
 }
 
 fn quality(law: &'static Law, values: &[f64], tests: &[Test]) -> Quality {
@@ -122,7 +105,7 @@ fn quality(law: &'static Law, values: &[f64], tests: &[Test]) -> Quality {
     let mean = stresses.iter().sum::<f64>() / count;
     let spread: f64 = stresses.iter().map(|s| (s - mean).powi(2)).sum();
     let sum: f64 = errors.iter().map(|e| e * e).sum();
-    let fitted = range(tests);
+    let (fitted, tested) = (range(tests), principal(tests, f64::INFINITY));
     let ends = Mode::ALL.map(|m| m.stable_up_to(material.as_ref(), STABILITY_LIMIT));
     let stable = ends.into_iter().fold(f64::INFINITY, f64::min);
     let named = Mode::ALL.into_iter().zip(ends.map(|e| e.is_finite().then_some(e)));
@@ -132,9 +115,10 @@ fn quality(law: &'static Law, values: &[f64], tests: &[Test]) -> Quality {
         largest_error: errors.iter().fold(0.0, |m, e| m.max(e.abs())),
         moduli: (law.moduli)(values),
         fitted,
+        tested,
         stable_up_to: named.collect(),
-        // a range starts at rest where it has no compression
-        stretch_range: [fitted[0].min(1.0), fitted[1].max(1.0).min(stable)],
+        stretch_range: principal(tests, stable),
+        left_out: None,
         compressibility: compressibility(material.as_ref(), fitted),
     }
 }
@@ -143,6 +127,26 @@ fn quality(law: &'static Law, values: &[f64], tests: &[Test]) -> Quality {
 fn range(tests: &[Test]) -> [f64; 2] {
     let stretches = || tests.iter().flat_map(|t| t.points.iter().map(|p| p.0));
     [stretches().fold(f64::INFINITY, f64::min), stretches().fold(0.0, f64::max)]
+}
+
+/// Smallest and largest principal stretch of tests, each pulled or pressed no further than until its largest one is `most`.
+fn principal(tests: &[Test], most: f64) -> [f64; 2] {
+    let mut range = [1.0_f64, 1.0_f64];
+    for test in tests {
+        for end in self::range(std::slice::from_ref(test)) {
+            // a block that is compressed to λ is stretched across it
+            let end = match test.mode {
+                _ if end >= 1.0 => end.min(most),
+                Mode::Uniaxial => end.max(most.powi(-2)),
+                Mode::Biaxial => end.max(most.powf(-0.5)),
+                Mode::Planar => end.max(1.0 / most),
+            };
+            let stretches = test.mode.stretches(end);
+            range[0] = stretches.into_iter().fold(range[0], f64::min);
+            range[1] = stretches.into_iter().fold(range[1], f64::max);
+        }
+    }
+    range
 }
 
 fn compressibility(material: &dyn mechanics::material::Material, [low, high]: [f64; 2]) -> f64 {
