@@ -23,8 +23,9 @@ pub struct CadOptions {
     pub numbers: BTreeMap<String, f64>,
     /// Longest edge [m].
     pub edge_length: Option<f64>,
-    /// Edges around a circle, if the size of triangles is to follow curvature.
-    pub per_turn: Option<u32>,
+    /// Largest distance of triangles from their faces that is wanted [m]; without it, triangles are as the file or gmsh
+    /// wants them.
+    pub chord: Option<f64>,
     /// Whether a `.geo` script may run programs, and read and write files.
     pub trust: bool,
     /// Solids that are taken out of the others, by their names or their numbers from 1.
@@ -49,12 +50,13 @@ pub fn read(path: &Path, options: &CadOptions) -> Result<(LabelledSurface, Solid
 /// # Errors
 /// As [`read`].
 pub fn read_faces(path: &Path, options: &CadOptions) -> Result<Faces> {
-    let (scale, unit) = scale(path, options.unit)?;
+    let (scale, unit) = scale(path, options)?;
     let options = FaceOptions {
         numbers: options.numbers.clone(),
         unit,
         edge_length: options.edge_length.map(|h| h / scale),
-        per_turn: options.per_turn,
+        chord: options.chord.map(|chord| chord / scale),
+        metres: scale,
         trust: options.trust,
         subtract: options.subtract.clone(),
         timeout: options.timeout,
@@ -63,6 +65,7 @@ pub fn read_faces(path: &Path, options: &CadOptions) -> Result<Faces> {
     for v in &mut faces.surface.vertices {
         *v *= scale;
     }
+    faces.chord_error = faces.chord_error.map(|error| error * scale);
     Ok(faces)
 }
 
@@ -108,14 +111,18 @@ fn labelled(faces: &Faces) -> LabelledSurface {
 }
 
 /// Metres per unit of what gmsh returns, and the unit that it is asked for: files that a script
-/// reads come in the unit of its numbers.
-fn scale(path: &Path, unit: Option<Unit>) -> Result<(f64, Option<&'static str>)> {
-    match (Kind::of(path)?, unit) {
+/// reads come in the unit of its numbers. What is to follow the faces comes in millimetres, in which OpenCASCADE's
+/// tolerances are meant.
+fn scale(path: &Path, options: &CadOptions) -> Result<(f64, Option<&'static str>)> {
+    match (Kind::of(path)?, options.unit) {
         (Kind::Script | Kind::Brep, Some(unit)) => Ok((unit.metres(), Some(unit.of_cad()))),
         (Kind::Script, None) => {
             bail!("{}: a .geo script has no unit; say --unit mm", path.display())
         }
         (Kind::Brep, None) => bail!("{}: a .brep file has no unit; say --unit mm", path.display()),
+        (Kind::Step, None) if options.chord.is_some() => {
+            Ok((Unit::Mm.metres(), Some(Unit::Mm.of_cad())))
+        }
         (Kind::Step, None) => Ok((1.0, Some("M"))),
         (Kind::Iges, None) => Ok((Unit::Mm.metres(), None)),
         (Kind::Step | Kind::Iges, Some(_)) => {

@@ -49,6 +49,8 @@ pub struct Facts {
     pub kinds: BTreeMap<String, String>,
     /// Regions that meet without an edge, as a fillet and its neighbours do.
     pub tangent: Vec<[String; 2]>,
+    /// Largest distance of the triangles from the faces [m]; none where it is not known.
+    pub chord_error: Option<f64>,
 }
 
 impl Facts {
@@ -59,6 +61,7 @@ impl Facts {
         Self {
             kinds: kinds.map(|(name, kind)| (renamed(name), kind.clone())).collect(),
             tangent: faces.tangent.iter().map(pair).collect(),
+            chord_error: faces.chord_error,
         }
     }
 
@@ -66,6 +69,7 @@ impl Facts {
     pub fn extend(&mut self, more: Self) {
         self.kinds.extend(more.kinds);
         self.tangent.extend(more.tangent);
+        self.chord_error = self.chord_error.into_iter().chain(more.chord_error).reduce(f64::max);
     }
 }
 
@@ -96,6 +100,9 @@ pub struct Report {
     /// Regions that meet without an edge, where CAD says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     tangent: Option<Vec<[String; 2]>>,
+    /// Largest distance of the triangles from the faces of CAD [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chord_error: Option<f64>,
     wall_s: f64,
 }
 
@@ -199,6 +206,7 @@ impl LabelledSurface {
             thin: self.thin.clone(),
             import: self.import.clone(),
             tangent: self.tangent(),
+            chord_error: self.facts.chord_error,
             wall_s: start.elapsed().as_secs_f64(),
         };
         program::write_json(&folder.join(STAMP), &report)?;
@@ -258,6 +266,9 @@ impl Report {
             self.area * 1e4,
             self.volume * 1e6
         );
+        if let Some(error) = self.chord_error {
+            log::info!("  up to {:.4} mm from the faces of the CAD", error * 1e3);
+        }
         for RegionReport { name, patch, .. } in &self.regions {
             log::info!(
                 "  {name:<12} {:>6} triangles  {:>8.2} cm2  middle at {:.1}, {:.1}, {:.1} mm  {} \

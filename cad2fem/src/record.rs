@@ -13,6 +13,9 @@ pub struct Record {
     pub split: Option<f64>,
     /// In the order in which it was done, in words.
     changes: Vec<String>,
+    /// How far surfaces were moved where they were made anew [m].
+    #[serde(skip)]
+    pub moved: f64,
 }
 
 impl Record {

@@ -267,6 +267,79 @@ fn cad_files_keep_units_names_and_colours_of_faces() {
         .fails(2, "face 7 (from 0 0 0 to 10 10 0)");
 }
 
+/// A ball of 20 mm; a plate with fillets of 0.4 mm, once more in a file without a unit.
+const ROUND: &str = "
+import gmsh
+gmsh.initialize()
+gmsh.option.setNumber('General.Terminal', 0)
+gmsh.model.occ.addSphere(0, 0, 0, 20)
+gmsh.model.occ.synchronize()
+gmsh.write('ball.step')
+gmsh.clear()
+box = gmsh.model.occ.addBox(0, 0, 0, 60, 40, 8)
+gmsh.model.occ.fillet([box], list(range(1, 13)), [0.4])
+gmsh.model.occ.synchronize()
+gmsh.write('plate.step')
+gmsh.write('plate.brep')
+";
+
+/// The longest edges of a surface, up to a part of them [mm].
+fn longest_edges(surface: &SurfaceMesh, part: f64) -> f64 {
+    let edge = |t: usize| {
+        let [a, b, _] = surface.corners(t);
+        (b - a).norm() * 1e3
+    };
+    let mut all: Vec<f64> = (0..surface.triangles.len()).map(edge).collect();
+    all.sort_by(f64::total_cmp);
+    all[(part * (all.len() - 1) as f64) as usize]
+}
+
+#[test]
+fn triangles_follow_curved_faces_of_cad_and_are_long_on_flat_ones() {
+    let Some(python) = python_with("gmsh") else { return };
+    let dir = Workdir::new();
+    let made =
+        Command::new(&python).args(["-c", ROUND]).current_dir(dir.path(".")).output().unwrap();
+    assert!(made.status.success(), "{made:?}");
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let stated = || {
+        let report = fs::read_to_string(dir.path("out/model.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        report["chord_error"].as_f64().unwrap() * 1e3
+    };
+    // how far the middles of the ball's triangles are from it [mm], and how many there are
+    let ball = |chord: &[&str]| {
+        run(&[&["import", "ball.step", "-o", "out"], chord].concat())
+            .says("mm from the faces of the CAD");
+        let (surface, _, _) = result(&dir);
+        let off = |t: usize| 20.0 - surface.centroid(t).norm() * 1e3;
+        let count = surface.triangles.len();
+        ((0..count).map(off).fold(0.0, f64::max), count)
+    };
+    let (off, count) = ball(&[]);
+    assert!(off < 0.02 && stated() < 0.02, "{off} {}", stated());
+    // what is stated is measured at middles of edges, too
+    assert!(stated() > off - 1e-4 && stated() < 1.3 * off, "{} is not {off}", stated());
+    let (off, coarse) = ball(&["--chord", "8e-5", "--scale", "2"]);
+    assert!(stated() > 0.04 && stated() < 0.16, "{} {off}", stated());
+    assert!(3 * coarse < count && count < 6 * coarse, "{count} {coarse}");
+
+    for file in ["plate.step", "plate.brep"] {
+        run(&["import", file, "-o", "out"]).succeeds();
+        let (surface, volume, names) = result(&dir);
+        assert!(stated() < 0.02, "{file}: {}", stated());
+        assert!((volume / 19200.0 - 1.0).abs() < 5e-3, "{file}: {volume}");
+        assert_eq!(names.len(), 26, "{file}: {names:?}");
+        // edges of the fillets of 0.4 mm are shorter than 0.3 mm, of the flat faces ten times as long
+        let edges = [0.02, 1.0].map(|part| longest_edges(&surface, part));
+        assert!(edges[0] < 0.3 && edges[1] > 3.0, "{file}: {edges:?}");
+        assert!(surface.triangles.len() < 12_000, "{file}: {}", surface.triangles.len());
+    }
+    run(&["import", "plate.step", "--chord", "1e-9", "-o", "never"])
+        .fails(2, "triangles for a chord error of 1e-06 mm");
+    assert!(!dir.path("never").exists());
+}
+
 /// A body of 40 by 20 by 10 mm and air in two solids: `inside.step` with the air strictly inside, and
 /// `open.step`, where it sticks out at x = 0.
 const TWO: &str = "

@@ -54,7 +54,7 @@ fn a_finger_of_179_faces_is_tagged_with_a_few_clicks() {
     run(Command::new(&python).arg(script).current_dir(dir.path("")));
     let cad2fem = |arguments: &str| run(&mut dir.command_of("cad2fem", arguments));
     // fewer triangles than by default, as the mesher takes minutes for all of them
-    cad2fem("import finger.step --per-turn 12 -o model");
+    cad2fem("import finger.step --chord 1e-4 -o model");
     cad2fem("pick model -o pick.html");
     let mut browser = Chromium::start(program, [1440, 900]);
     fs::create_dir(dir.path("saved")).unwrap();

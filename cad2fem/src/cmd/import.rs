@@ -65,19 +65,13 @@ pub struct Args {
     /// CAD: longest edge [m]
     #[arg(long, value_name = "M", value_parser = parse_positive)]
     edge_length: Option<f64>,
-    /// CAD: edges around a circle
-    #[arg(long, value_name = "N", default_value_t = 32)]
-    per_turn: u32,
+    /// CAD: how far triangles may be from the faces [m]
+    #[arg(long, value_name = "M", default_value_t = 2e-5, value_parser = parse_positive)]
+    chord: f64,
     /// Longest time gmsh or fTetWild may take [s]
     #[arg(long, value_name = "S", default_value_t = 600)]
     timeout: u64,
 }
-
-/// More triangles than these are told to a person: fab took four minutes for a mold of 400,000.
-const MANY: usize = 200_000;
-
-/// Edges around a circle that are enough for a first look: they are off it by 3 % of its radius.
-const COARSE: u32 = 12;
 
 /// Runs the verb.
 ///
@@ -108,7 +102,7 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
         reader: Reader {
             unit: args.unit,
             edge_length: args.edge_length,
-            per_turn: args.per_turn,
+            chord: args.chord,
             timeout,
             solids,
             unite: args.unite,
@@ -128,7 +122,7 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
         split: args.split,
     };
     let mut labelled = import(&mut request)?;
-    remark_on_count(args, &labelled);
+    remark_on_chord(args.chord * args.scale, &labelled);
     let _lock = FolderLock::new(&args.output)?;
     for file in labelled.import.iter_mut().flat_map(|record| &mut record.files) {
         file.input = file.input.seen_from(&args.output);
@@ -139,16 +133,21 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
     Ok(())
 }
 
-/// Says how to get fewer triangles of CAD where they make all that follows slow.
-fn remark_on_count(args: &Args, labelled: &LabelledSurface) {
-    let count = labelled.surface.triangles.len();
-    let is_cad = !labelled.facts.kinds.is_empty();
-    if is_cad && count > MANY && args.per_turn > COARSE {
-        log::warn!(
-            "{count} triangles, with {} edges around each circle, take meshers and fab minutes: \
-             --per-turn {COARSE} makes fewer",
-            args.per_turn
-        );
+/// Says so where gmsh did not follow the faces of CAD as closely as was wanted [m].
+fn remark_on_chord(wanted: f64, labelled: &LabelledSurface) {
+    match labelled.facts.chord_error {
+        Some(error) if error > wanted => log::warn!(
+            "triangles are up to {:.4} mm from the faces of the CAD, {:.4} mm are wanted: gmsh makes none that \
+             are closer; a smaller --chord may help",
+            error * 1e3,
+            wanted * 1e3
+        ),
+        None if !labelled.facts.kinds.is_empty() => {
+            log::warn!(
+                "how far triangles are from the faces of the CAD is not known: gmsh cannot measure it"
+            );
+        }
+        _ => {}
     }
 }
 

@@ -100,7 +100,7 @@ fn from_cad(args: &Args) -> Result<()> {
         unit: args.unit,
         numbers: all(&args.set, parse_number)?,
         edge_length: args.edge_length,
-        per_turn: None,
+        chord: None,
         trust: args.trust,
         subtract: args.subtract.clone(),
         timeout: Duration::from_secs(args.timeout),

@@ -147,7 +147,9 @@ pub fn import(request: &mut Request) -> Result<LabelledSurface> {
         Some(angle) => split::split(body, angle, &mut patches)?,
         None => body,
     };
-    Ok(labelled(body, &patches, record, std::mem::take(&mut request.reader.facts)))
+    let mut facts = std::mem::take(&mut request.reader.facts);
+    facts.chord_error = facts.chord_error.map(|error| (error + record.moved) * request.scale);
+    Ok(labelled(body, &patches, record, facts))
 }
 
 /// The union of bodies without the cavities.

@@ -202,6 +202,8 @@ impl Repair {
             options.seed = attempt;
         };
         let gone = hausdorff(&raw.surface, &surface, SAMPLES);
+        let moved = hausdorff(&surface, &raw.surface, SAMPLES);
+        record.moved = record.moved.max(moved);
         record.change(format!(
             "remade by fTetWild: {} triangles, now {}; {} openings closed; volume {:.4} cm3; it is up \
              to {:.4} mm beside what was given (envelope {:.4} mm)",
@@ -209,7 +211,7 @@ impl Repair {
             surface.triangles.len(),
             boundary_loops(&raw.surface.triangles).len(),
             enclosed_volume(&surface) * 1e6,
-            hausdorff(&surface, &raw.surface, SAMPLES) * 1e3,
+            moved * 1e3,
             envelope * 1e3,
         ));
         if gone > 2.0 * envelope {

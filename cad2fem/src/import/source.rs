@@ -1,5 +1,6 @@
 //! One file of a body: its triangles in metres, by patches, and how its unit is known.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -25,8 +26,8 @@ pub struct Reader {
     pub unit: Option<Unit>,
     /// CAD: longest edge [m].
     pub edge_length: Option<f64>,
-    /// CAD: edges around a circle.
-    pub per_turn: u32,
+    /// CAD: largest distance of triangles from their faces that is wanted [m].
+    pub chord: f64,
     /// CAD: longest time gmsh may take.
     pub timeout: Duration,
     /// CAD: solids of the file that are taken out of the others.
@@ -160,30 +161,38 @@ impl Reader {
             "{}: a .brep file states no unit: --edge-length needs --unit",
             file.display()
         );
-        let options = CadOptions {
-            unit: brep.then(|| self.unit.unwrap_or(Unit::M)),
-            numbers: std::collections::BTreeMap::new(),
-            edge_length: self.edge_length,
-            per_turn: Some(self.per_turn),
-            trust: false,
-            subtract: self.solids.clone(),
-            timeout: self.timeout,
+        let (unit, known) = match (brep, self.unit) {
+            (false, _) => (None, Known::Stated),
+            (true, Some(unit)) => (Some(unit), Known::Given),
+            // how large it is says what its unit is, and so how fine triangles are to be
+            (true, None) => {
+                let coarse = read_faces(file, &self.options(Some(Unit::M), None))?;
+                let (unit, known) = self.unit_of(file, diagonal(&coarse.surface.vertices))?;
+                (Some(unit), known)
+            }
         };
-        let mut faces = read_faces(file, &options)?;
+        let faces = read_faces(file, &self.options(unit, Some(self.chord)))?;
         self.look_at_solids(file, &Solids::of(&faces))?;
         self.facts.extend(Facts::of(&faces, |name| of_file(stem, name)));
-        if !brep {
-            return Ok((boundary_of(&faces, stem, patches), "its own", Known::Stated));
-        }
-        let (unit, known) = self.unit_of(file, diagonal(&faces.surface.vertices))?;
-        if known == Known::Guessed {
-            faces.surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
-        }
-        Ok((boundary_of(&faces, stem, patches), unit.symbol(), known))
+        let symbol = unit.map_or("its own", Unit::symbol);
+        Ok((boundary_of(&faces, stem, patches), symbol, known))
     }
 }
 
 impl Reader {
+    /// How a CAD file is read.
+    fn options(&self, unit: Option<Unit>, chord: Option<f64>) -> CadOptions {
+        CadOptions {
+            unit,
+            numbers: BTreeMap::new(),
+            edge_length: self.edge_length,
+            chord,
+            trust: false,
+            subtract: self.solids.clone(),
+            timeout: self.timeout,
+        }
+    }
+
     /// Refuses solids that meet unless they are one body, and says which are chambers.
     fn look_at_solids(&self, file: &Path, solids: &Solids) -> Result<()> {
         if let (false, Some(complaint)) = (self.unite, solids.complaint(file, &self.command)) {

@@ -128,6 +128,8 @@ pub struct Faces {
     pub kinds: Vec<String>,
     /// Patches that meet without an edge.
     pub tangent: Vec<[usize; 2]>,
+    /// Largest distance of the triangles from their faces, in the unit of the surface; none where gmsh cannot say it.
+    pub chord_error: Option<f64>,
 }
 
 /// How the faces of a CAD file are meshed.
@@ -139,8 +141,11 @@ pub struct FaceOptions {
     pub unit: Option<&'static str>,
     /// Longest edge [unit of the result].
     pub edge_length: Option<f64>,
-    /// Edges around a circle, if the size of triangles is to follow curvature.
-    pub per_turn: Option<u32>,
+    /// Largest distance of triangles from their faces that is wanted [unit of the result]; without it, triangles are as
+    /// the file or gmsh wants them.
+    pub chord: Option<f64>,
+    /// The unit of the result [m].
+    pub metres: f64,
     /// Whether a script may run programs, and read and write files.
     pub trust: bool,
     /// Solids that are taken out of the others, by their names or their numbers from 1.
@@ -166,12 +171,17 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         "numbers": options.numbers,
         "unit": options.unit,
         "edge_length": options.edge_length,
-        "per_turn": options.per_turn,
+        "chord": options.chord,
+        "metres": options.metres,
         "solids": kind != Kind::Script,
         "step": kind == Kind::Step,
         "subtract": options.subtract,
     });
-    let script = concat!(include_str!("gmsh_import.py"), include_str!("gmsh_surface.py"));
+    let script = concat!(
+        include_str!("gmsh_import.py"),
+        include_str!("gmsh_chord.py"),
+        include_str!("gmsh_surface.py")
+    );
     job.run(python, script, &settings, options.timeout)?;
     let names = |file: &str| -> Result<Vec<String>> {
         Ok(serde_json::from_str(&read_own_text(&job.file(file))?)?)
@@ -197,6 +207,7 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         solids: parts("solid")?,
         kinds: names("kinds.json")?,
         tangent: serde_json::from_str(&read_own_text(&job.file("tangent.json"))?)?,
+        chord_error: serde_json::from_str(&read_own_text(&job.file("chord.json"))?)?,
     })
 }
 

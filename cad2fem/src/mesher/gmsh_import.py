@@ -25,4 +25,10 @@ def explain(message):
     sys.exit(3)
 
 
+def note(message):
+    """Tells the person who waits."""
+    with open("notes", "a") as notes:
+        print(message, file=notes)
+
+
 settings = json.load(open("settings.json"))

@@ -1,6 +1,7 @@
 # Meshes the faces of a CAD file; leaves points.npy, triangles.npy, patch.npy (the
 # patch of each triangle), inside.npy (1 where it is no part of the boundary), patches.json
-# (their names), volumes.json (names of physical volumes) and volume-N.npy (their triangles).
+# (their names), volumes.json (names of physical volumes), volume-N.npy (their triangles) and
+# chord.json (how far triangles are from their faces).
 arguments = ["cad2fem"]
 for name, value in settings["numbers"].items():
     if not re.search(rf"\b{re.escape(name)}\b", open(settings["file"], errors="replace").read()):
@@ -12,8 +13,6 @@ if settings["unit"] is not None:
     gmsh.option.setString("Geometry.OCCTargetUnit", settings["unit"])
 if settings["edge_length"] is not None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", settings["edge_length"])
-if settings["per_turn"] is not None:
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", settings["per_turn"])
 path = os.path.abspath(settings["file"])
 
 
@@ -164,7 +163,11 @@ try:
         before = [(place(face), gmsh.model.getType(2, face), box(face), "" if name == f"face-{face}" else name)
                   for name, [face] in faces_by_mark()]
         walls = cut_away(settings["subtract"])
-    gmsh.model.mesh.generate(2)
+    if settings["chord"] is None:
+        gmsh.model.mesh.generate(2)
+        off = reached()
+    else:
+        off = follow(settings["chord"], settings["edge_length"])
 except Exception as error:
     message, faces = str(error).replace(path, settings["shown"]), failed_faces()
     where = f" at {faces}" if faces else ""
@@ -283,6 +286,7 @@ numpy.save("triangles.npy", numpy.searchsorted(used, corners).astype(float))
 numpy.save("patch.npy", numpy.array(patch, dtype=float).reshape(-1, 1))
 numpy.save("inside.npy", numpy.array(inside, dtype=float).reshape(-1, 1))
 json.dump(names, open("patches.json", "w"))
+json.dump(off, open("chord.json", "w"))
 json.dump(volumes, open("volumes.json", "w"))
 json.dump(list(solids.values()), open("solids.json", "w"))
 of_patch = [[face for face, patch in patch_of.items() if patch == i] for i in range(len(names))]

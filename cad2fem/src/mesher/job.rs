@@ -132,9 +132,12 @@ impl Job {
         timeout: Duration,
     ) -> Result<Option<ExitStatus>> {
         let spinner = Spinner::new(self.title);
+        let mut told = 0;
         loop {
-            if let Some(status) = child.try_wait()? {
-                return Ok(Some(status));
+            let ended = child.try_wait()?;
+            told = self.tell_notes(told);
+            if ended.is_some() {
+                return Ok(ended);
             }
             if start.elapsed() > timeout {
                 child.kill()?;
@@ -143,6 +146,15 @@ impl Job {
             spinner.show(start.elapsed());
             std::thread::sleep(Duration::from_millis(50));
         }
+    }
+
+    /// Passes on what the script wrote into `notes`, of which `told` lines are known; how many are known then.
+    fn tell_notes(&self, told: usize) -> usize {
+        let notes = read_own_text(&self.file("notes")).unwrap_or_default();
+        let complete: Vec<&str> =
+            notes.split_inclusive('\n').filter(|line| line.ends_with('\n')).collect();
+        complete.iter().skip(told).for_each(|line| log::warn!("{}", line.trim_end()));
+        complete.len().max(told)
     }
 
     fn failure(&self, status: ExitStatus, after: Duration) -> anyhow::Error {
