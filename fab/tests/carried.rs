@@ -122,6 +122,20 @@ fn a_designed_chamber_has_the_roundness_of_its_model() {
     }
     let report = MoldReport::read(&scene.path("mold")).unwrap();
     assert_eq!(report.input.surface, Casts::Carried);
+
+    // how far the triangles of the model are from the CAD, as its report says, is added
+    let triangles = model().to_surface().triangles.len();
+    let with = |chord: f64| {
+        let report = format!("{{\"triangles\": {triangles}, \"chord_error\": {chord}}}");
+        std::fs::write(scene.path("model.json"), report).unwrap();
+        verified(&scene)
+    };
+    let said = with(1e-5);
+    assert!(said.contains("ok surface: mold to CAD 0.01"), "{said}");
+    assert!(said.contains("0.0100 mm of it between model.stl and the CAD"), "{said}");
+    let said = with(2e-4);
+    assert!(said.contains("warn surface: mold to CAD 0.2"), "{said}");
+    assert!(said.contains("with a smaller --chord"), "{said}");
 }
 
 /// A side of the block bulges by 0.8 mm, its edges stay.

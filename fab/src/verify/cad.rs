@@ -1,15 +1,18 @@
 //! The mold has the surface of the CAD where the design did not move it, that of the CAD carried along where it did, and
-//! that of the tetrahedra as far as those have that of the CAD.
+//! that of the tetrahedra as far as those have that of the CAD. The triangles of `model.stl` stand for the faces of the
+//! CAD: how far they are from those, as `model.json` says, is added.
 //!
 //! Where a carried surface is looked for, it is found the other way round than the mold was made: from the vertices of
 //! the mesh, where the motion is known, to the CAD.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::io::{MshFile, read_surface, read_tets};
+use mesh::io::{MshFile, read_surface, read_tets, read_text};
 use mesh::{SurfaceMesh, TetMesh, Vec3, measure, place_key, topology};
+use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
 use super::motion::Motion;
@@ -49,12 +52,15 @@ pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec
     };
     let compare = || {
         origins.require_unchanged(&report.input)?;
-        let model = read_surface(model).map_err(|e| e.to_string())?;
+        let (model, chord) = read_model(model)?;
         let groove = report.groove.as_ref().map(|groove| Region::new(&groove.solid().to_surface()));
-        let pair = MoldAndCad { mold, cavity, origins, model, groove };
+        let pair = MoldAndCad { mold, cavity, origins, model, chord, groove };
         let mut lines = Vec::new();
         if report.input.surface == Casts::Mesh || origins.modelled.is_some() {
             lines.extend(pair.to_cad(name)?);
+        } else if pair.chord > 0.0 {
+            // what is cast has the triangles of the model, and is compared with them
+            lines.extend(pair.to_cad("surface: mold to faces of CAD")?);
         }
         if report.input.surface == Casts::Carried {
             lines.extend(pair.to_carried()?);
@@ -78,8 +84,26 @@ struct MoldAndCad<'a> {
     origins: &'a Origins,
     /// The CAD surface [m].
     model: SurfaceMesh,
+    /// How far its triangles are from the faces of the CAD, where that is known [m].
+    chord: f64,
     /// The groove for a thread, which the CAD does not have [mm].
     groove: Option<Region>,
+}
+
+/// What is read of the report beside a model.
+#[derive(Deserialize)]
+struct Modelled {
+    triangles: usize,
+    chord_error: Option<f64>,
+}
+
+/// A CAD surface, and how far it is from its faces, as the report of `cad2fem` beside it says [m].
+fn read_model(path: &Path) -> Result<(SurfaceMesh, f64), String> {
+    let model = read_surface(path).map_err(|e| e.to_string())?;
+    let report = read_text(&path.with_extension("json")).ok();
+    let report = report.and_then(|text| serde_json::from_str::<Modelled>(&text).ok());
+    let own = report.filter(|report| report.triangles == model.triangles.len());
+    Ok((model, own.and_then(|report| report.chord_error).unwrap_or(0.0)))
 }
 
 /// What a surface encloses.
@@ -124,8 +148,18 @@ impl MoldAndCad<'_> {
         let cast = placed.vertices.iter().filter(|p| self.is_cast(p));
         let off = cast.map(|p| bvh.closest(p).distance).reduce(f64::max);
         let Some(off) = off else { return Ok(None) };
-        let mut line = Line::at_most(name, off, CAD + 2.0 * mold.rounding, "mm");
+        let (chord, limit) = (self.chord * self.scale(), CAD + 2.0 * mold.rounding);
+        let mut line = Line::at_most(name, off + chord, limit, "mm");
         line.needed += if unmoved.is_some() { " where nothing moved" } else { "" };
+        if chord > 0.0 {
+            line.needed += &format!(", {chord:.4} mm of it between model.stl and the CAD");
+        }
+        // The mold has the triangles that were asked for.
+        if off <= limit && line.status == Status::Fail {
+            line.status = Status::Warn;
+            line.needed +=
+                ": cad2fem import with a smaller --chord, or finer triangles of the script";
+        }
         // The boundary of the tetrahedra was asked for.
         if report.input.surface == Casts::Mesh && line.status == Status::Fail {
             line.status = Status::Warn;
