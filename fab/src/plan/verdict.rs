@@ -274,12 +274,9 @@ impl<'a> Judge<'a> {
             return (false, "the chamber has no wall besides its inlets".into());
         };
         let percent = 100.0 * share;
+        let (across, cutting) = (pull::direction(&cut.normal), cut.describe());
         let words = format!(
-            "the largest flat wall of the chamber, across {}, covers {percent:.1} % of its outline, \
-             limits.flat is {:.1} %; {}",
-            pull::direction(&cut.normal),
-            100.0 * limit,
-            cut.describe()
+            "the largest flat wall of the chamber, across {across}, covers {percent:.1} % of its outline"
         );
         self.measures.push(Measure {
             name: "flat wall over outline of the chamber".into(),
@@ -291,22 +288,22 @@ impl<'a> Judge<'a> {
                       side, over the area of the chamber as seen across it; the limit is a judgement"
                     .into(),
         });
-        let ratio = cut.core_ratio;
-        if cut.missed > 0 {
-            return (false, format!("{words}; {}", missed(cut, self.boundary)));
-        }
-        let open = *share >= limit;
-        if open && cut.caught > CAUGHT {
-            return (false, format!("{words}; {}", blocked(cut)));
-        }
-        let peels = ratio <= self.config.limits.peel;
-        if open && !peels {
-            let words = format!(
-                "{words}; silicone below the core must give way by {ratio:.2} of its width"
-            );
-            return (false, words);
-        }
-        (open, words)
+        let (ratio, peel) = (cut.core_ratio, self.config.limits.peel);
+        // The reason that decides comes first, without limits that hold.
+        let against = if cut.missed > 0 {
+            missed(cut, self.boundary)
+        } else if *share < limit {
+            return (false, format!("{words}, limits.flat is {:.1} %; {cutting}", 100.0 * limit));
+        } else if cut.caught > CAUGHT {
+            blocked(cut)
+        } else if ratio > peel {
+            format!(
+                "silicone below the core must give way by {ratio:.2} of its width, limits.peel is {peel:.2}"
+            )
+        } else {
+            return (true, format!("{words}, limits.flat is {:.1} %; {cutting}", 100.0 * limit));
+        };
+        (false, format!("{against}; {words}; {cutting}"))
     }
 
     fn in_halves(&mut self) -> (bool, String) {
