@@ -99,7 +99,8 @@ fn pockets(body: &Body) -> Vec<Value> {
     outermost.map(value).collect()
 }
 
-/// The parts that the faces around a face form when the face is taken out, without the largest part.
+/// The parts that the faces around a face form when the face is taken out, without the one with the largest box, the
+/// outside: of what has folds, the chamber's wall may have more area.
 fn apart(body: &Body, lid: usize) -> Vec<BTreeSet<usize>> {
     let around: Vec<usize> = body.beside(lid).collect();
     let mut parts: Vec<BTreeSet<usize>> = Vec::new();
@@ -114,8 +115,11 @@ fn apart(body: &Body, lid: usize) -> Vec<BTreeSet<usize>> {
         }
         parts.push(part);
     }
-    let area = |part: &BTreeSet<usize>| part.iter().map(|&f| body.faces[f].area).sum::<f64>();
-    parts.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    let size = |part: &BTreeSet<usize>| {
+        let triangles = part.iter().flat_map(|&f| body.faces[f].triangles.clone());
+        diagonal(&triangles.flat_map(|t| body.surface.corners(t)).collect::<Vec<Vec3>>())
+    };
+    parts.sort_by(|a, b| size(b).total_cmp(&size(a)));
     parts.into_iter().skip(1).collect()
 }
 
