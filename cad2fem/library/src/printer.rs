@@ -66,6 +66,12 @@ impl Printer {
         &printers().source(&self.source).citation
     }
 
+    /// Two lines side by side: what is thinner leaks, or is not printed at all [mm].
+    #[must_use]
+    pub fn least_wall(&self) -> f64 {
+        2.0 * self.nozzle
+    }
+
     /// Whether a part of this size fits when turned about the vertical by quarters [mm].
     #[must_use]
     pub fn holds(&self, size: [f64; 3]) -> bool {

@@ -1,6 +1,6 @@
 //! `[casting]`: what is cast, and what the mold is printed on.
 
-use library::{printers, silicones};
+use library::{Printer, printers, silicones};
 use program::schema::one_of_these_or_none;
 use schemars::{Schema, SchemaGenerator};
 use serde::Serialize;
@@ -28,6 +28,14 @@ table! {
         first_shot: bool = false, any;
         /// Gauge pressure of the leak test [Pa].
         leak_test: Option<f64> = None => "the working pressure", pressure;
+    }
+}
+
+impl CastingConfig {
+    /// The printer that is named.
+    #[must_use]
+    pub fn printer(&self) -> Option<&'static Printer> {
+        self.printer.as_deref().and_then(|key| printers().find(key).ok())
     }
 }
 

@@ -24,7 +24,7 @@ mod vents;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
-use library::{Chemistry, printers, silicones};
+use library::{Chemistry, silicones};
 use program::schema::one_of_these;
 use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -253,8 +253,7 @@ impl Config {
 
     /// Gap around a part that slides into another: that of the printer, if one is named [m].
     fn printer_clearance(&self) -> f64 {
-        let named = self.casting.printer.as_deref().and_then(|key| printers().find(key).ok());
-        named.map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
+        self.casting.printer().map_or(CLEARANCE, |printer| printer.clearance * 1e-3)
     }
 
     fn check(&self) -> Result<()> {
@@ -283,6 +282,19 @@ impl Config {
                 self.keys.height + self.key_clearance()
             )
         );
+        if let Some(printer) = self.casting.printer() {
+            let least = 1e-3 * printer.least_wall();
+            ensure!(
+                self.wall >= least,
+                misfit!(
+                    KeyPath::of("wall"),
+                    " is {} m, but two lines of casting.printer {:?} are {least:.1e} m wide: with less the mold \
+                     leaks, or is not printed at all",
+                    self.wall,
+                    printer.name
+                )
+            );
+        }
         Ok(())
     }
 
@@ -306,6 +318,13 @@ impl Config {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn a_wall_of_two_lines_of_the_printer_is_enough() {
+        Config::parse("wall = 8e-4\n[casting]\nprinter = \"prusa-mk4\"").unwrap();
+        Config::parse("wall = 1e-4\n[casting]\nprinter = \"resin\"").unwrap();
+        Config::parse("wall = 1e-4").unwrap();
+    }
 
     #[test]
     fn defaults_are_valid() {
@@ -334,6 +353,7 @@ mod tests {
             ("[sprue]\nhead = 20", "sprue.head is 20"),
             ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
             ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
+            ("wall = 7e-4\n[casting]\nprinter = \"prusa-mk4\"", "wall is 0.0007 m, but two lines"),
             ("[casting]\nwaste = -1", "casting.waste is -1"),
             ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
         ] {

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use library::silicones;
+use library::{Printer, silicones};
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
 use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
@@ -63,7 +63,13 @@ fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
     let keys = mold.report.features.iter().filter(|f| f.purpose == Purpose::Key);
     let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
     let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
-    Line::at_least("wall: least", body.min(beside), mold.report.wall - 2.0 * mold.rounding, "mm")
+    let printed = mold.report.casting.printer().map_or(0.0, Printer::least_wall);
+    let least = mold.report.wall.max(printed) - 2.0 * mold.rounding;
+    let mut line = Line::at_least("wall: least", body.min(beside), least, "mm");
+    if printed > mold.report.wall {
+        line.needed += ", two lines of the printer";
+    }
+    line
 }
 
 /// A wall of the least thickness, or a thinner one, with its place in the surface's coordinates.
