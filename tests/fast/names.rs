@@ -165,3 +165,17 @@ fn names_of_scenes_are_their_own() {
         fs::remove_file(dir.path(&file)).unwrap();
     }
 }
+
+/// What `files` of chain.mk finds has been looked at; no other pattern brings names past it.
+#[test]
+fn patterns_go_through_one_check() {
+    let of = |name: &str| format!("pipelines/{name}.mk");
+    let files = ["chain", "rules", "folder", "gripper/rules", "validation/rules"].map(of);
+    for file in files.iter().map(String::as_str).chain(["Makefile"]) {
+        let text = fs::read_to_string(repository().join(file)).unwrap();
+        for rest in text.split("$(wildcard ").skip(1) {
+            let line = rest.lines().next().unwrap();
+            assert!(!line.contains('*'), "{file}: $(wildcard {line}: $(call files,...) finds it");
+        }
+    }
+}
