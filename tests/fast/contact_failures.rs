@@ -136,6 +136,8 @@ fn surfaces_that_run_through_each_other_without_contact() {
     dir.write("through.toml", &scene(12e-3, ""));
     let run = dir.solver("simulate through.toml -o out");
     run.assert_refused(1, &["pairs of triangles", "\"a\" and \"b\"", "contact = \"ignored\""]);
+    // the gap of 10 mm is closed where supports have gone 10 of 12 mm
+    run.assert_refused(1, &["will meet: 10.00 mm apart", "they close that at 83 % of the load"]);
     let report = dir.json("out/report.json");
     assert_eq!((&report["usable"], &report["status"]), (&false.into(), &"surfaces_crossed".into()));
     let crossing = &report["crossing"];
@@ -151,6 +153,43 @@ fn surfaces_that_run_through_each_other_without_contact() {
     assert_eq!(dir.json("ignored/report.json")["usable"], true);
     dir.write("word.toml", &scene(12e-3, "contact = \"none\""));
     dir.solver("simulate word.toml -o none").assert_refused(2, &["word.toml:2", "\"ignored\""]);
+}
+
+/// A block that is pulled towards another one, 0.8 mm away: linear elasticity closes the gap at about half of the load.
+/// The line that is proposed is enough.
+#[test]
+fn surfaces_that_will_meet_are_said_before_the_run() {
+    let dir = workdir();
+    let cube = block([2, 2, 2], 5e-3, |_| false, |p| p);
+    let cube =
+        tag(cube, &[("low", &|p| p.x < 1e-9), ("high", &|p| p.x > 9.999e-3), ("skin", &|_| true)]);
+    write_tets(&dir.path("block.msh"), &cube.mesh, &cube.tags).unwrap();
+    let scene = |pull: f64, contact: &str| {
+        format!(
+            "degree = 1\n{contact}\n\
+             [[body]]\nname = \"a\"\nmesh = \"block.msh\"\n{MATERIAL}\
+             [[body]]\nname = \"b\"\nmesh = \"block.msh\"\ntranslate = [10.8e-3, 0, 0]\n{MATERIAL}\
+             [[fixed]]\non = \"a\"\n[[fixed]]\non = \"b.high\"\n\
+             [[traction]]\non = \"b.low\"\ntraction = [{pull:?}, 0, 0]\n"
+        )
+    };
+    dir.write("pulled.toml", &scene(-16e3, ""));
+    let run = dir.solver("simulate pulled.toml -o pulled");
+    run.assert_refused(
+        1,
+        &["\"a.high\" and \"b.low\" will meet: 0.80 mm apart", "add the line [contact]"],
+    );
+    let (_, load) = run.stderr.split_once("they close that at ").unwrap();
+    let load: f64 = load.split(' ').next().unwrap().parse().unwrap();
+    assert!((40.0..65.0).contains(&load), "{load}");
+    for (name, pull, contact) in
+        [("less", -4e3, ""), ("apart", 16e3, ""), ("held", -16e3, "contact = {}")]
+    {
+        dir.write(&format!("{name}.toml"), &scene(pull, contact));
+        let run = dir.solver(&format!("simulate {name}.toml -o {name}"));
+        run.assert_good();
+        assert!(!run.stderr.contains("will meet"), "{name}: {}", run.stderr);
+    }
 }
 
 #[test]

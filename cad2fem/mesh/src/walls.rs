@@ -53,15 +53,19 @@ impl<'a> Walls<'a> {
         hits.into_iter().find(|&(_, hit)| self.normals[hit].dot(&inward) > 0.0)
     }
 
+    /// Triangles with what is across, where that is opposite, and how far it is.
+    fn opposite(&self) -> impl IndexedParallelIterator<Item = Option<(f64, [usize; 2])>> {
+        let wall = |t: usize| {
+            let (thickness, across) = self.across(t, &self.surface.centroid(t))?;
+            let opposite = -self.normals[t].dot(&self.normals[across]) >= OPPOSITE;
+            opposite.then_some((thickness, [t, across]))
+        };
+        (0..self.surface.triangles.len()).into_par_iter().map(wall)
+    }
+
     /// The thickness at each triangle where there is a wall, and its centroid.
     fn all(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
-        let wall = |t: usize| {
-            let from = self.surface.centroid(t);
-            let (thickness, across) = self.across(t, &from)?;
-            let opposite = -self.normals[t].dot(&self.normals[across]) >= OPPOSITE;
-            opposite.then_some((thickness, from))
-        };
-        (0..self.surface.triangles.len()).into_par_iter().filter_map(wall)
+        self.opposite().flatten().map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
     }
 
     fn thinnest(&self) -> Option<(f64, Vec3)> {
@@ -121,6 +125,15 @@ pub fn thinner(
     Walls::new(surface).all().filter_map(thin).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
+/// The air between triangles that face each other: how wide it is, straight out of the middle of the first to the
+/// second, in the unit of the surface.
+#[must_use]
+pub fn gaps(surface: &SurfaceMesh) -> Vec<(f64, [usize; 2])> {
+    let triangles = surface.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let inside_out = SurfaceMesh { vertices: surface.vertices.clone(), triangles };
+    Walls::new(&inside_out).opposite().flatten().collect()
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -150,6 +163,24 @@ mod tests {
         let thickness = |surface: &Solid| thinnest_with(&surface.to_surface(), &model, 0.2);
         assert!((thickness(&meshed).unwrap().0 - 2.0).abs() < 1e-12);
         assert!((thickness(&meshed.union(&fin)).unwrap().0 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn air_is_measured_between_what_faces_each_other() {
+        let block =
+            |x: [f64; 2]| Solid::cube(&Vec3::new(x[0], 0.0, 0.0), &Vec3::new(x[1], 9.0, 9.0));
+        let floor = Solid::cube(&Vec3::new(0.0, 0.0, -1.0), &Vec3::new(13.0, 9.0, 0.5));
+        let comb = floor.union(&block([0.0, 5.0])).union(&block([5.8, 13.0])).to_surface();
+        let found = gaps(&comb);
+        // Two walls of two triangles or more; the floor faces nothing, and neither does the outside.
+        assert!(found.len() >= 4, "{found:?}");
+        for (width, [from, to]) in found {
+            let x = [from, to].map(|t| comb.centroid(t).x);
+            assert!(
+                (width - 0.8).abs() < 1e-9 && (x[0] - x[1]).abs() < 0.8 + 1e-9,
+                "{width} {x:?}"
+            );
+        }
     }
 
     #[test]

@@ -22,6 +22,7 @@ use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
 use crate::report::locking;
+use crate::report::meeting;
 use crate::report::record::{Checkpoint, Finished, Recorder, Work};
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
@@ -92,6 +93,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     results::remove_stale(folder, done)?;
     announce(&scene, &workspace);
+    if done == 0 {
+        meeting::foresee(&scene, &problem, &mut workspace);
+    }
     let timed = scene.config.time.is_some();
     let time_steps_done = if timed { done } else { 0 };
     let steps = steps_of(&scene, arguments, time_steps_done);

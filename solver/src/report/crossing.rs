@@ -8,6 +8,10 @@ use mechanics::forward::Problem;
 use mesh::Vec3;
 use scene::Scene;
 
+/// What to do about surfaces that meet in a scene without contact.
+pub const WAY_OUT: &str =
+    "add the line [contact], which needs no number, or contact = \"ignored\" if that may be";
+
 /// Pairs of triangles of the boundary, each facet cut as for contact, that intersect.
 pub struct Crossing {
     /// How many there are.
@@ -50,8 +54,7 @@ impl Crossing {
         let whose = if a == b { format!("of \"{a}\"") } else { format!("of \"{a}\" and \"{b}\"") };
         format!(
             "{} pairs of triangles on the surfaces {whose} run through each other at the end, the first \
-             near ({:.5}, {:.5}, {:.5}) m: without contact nothing holds them apart\n  write [contact] \
-             with an activation and a stiffness, or contact = \"ignored\" if that may be",
+             near ({:.5}, {:.5}, {:.5}) m: without contact nothing holds them apart\n  {WAY_OUT}",
             self.pairs, p.x, p.y, p.z
         )
     }

@@ -10,6 +10,7 @@ pub mod failure;
 pub mod fields;
 pub mod leap;
 pub mod locking;
+pub mod meeting;
 pub mod mirror;
 pub mod mullins;
 pub mod record;
