@@ -53,7 +53,7 @@ struct Legend<'a> {
     areas: Vec<f64>,
 }
 
-/// Writes a tagged mesh, and `tags.txt` and `tags.json` beside it.
+/// Writes a tagged mesh, and beside it `tags.txt`, the table of [`show`], and `tags.json`.
 fn write_tagged(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<()> {
     let ids: Vec<u32> = tags.names.iter().filter_map(|name| tags.id(name)).collect();
     let facets: Vec<_> = ids.iter().map(|&id| tags.facets_of(id)).collect();
@@ -65,7 +65,8 @@ fn write_tagged(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<()> {
         facets: facets.iter().map(Vec::len).collect(),
         areas: facets.iter().map(area).collect(),
     };
-    io::write_tags(&path.with_file_name("tags.txt"), tags)?;
+    let table = show::table(mesh, tags);
+    io::write_atomic(&path.with_file_name("tags.txt"), |out| out.write_all(table.as_bytes()))?;
     io::write_atomic(&path.with_file_name("tags.json"), |out| {
         serde_json::to_writer_pretty(&mut *out, &legend)?;
         writeln!(out)

@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use mesh::io::MshFile;
 use mesh::io::vtu::{self, CellType, Field, Grid};
 use mesh::{Tags, TetMesh, Volumes, facet_key, io, measure, topology};
 
@@ -32,23 +33,25 @@ struct Row {
 /// # Errors
 /// If the mesh cannot be read or the table cannot be printed.
 pub fn run(args: &Args) -> Result<()> {
-    let file = io::read_tets(&args.tagged)?;
-    let boundary = topology::boundary(&file.mesh).facets;
-    let mut rows: Vec<Row> = file
-        .tags
-        .names
-        .iter()
-        .filter_map(|name| file.tags.id(name).map(|id| (name.as_str(), id)))
-        .chain([("(none)", 0)])
-        .map(|(name, id)| row(name, id, &file.mesh, &boundary, &file.tags))
-        .collect();
-    rows.retain(|row| row.id > 0 || row.facets > 0);
-    print(&rows)?;
-    print_volumes(&file)?;
+    let MshFile { mesh, tags } = io::read_tets(&args.tagged)?;
+    let mut out = program::stdout();
+    out.write_all(table(&mesh, &tags).as_bytes())?;
+    out.flush()?;
     if let Some(path) = &args.vtu {
-        vtu::write_vtu(path, &grid(&file.mesh, &boundary, &file.tags))?;
+        let boundary = topology::boundary(&mesh).facets;
+        vtu::write_vtu(path, &grid(&mesh, &boundary, &tags))?;
     }
     Ok(())
+}
+
+/// The tags of a mesh, one a line, then its volumes.
+pub fn table(mesh: &TetMesh, tags: &Tags) -> String {
+    let boundary = topology::boundary(mesh).facets;
+    let named = tags.names.iter().filter_map(|name| Some((name.as_str(), tags.id(name)?)));
+    let all = named.chain([("(none)", 0)]);
+    let mut rows: Vec<Row> = all.map(|(name, id)| row(name, id, mesh, &boundary, tags)).collect();
+    rows.retain(|row| row.id > 0 || row.facets > 0);
+    of_tags(&rows) + &of_volumes(mesh, &tags.volumes)
 }
 
 fn row(name: &str, id: u32, mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags) -> Row {
@@ -66,37 +69,30 @@ fn row(name: &str, id: u32, mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags
     }
 }
 
-fn print(rows: &[Row]) -> std::io::Result<()> {
+fn of_tags(rows: &[Row]) -> String {
     let width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(3);
-    let mut out = program::stdout();
-    writeln!(
-        out,
-        "{:width$}  {:>3}  {:>7}  {:>12}  {:>10}  {:>5}",
+    let head = format!(
+        "{:width$}  {:>3}  {:>7}  {:>12}  {:>10}  {:>5}\n",
         "tag", "id", "facets", "area [mm²]", "components", "loops"
-    )?;
-    for Row { name, id, facets, area, components, loops } in rows {
+    );
+    let line = |Row { name, id, facets, area, components, loops }: &Row| {
         let area = 1e6 * area;
-        writeln!(
-            out,
-            "{name:width$}  {id:>3}  {facets:>7}  {area:>12.3}  {components:>10}  {loops:>5}"
-        )?;
-    }
-    out.flush()
+        format!("{name:width$}  {id:>3}  {facets:>7}  {area:>12.3}  {components:>10}  {loops:>5}\n")
+    };
+    rows.iter().map(line).fold(head, |table, line| table + &line)
 }
 
 /// Volumes with their tetrahedra, where there are any.
-fn print_volumes(file: &io::MshFile) -> std::io::Result<()> {
-    let Volumes { names, of } = &file.tags.volumes;
-    let mut out = program::stdout();
-    for (i, name) in names.iter().enumerate() {
+fn of_volumes(mesh: &TetMesh, Volumes { names, of }: &Volumes) -> String {
+    let line = |(i, name): (usize, &String)| {
         let own = (0..of.len()).filter(|&t| of[t] == i).map(|t| {
-            let [a, b, c, d] = file.mesh.corners(t);
+            let [a, b, c, d] = mesh.corners(t);
             measure::tet_volume(a, b, c, d)
         });
         let (count, size) = own.fold((0, 0.0), |(n, sum), volume| (n + 1, sum + volume));
-        writeln!(out, "volume {name}: {count} tetrahedra, {:.3} mm³", 1e9 * size)?;
-    }
-    out.flush()
+        format!("volume {name}: {count} tetrahedra, {:.3} mm³\n", 1e9 * size)
+    };
+    names.iter().enumerate().map(line).collect()
 }
 
 /// The boundary as triangles with the tag id, 0 for none.
