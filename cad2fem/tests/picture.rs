@@ -259,6 +259,29 @@ fn files_go_side_by_side_or_together() {
     assert_eq!((panels.width, panels.height), (600, 300));
 }
 
+/// A chamber within a skin is not seen from outside: it stands beside it, whatever the order of the files.
+#[test]
+fn walls_of_chambers_are_moved_out_of_what_hides_them() {
+    let folder = Folder::new();
+    io::write_surface(&folder.path("skin.obj"), &cube()).unwrap();
+    let mut wall = cube();
+    wall.vertices.iter_mut().for_each(|v| *v = 0.3 * *v + Vec3::repeat(0.35));
+    wall.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    io::write_surface(&folder.path("wall.obj"), &wall).unwrap();
+    let plain = "--together --no-ground --smooth --size 400x300 --view front";
+    // the second colour of the palette is orange, the first blue
+    let orange = |args: &str| {
+        let picture = folder.draw(args);
+        let all = (0..300).flat_map(|y| (0..400).map(move |x| (x, y)));
+        all.filter(|&(x, y)| picture.at(x, y)[0] > picture.at(x, y)[2] + 40).count()
+    };
+    assert_eq!(orange(&format!("skin.obj wall.obj {plain}")), 0, "hidden");
+    assert!(orange(&format!("skin.obj wall.obj --spread 1.2 {plain}")) > 1000);
+    let skin_last = orange(&format!("wall.obj skin.obj --spread 1.2 {plain}"));
+    let wall_last = orange(&format!("skin.obj wall.obj --spread 1.2 {plain}"));
+    assert!(skin_last > 8 * wall_last, "the skin is orange then: {skin_last} {wall_last}");
+}
+
 #[test]
 fn a_model_has_a_colour_a_label_and_a_legend_for_each_region() {
     let folder = Folder::new();

@@ -40,7 +40,7 @@ pub struct Args {
     /// All files in one panel, one colour each
     #[arg(long)]
     together: bool,
-    /// Move files apart from their common centre, relative to their distance
+    /// Move files apart from their common centre, relative to their distance; the walls of chambers out to the side
     #[arg(long, default_value_t = 0.0)]
     spread: f64,
     /// Stand all files on the ground in a row, from left to right
@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
     );
     let mut loaded = load_all(args)?;
     if args.spread != 0.0 {
-        spread(&mut loaded, args.spread);
+        spread(&mut loaded, args.spread, &args.looks.view.frame());
     }
     if args.row {
         line_up(&mut loaded, &args.looks.view.frame()[0]);
@@ -139,13 +139,54 @@ fn load_all(args: &Args) -> Result<Vec<Loaded>> {
     Ok(loaded)
 }
 
-/// Moves every shape away from the centre of all.
-fn spread(loaded: &mut [Loaded], factor: f64) {
+/// Part of the flux through a surface about its middle, over the largest that there can be, below which it is the wall of
+/// a void. A flat face has 0, a sphere 1, and the wall of a chamber with four cells −0.2.
+const VOID: f64 = -0.1;
+
+/// Moves every shape away from the centre of all. Where walls of voids would still be hidden in others, they move on
+/// beside these in the picture, whose vectors to the right and up begin the frame.
+fn spread(loaded: &mut [Loaded], factor: f64, [right, up, _]: &[Vec3; 3]) {
     let centers: Vec<Vec3> = loaded.iter().map(|l| center(&l.shape)).collect();
     let mean = centers.iter().sum::<Vec3>() / centers.len() as f64;
     for (file, c) in loaded.iter_mut().zip(centers) {
         file.shape.translate(&(factor * (c - mean)));
     }
+    let (mut voids, others): (Vec<_>, Vec<_>) =
+        loaded.iter_mut().map(|l| &mut l.shape).partition(|shape| is_void(shape));
+    if voids.is_empty() || others.is_empty() {
+        return;
+    }
+    let all = |shapes: &[&mut Shape], axis: &Vec3| {
+        let spans = shapes.iter().map(|shape| span(shape, axis));
+        spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+    };
+    let beside = [right, up].map(|axis| {
+        let ((low, high), end) = (all(&voids, axis), all(&others, axis).1);
+        (end - low + BESIDE * (high - low), *axis)
+    });
+    let [(across, right), (along, up)] = beside;
+    let by = if across <= along { across * right } else { along * up };
+    voids.iter_mut().for_each(|shape| shape.translate(&by));
+}
+
+/// Room between what was hidden and what hid it, over its own extent.
+const BESIDE: f64 = 0.2;
+
+/// Whether the normals of a surface point to its middle.
+fn is_void(shape: &Shape) -> bool {
+    let (middle, mut flux, mut most) = (center(shape), 0.0, 0.0);
+    for [a, b, c] in shape.facets.iter().map(|f| f.points) {
+        let (normal, arm) = ((b - a).cross(&(c - a)), (a + b + c) / 3.0 - middle);
+        flux += arm.dot(&normal);
+        most += arm.norm() * normal.norm();
+    }
+    flux < VOID * most
+}
+
+/// From where to where a shape reaches along an axis.
+fn span(shape: &Shape, axis: &Vec3) -> (f64, f64) {
+    let along = shape.facets.iter().flat_map(|f| f.points).map(|p| axis.dot(&p));
+    along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
 }
 
 fn center(shape: &Shape) -> Vec3 {
@@ -157,10 +198,6 @@ fn center(shape: &Shape) -> Vec3 {
 /// Puts shapes on z = 0 one after the other along the horizontal direction
 /// `right`, with a fifth of their mean width between them.
 fn line_up(loaded: &mut [Loaded], right: &Vec3) {
-    let span = |shape: &Shape, axis: &Vec3| {
-        let along = shape.facets.iter().flat_map(|f| f.points).map(|p| axis.dot(&p));
-        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
-    };
     let spans: Vec<(f64, f64)> = loaded.iter().map(|l| span(&l.shape, right)).collect();
     let gap = 0.2 * spans.iter().map(|(a, b)| b - a).sum::<f64>() / spans.len() as f64;
     let mut next = 0.0;
