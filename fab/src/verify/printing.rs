@@ -53,21 +53,22 @@ fn fits(printer: &Printer, name: &str, printed: &SurfaceMesh) -> Line {
     Line::new(format!("{name}: build volume"), printer.holds(size), found, &needed)
 }
 
-/// Area that hangs over more steeply than is printed without support: supports cost
-/// time, and leave scars where they touch what shapes the silicone. Settings and sheet
-/// rely on the area in the report.
+/// Area that hangs over more steeply than is printed without support. The settings switch supports on; they leave scars
+/// where they touch what shapes the silicone. Settings and sheet rely on the area in the report.
 fn overhangs(printer: &Printer, part: &Part, below: &Overhangs) -> Line {
     let Overhangs { bed, hanging, shaping } = *below;
     let found = format!("{hanging:.0} mm², {shaping:.0} mm² of it at the silicone");
-    let needed = format!("0 mm² beyond {}°, or supports", printer.overhang);
+    let needed =
+        format!("supports beyond {}°, as in its .ini, none at the silicone", printer.overhang);
     let reported = |area: f64, reported: f64| (area - reported).abs() <= SUMS * area;
     let holds = reported(hanging, part.overhang) && reported(bed, part.bed);
     let mut line = Line::new(format!("{}: overhang", part.name), holds, found, &needed);
     if !holds {
         line.needed =
             format!("{:.3} mm², {:.3} mm² on the bed, as reported", part.overhang, part.bed);
-    } else if needs_supports(hanging) {
+    } else if needs_supports(shaping) {
         line.status = Status::Warn;
+        line.needed += ": smooth what they leave there";
     }
     line
 }
