@@ -366,7 +366,7 @@ impl<'a> Run<'a> {
         let now = self.start.elapsed().as_secs_f64();
         let left = self.pace.left(step.time, now).filter(|_| self.follower.is_none());
         log::info!(
-            "{which}{}  newton {:2}  |g| {:.1e} N  {:.1} s{}",
+            "{which}{}  {:2} iterations, forces off balance by {:.1e} N  {:.1} s{}",
             self.scene.progress(step.time),
             step.newton_iterations,
             step.residual,

@@ -170,7 +170,7 @@ impl Scene {
             problem = problem.with_motion(move |load| supports.displacement(load));
         }
         let mut workspace = Workspace::new(&problem);
-        workspace.watch = Some(watch());
+        workspace.watch = Some(watch(self.config.time.is_some()));
         memory::require(workspace.memory()).with_context(context)?;
         Ok((problem, workspace))
     }
@@ -226,10 +226,7 @@ impl Scene {
     /// A load in words, for messages.
     #[must_use]
     pub fn progress(&self, load: f64) -> String {
-        if self.config.time.is_some() {
-            return format!("t = {load:.4e} s");
-        }
-        format!("{:.1} % of the load", 100.0 * load)
+        progress(self.config.time.is_some(), load)
     }
 
     /// The fixed degrees of freedom on a body with this scene's tags.
@@ -446,8 +443,13 @@ impl Scene {
     }
 }
 
-/// Says in the log what happens on the way to an equilibrium.
-fn watch() -> Watch {
+/// A time, or of a static scene a load, in words.
+fn progress(in_time: bool, load: f64) -> String {
+    if in_time { format!("t = {load:.4e} s") } else { format!("{:.1} % of the load", 100.0 * load) }
+}
+
+/// Says in the log what happens on the way to an equilibrium of a static scene, or of one in time.
+fn watch(in_time: bool) -> Watch {
     let mut heartbeat = Heartbeat::start();
     Box::new(move |event| {
         match event {
@@ -456,8 +458,10 @@ fn watch() -> Watch {
                     heartbeat = Heartbeat::start();
                 }
                 heartbeat.say(|| {
+                    let towards = progress(in_time, *time);
                     format!(
-                        "towards t = {time:.4}: newton {iteration}  |g| {residual:.1e} of {wanted:.1e} N"
+                        "towards {towards}: iteration {iteration}, forces off balance by {residual:.1e} N, \
+                         {wanted:.1e} N wanted"
                     )
                 });
             }

@@ -416,8 +416,8 @@ impl Cascade<'_> {
             mold: None,
         };
         log::info!(
-            "level {}/{} ({})  iteration {}/{}  J {:.5e}  |g| {gradient_norm:.2e}  \
-             motion {:.2} mm  trials {}  newton {}  {:.1} + {:.1} s{}",
+            "level {}/{} ({})  iteration {}/{}  objective {:.5e}, its gradient {gradient_norm:.2e}  \
+             motion {:.2} mm  trials {}  Newton iterations {}  {:.1} + {:.1} s{}",
             checkpoint.level + 1,
             levels.len(),
             variables(level, settings),
