@@ -98,12 +98,22 @@ fn probes_are_columns_and_agree_with_the_report() {
     let header = "load [1],cavity pressure [Pa],cavity volume [m³],top [m],air [m³],inside [m],\
                   marker [m],bend [deg],apart [m],wall [m],bow [1/m],held [N],turn [deg]";
     assert_eq!(rows.next(), Some(header));
-    assert_eq!(rows.clone().count(), lines.len());
+    assert_eq!(rows.clone().count(), lines.len() + 1);
+    let rest = &report["rest"];
+    let first: Vec<f64> = rows.next().unwrap().split(',').map(|n| n.parse().unwrap()).collect();
+    assert_eq!(first[..4], [0.0, 0.0, number(&rest["chambers"]["cavity"]["volume_rest"]), 0.0]);
+    assert_eq!((number(&rest["load"]), number(&rest["probes"]["bend"])), (0.0, first[7]));
+    assert!(table.lines().skip(1).all(|row| row.split(',').next().unwrap().len() <= 4), "{table}");
     let row: Vec<f64> = rows.last().unwrap().split(',').map(|n| n.parse().unwrap()).collect();
     assert_eq!([row[0], row[1]], [1.0, PRESSURE]);
     assert_eq!(row[12], number(last("turn")));
-    dir.solver("plot out/steps.jsonl --x probes.air*1e6 --y probes.top*1e3 -o curve.svg")
-        .assert_good();
+    for run in ["steps.jsonl", "report.json"] {
+        let x = "--x chambers.cavity.pressure";
+        dir.solver(&format!("plot out/{run} {x} --y probes.top -o curve.svg")).assert_good();
+        assert_eq!(dir.text("curve.svg").matches("<circle").count(), lines.len() + 1, "{run}");
+        dir.solver(&format!("plot out/{run} {x} --log-x --y probes.top -o log.svg")).assert_good();
+        assert_eq!(dir.text("log.svg").matches("<circle").count(), lines.len(), "{run}");
+    }
 }
 
 /// A dead load of 50 Pa on the top, 20 cm², pulls at the seat with 0.1 N.

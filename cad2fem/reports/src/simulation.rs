@@ -45,6 +45,9 @@ pub struct Simulation {
     /// Walls that were moved to what was measured of the cast body, with `--as-cast`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub as_cast: Option<AsCast>,
+    /// The state at rest, before any load, where forces balance there; not of a scene with inertia.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest: Option<Step>,
     /// Every load step, or of a scene in time every time step.
     pub steps: Vec<Step>,
     /// Entries of the factor of the Hessian.

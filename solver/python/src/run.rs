@@ -162,6 +162,7 @@ impl Run {
         end.peak_rss_mb = program::peak_rss_mb();
         let solver = (&self.problem, &mut *workspace);
         end.error_bars = uncertainty::report(&scene, solver, &self.probes, &self.trajectory);
+        report.rest.clone_from(&recorder.rest);
         report.steps.clone_from(&recorder.lines);
         report.factor_entries = workspace.linear().cost().entries;
         report.memory_estimate_mb = workspace.memory().bytes as f64 / f64::from(1 << 20);

@@ -130,6 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_beside(&mut recorder, |writer| run.go(steps, writer, checkpoint))?;
     run.workspace.timings.output += waited;
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
+    report.rest.clone_from(&recorder.rest);
     report.steps.clone_from(&recorder.lines);
     // at the end, as contact adds entries
     report.factor_entries = run.workspace.linear().cost().entries;

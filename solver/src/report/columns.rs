@@ -10,6 +10,8 @@ use mesh::Vec3;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::results::STEPS;
+
 /// The rows of a run: lines of a history.jsonl or steps.jsonl, the steps of a report.json, or the
 /// runs in a file of compare.
 ///
@@ -36,9 +38,22 @@ pub fn rows(path: &Path) -> Result<Vec<Value>> {
     })
 }
 
+/// The state at rest of the run of which [`rows`] are in a file: in the report.json, or in that beside a steps.jsonl.
+/// None where the report does not have it.
+#[must_use]
+pub fn at_rest(path: &Path) -> Option<Value> {
+    let report = match path.file_name()?.to_str()? {
+        STEPS => path.with_file_name("report.json"),
+        _ => path.to_owned(),
+    };
+    let text = report.is_file().then(|| mesh::io::read_text(&report).ok()).flatten()?;
+    serde_json::from_str::<Table>(&text).ok()?.rest
+}
+
 /// The report of a simulation, or a file of compare. Columns of its rows have the names that users give.
 #[derive(Deserialize)]
 struct Table {
+    rest: Option<Value>,
     #[serde(alias = "steps", alias = "runs")]
     rows: Option<Vec<Value>>,
 }

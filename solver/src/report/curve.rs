@@ -1,7 +1,7 @@
 //! What a run measured at each reported step, as a table for spreadsheets and pandas.
 //!
-//! `curve.csv`: a row per step; pressure and volume of each chamber and every probe, in units of
-//! the SI as its header says.
+//! `curve.csv`: a row at rest, where forces balance there, and one per step; pressure and volume of each chamber and every
+//! probe, in units of the SI as its header says. Numbers have twelve digits: a load of 0.1 + 0.1 + 0.1 is 0.3.
 
 use std::path::Path;
 
@@ -13,13 +13,18 @@ use serde_json::json;
 use super::results::CURVE;
 use super::table;
 
-/// Writes the table of a run to a folder, from the `lines` of its steps.
+/// Writes the table of a run to a folder, from the `lines` of its states.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write(folder: &Path, lines: &[Step], probes: &[Probe]) -> Result<()> {
-    let header = lines.first().map_or_else(Vec::new, |line| header(line, probes));
-    let rows = lines.iter().map(|line| row(line, probes).into_iter().map(cell).collect());
+pub fn write<'a>(
+    folder: &Path,
+    lines: impl Iterator<Item = &'a Step>,
+    probes: &[Probe],
+) -> Result<()> {
+    let mut lines = lines.peekable();
+    let header = lines.peek().map_or_else(Vec::new, |line| header(line, probes));
+    let rows = lines.map(|line| row(line, probes).into_iter().map(cell).collect());
     table::write(&folder.join(CURVE), [header].into_iter().chain(rows))
 }
 
@@ -44,5 +49,18 @@ fn row(line: &Step, probes: &[Probe]) -> Vec<Option<f64>> {
 /// A number that is not finite leaves its cell empty.
 fn cell(number: Option<f64>) -> String {
     let number = number.filter(|number| number.is_finite());
-    number.map_or_else(String::new, |number| json!(number).to_string())
+    let rounded = number.and_then(|number| format!("{number:.11e}").parse::<f64>().ok());
+    rounded.map_or_else(String::new, |number| json!(number).to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cell;
+
+    #[test]
+    fn cells_have_twelve_digits() {
+        assert_eq!(cell(Some(0.1 + 0.2)), "0.3");
+        assert_eq!(cell(Some(1.0 / 3.0 * 1e-6)), "3.33333333333e-7");
+        assert_eq!([cell(Some(0.0)), cell(Some(f64::NAN)), cell(None)], ["0.0", "", ""]);
+    }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
-use mechanics::energy::{Iterate, Multiplier};
+use mechanics::energy::Iterate;
 use mechanics::forward::{ArcProgress, LoadStep, Problem, Progress, Timings};
 use mechanics::schedule::{Field, Schedule};
 use mesh::Vec3;
@@ -111,6 +111,8 @@ pub struct Recorder<'a> {
     pictures: bool,
     /// SHA-256 of the pictures, by the names of the files.
     written: BTreeMap<String, String>,
+    /// The state at rest, where forces balance there.
+    pub rest: Option<Step>,
     /// What was reported of each step.
     pub lines: Vec<Step>,
     work: Work,
@@ -155,6 +157,7 @@ impl<'a> Recorder<'a> {
         }
         let folder = folder.to_path_buf();
         let kinetic_at_start = kinetic_at_start(scene, problem);
+        let rest = results::at_rest(scene, problem, probes)?;
         Ok(Self {
             scene,
             problem,
@@ -162,6 +165,7 @@ impl<'a> Recorder<'a> {
             folder,
             pictures,
             written,
+            rest,
             lines,
             work,
             kinetic_at_start,
@@ -233,7 +237,7 @@ impl<'a> Recorder<'a> {
         mesh::io::write_atomic(&self.folder.join(STEPS), |out| {
             self.lines.iter().try_for_each(|line| writeln!(out, "{}", json!(line)))
         })?;
-        curve::write(&self.folder, &self.lines, self.probes)
+        curve::write(&self.folder, self.rest.iter().chain(&self.lines), self.probes)
     }
 }
 
@@ -272,14 +276,10 @@ pub struct Work {
 }
 
 impl Work {
-    /// Begins at rest, where prescribed volumes need no pressure.
+    /// Begins at rest.
     fn new(problem: &Problem, rest: &[Vec3]) -> Self {
-        let still = vec![0.0; problem.dofs()];
-        let relaxed = |m: &Multiplier| Multiplier { pressure: 0.0, ..*m };
-        let multipliers: Vec<Multiplier> = problem.multipliers.iter().map(relaxed).collect();
-        let at = problem.iterate(rest, &still, 0.0);
-        let last = pairs(problem, &Iterate { multipliers: &multipliers, ..at });
-        Self { last, total: 0.0 }
+        let still = results::still(problem);
+        Self { last: pairs(problem, &still.iterate(problem, rest)), total: 0.0 }
     }
 
     fn follow(&mut self, problem: &Problem, at: &Iterate) {

@@ -8,7 +8,7 @@ use measure::probe::{Probe, measure};
 use mechanics::body::Body;
 use mechanics::contact::surface::BodyForce;
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{self, Energies, Iterate, Kind, MembraneSummary, Term};
+use mechanics::energy::{self, Energies, Iterate, Kind, MembraneSummary, Multiplier, Term};
 use mechanics::forward::{LoadStep, Problem};
 use mechanics::material::Kinematics;
 use mechanics::symmetry::{AXES, Plane};
@@ -32,6 +32,9 @@ pub const STEPS: &str = "steps.jsonl";
 
 /// Name of the table of steps.
 pub const CURVE: &str = "curve.csv";
+
+/// Strain of a whole body that is none but for rounding [1].
+const NO_STRAIN: f64 = 1e-9;
 
 /// Name of the file with the state before a load step that failed.
 pub const FAILED: &str = "not_full_load.vtu";
@@ -179,6 +182,46 @@ pub fn step(
         path: step.path.as_deref().map(stability::path_state),
         probes: (!probes.is_empty()).then(|| numbers(&measure(probes, problem, &at))),
     })
+}
+
+/// Rest before any load, where prescribed volumes need no pressure.
+#[must_use]
+pub fn still(problem: &Problem) -> LoadStep {
+    let relaxed = |m: &Multiplier| Multiplier { pressure: 0.0, ..*m };
+    LoadStep {
+        time: 0.0,
+        newton_iterations: 0,
+        residual: 0.0,
+        residual_wanted: 0.0,
+        rounding_floor: None,
+        smallest_volume_ratio: 1.0,
+        u: vec![0.0; problem.dofs()],
+        multipliers: problem.multipliers.iter().map(relaxed).collect(),
+        step: None,
+        ends_time_step: true,
+        path: None,
+    }
+}
+
+/// Measures of the state at rest, if it is one of equilibrium without any load: the first point of curves. With inertia
+/// loads may set in at once.
+///
+/// # Errors
+/// When a tag is missing.
+pub fn at_rest(scene: &Scene, problem: &Problem, probes: &[Probe]) -> Result<Option<Step>> {
+    let (body, mut still) = (&scene.body, still(problem));
+    let (gradient, _) = problem.gradient(&still.iterate(problem, &body.mesh.vertices));
+    let free = problem.restrict(&gradient).iter().map(|g| g * g).sum::<f64>();
+    still.residual = free.sqrt();
+    let stiffest = scene.laws.iter().map(|law| law.material.moduli().shear).fold(0.0, f64::max);
+    still.residual_wanted =
+        NO_STRAIN * stiffest * mesh::measure::volume(&body.mesh).powf(2.0 / 3.0);
+    let led = problem.dirichlet.displacement(0.0);
+    let led = problem.dirichlet.supports().iter().any(|&dof| led[dof] != 0.0);
+    if scene.config.method().has_inertia() || led || still.residual > still.residual_wanted {
+        return Ok(None);
+    }
+    step(scene, body, problem, &still, None, (probes, 0.0)).map(Some)
 }
 
 /// ½ vᵀ M v of all bodies with inertia [J].

@@ -42,6 +42,7 @@ pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulati
         vertices: scene.body.mesh.vertices.len(),
         symmetry: cut.then(|| results::symmetry(&scene.body)),
         as_cast: None,
+        rest: None,
         steps: Vec::new(),
         factor_entries: 0,
         memory_estimate_mb: 0.0,

@@ -10,7 +10,7 @@ use serde_json::Value;
 use points::Points;
 
 use crate::plot::{Axes, Series, Style, draw};
-use crate::report::columns::{number, rows};
+use crate::report::columns::{at_rest, number, rows};
 
 /// Draw numbers of one or more runs against each other, as SVG or PNG
 ///
@@ -18,7 +18,7 @@ use crate::report::columns::{number, rows};
 /// simulate, a row per load step, or a file of compare, a row per run. A column is a key, or keys joined by dots:
 /// `objective`, `terms.throat`, `reactions.top.2`. A factor may follow a star, a number or an expression
 /// as in `mean_displacement.throat*1e3` and `angle*180/pi`; `terms.throat + terms.smooth` is a sum. Without --x, rows
-/// are counted. Rows without the number are left out.
+/// are counted. Rows without the number are left out. With --x a simulation begins at rest, but not on a logarithmic axis.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Runs: one curve each, for every --y
@@ -27,8 +27,8 @@ pub struct Arguments {
     /// File to write, .svg or .png
     #[arg(short, long)]
     output: PathBuf,
-    /// CSV file with a header whose points are laid over; again for each. Its first two columns are x
-    /// and y, or FILE:X,Y names them, with factors and sums as of the columns of runs
+    /// CSV file with a header whose points are laid over; again for each. x and y are its columns that are called as the
+    /// axes are, or else the first two; or FILE:X,Y names them, with factors and sums as of the columns of runs
     #[arg(long = "points", value_name = "FILE[:X,Y]")]
     points: Vec<Points>,
     /// Column of the abscissa
@@ -63,7 +63,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     let mut series: Vec<Series> = Vec::new();
     for path in &arguments.runs {
-        let rows = rows(path)?;
+        let rest =
+            (arguments.x.is_some() && !arguments.log_x && !arguments.log).then(|| at_rest(path));
+        let rows: Vec<Value> = rest.flatten().into_iter().chain(rows(path)?).collect();
         for y in &arguments.y {
             let turn = series.len();
             let label =
@@ -76,10 +78,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             series.push(Series { label: Some(label), points, style: Style::Dotted(2), turn });
         }
     }
+    let names = [
+        arguments.x_title.iter().chain(&arguments.x).map(String::as_str).collect(),
+        arguments.y_title.iter().chain(&arguments.y).map(String::as_str).collect(),
+    ];
     for points in &arguments.points {
         let turn = series.len();
         let label = arguments.labels.get(turn).cloned().unwrap_or_else(|| points.name());
-        let points = points.read()?;
+        let points = points.read(&names)?;
         series.push(Series { label: Some(label), points, style: Style::Rings(5), turn });
     }
     let title =
