@@ -102,6 +102,10 @@ fn a_page_shows_what_the_reports_say() {
     assert_eq!(run["triangles"], json!(4 * boundary), "of quadratic facets");
     let loaded = browser.picture();
     assert!(loaded.colors() > 1000, "{} colours", loaded.colors());
+    nothing_covers(
+        &mut browser,
+        &[("#legend", "canvas"), ("#legend", "#views"), ("#names span", "#views")],
+    );
     let beyond = "document.getElementById('panel').scrollWidth > document.getElementById('panel').clientWidth";
     assert_eq!(browser.evaluate(beyond), json!(false), "the panel is wider than it shows");
 
@@ -115,6 +119,18 @@ fn a_page_shows_what_the_reports_say() {
     without_webgl(&mut browser, &dir.path("page.html"));
     drop(browser);
     crate::hostile_page::every_text_is_text(program, &dir);
+}
+
+/// No element of the first selector lies over one of the second.
+fn nothing_covers(browser: &mut Chromium, pairs: &[(&str, &str)]) {
+    for (above, below) in pairs {
+        let both = format!(
+            "(() => {{ const of = (s) => [...document.querySelectorAll(s)].map((e) => e.getBoundingClientRect()); \
+             return of('{above}').some((a) => of('{below}').some((b) => a.left < b.right - 1 && b.left < a.right - 1 \
+             && a.top < b.bottom - 1 && b.top < a.bottom - 1)); }})()"
+        );
+        assert_eq!(browser.evaluate(&both), json!(false), "{above} lies over {below}");
+    }
 }
 
 /// The slider goes through the load steps; in the middle of two it is linear.
@@ -266,11 +282,18 @@ fn downloads(browser: &mut Chromium, dir: &Workdir) {
     browser.wait("window.saved.length === 1");
     let table = browser.evaluate("saved[0].text()");
     let rows: Vec<&str> = table.as_str().unwrap().lines().collect();
-    assert_eq!(rows.len(), 5, "a head and four steps: {rows:?}");
-    assert!(rows[0].contains("chambers · cavity · pressure [kPa]"), "{}", rows[0]);
+    assert_eq!(rows.len(), 6, "a head, rest and four steps: {rows:?}");
+    assert!(rows[0].contains("pressure of cavity [kPa]"), "{}", rows[0]);
+    assert!(!rows[0].contains('_'), "{}", rows[0]);
     let report = dir.json(&format!("out/{RUN}/report.json"));
     let pressure = number(&report["steps"][3]["chambers"]["cavity"]["pressure"]) * 1e-3;
-    assert!(rows[4].split(',').any(|cell| cell == pressure.to_string()), "{} {pressure}", rows[4]);
+    assert!(rows[5].split(',').any(|cell| cell == pressure.to_string()), "{} {pressure}", rows[5]);
+    // the first curve is over the pressure, from rest on
+    let chart =
+        browser.evaluate("document.querySelector('#response .chart').getAttribute('aria-label')");
+    assert!(chart.as_str().unwrap().ends_with(" over pressure of cavity [kPa]"), "{chart}");
+    let points = browser.evaluate("document.querySelectorAll('#response .dot').length");
+    assert_eq!(points, json!(5));
     press(browser, "save picture");
     browser.wait("window.saved.length === 2");
     assert_eq!(browser.evaluate("saved[1].type"), json!("image/png"));
@@ -376,6 +399,10 @@ fn a_finger_measures_on_a_phone() {
     browser.open(&dir.path("alone.html"));
     browser.wait("window.puffer?.state().firstPicture");
     browser.evaluate("document.getElementById('viewer').scrollIntoView()");
+    let above =
+        ["#legend", "#views"].map(|key| [(key, "canvas"), (key, "#names span"), (key, "#scale")]);
+    nothing_covers(&mut browser, &above.concat());
+    nothing_covers(&mut browser, &[("#legend", "#views")]);
     press(&mut browser, "front");
     let button = browser.evaluate(
         "(() => { const b = [...document.querySelectorAll('button')].find((b) => b.textContent === 'ruler'); \
@@ -408,6 +435,30 @@ fn a_finger_measures_on_a_phone() {
     let kept = number(&state(&mut browser)["ruler"]);
     assert!((kept - steady).abs() < 1e-3 * steady, "{kept}, {steady} mm");
     assert_eq!(browser.complaints(), [""; 0]);
+}
+
+/// A page for mail has the last of four states, and all numbers of the others.
+#[test]
+fn a_page_of_final_states_is_smaller_and_has_all_charts() {
+    let dir = chamber::workdir();
+    simulated(&dir, "alone");
+    write_page(&dir, "alone", "alone.html");
+    let final_only = ["report", "alone", "-o", "last.html", "--final-only"];
+    run(&dir, "cad2fem", &final_only).assert_good();
+    let [all, last] = ["alone.html", "last.html"].map(|page| dir.text(page));
+    let blobs = |page: &str| page.matches("id=\"blob-").count();
+    assert!(last.len() < all.len() && blobs(&last) < blobs(&all), "{} {}", last.len(), all.len());
+    for step in ["step_000.vtu", "step_002.vtu"] {
+        assert!(all.contains(step) && !last.contains(step), "{step}");
+    }
+    assert!(last.contains("step_003.vtu") && last.contains("others are left out"));
+    let data = |page: &str| -> Value {
+        let (_, data) = page.split_once("id=\"data\">").unwrap();
+        serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap()
+    };
+    let [all, last] = [data(&all), data(&last)].map(|page| page["runs"][0].clone());
+    assert_eq!((&last["steps"], &last["rest"]), (&all["steps"], &all["rest"]));
+    assert_eq!(last["states"].as_array().unwrap().len(), 1);
 }
 
 #[test]

@@ -11,6 +11,7 @@ use mesh::io::read_tets;
 use reports::Iteration;
 use serde_json::{Value, json};
 
+use crate::Shown;
 use crate::reported::{Design, read_lines};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
@@ -20,11 +21,17 @@ use crate::survey::name;
 ///
 /// # Errors
 /// If a file cannot be used.
-pub fn packed(folder: &Path, store: &mut Store) -> Result<Value> {
+pub fn packed(folder: &Path, shown: Shown, store: &mut Store) -> Result<Value> {
     let history: Vec<Iteration> = read_lines(&folder.join("history.jsonl"))?;
     let Design { status, designed } = Design::read(folder)?;
     let mut shapes = Vec::new();
-    for path in shape_files(folder)? {
+    let mut files = shape_files(folder)?;
+    if shown == Shown::Last {
+        let level = |path: &PathBuf| level_and_part(&name(path)).0;
+        let last = files.last().map(level);
+        files.retain(|path| Some(level(path)) == last);
+    }
+    for path in files {
         let file = read_tets(&path)?;
         let mut tags = TagsByPlace::default();
         tags.add(&file, None, &Vec3::zeros());

@@ -13,12 +13,14 @@ use crate::prose::script_data;
 use crate::script::{RESULTS, linked};
 use crate::store::Store;
 use crate::survey::Survey;
-use crate::{contents, facts, validation};
+use crate::{Shown, contents, facts, validation};
 
 pub(crate) const STYLE: &str = include_str!("../web/page.css");
 pub(crate) const LICENCE: &str = include_str!("../vendor/three/LICENSE");
 
 const CANVAS: &str = "3-D view. Arrow keys turn it, plus and minus zoom, 0 shows all, comma and full stop step, r measures.";
+
+const LAST: &str = "The last state of each simulation and the last shape of each optimisation; the others are left out (--final-only).";
 
 /// Puts a page together, which is to lie at `output`.
 ///
@@ -27,6 +29,7 @@ const CANVAS: &str = "3-D view. Arrow keys turn it, plus and minus zoom, 0 shows
 pub fn assemble(
     title: &str,
     survey: &Survey,
+    shown: Shown,
     data: &Value,
     store: &Store,
     output: &Path,
@@ -37,6 +40,7 @@ pub fn assemble(
             (facts::headlines(survey)?)
         }
         main {
+            @if shown == Shown::Last { p.notice { (LAST) } }
             (viewer())
             (facts::results(survey)?)
             (validation::all(survey)?)
@@ -94,7 +98,7 @@ fn viewer() -> Markup {
         }
         p.notice #notice hidden {}
         section #viewer hidden aria-label="3-D view" {
-            div #stage {
+            div #stage.keyed {
                 canvas tabindex="0" aria-label=(CANVAS) {}
                 svg #over aria-hidden="true" {}
                 button #grip type="button" hidden role="slider" aria-label="place of the cut"
@@ -123,7 +127,7 @@ fn about() -> Markup {
                 "Made by " code { "cad2fem report" }
                 ". It is one file and asks no server for anything. Keys in the 3-D view: arrows turn, "
                 kbd { "+" } " and " kbd { "−" } " zoom, " kbd { "0" } " shows all, " kbd { "," } " and "
-                kbd { "." } " go to the step before and after, " kbd { "r" } " measures between two points that                 are clicked, or set in the middle by " kbd { "Enter" } ". The round handle drags the cut. Numbers in the 3-D view have 16 bits of \
+                kbd { "." } " go to the step before and after, " kbd { "r" } " measures between two points that are clicked, or set in the middle by " kbd { "Enter" } ". The round handle drags the cut. Numbers in the 3-D view have 16 bits of \
                 their range."
             }
             details {

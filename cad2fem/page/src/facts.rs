@@ -13,16 +13,23 @@ use crate::reported::{CastSheet, Design, Plan, Provenance, Run, read};
 use crate::survey::{Survey, name};
 use crate::wall;
 
-/// A table.
+/// A table, without columns in which no row has anything.
 pub(crate) fn table(head: &[&str], rows: &[Vec<Markup>]) -> Markup {
+    let holds = |c: usize| rows.iter().any(|row| row.get(c).is_some_and(|cell| !cell.0.is_empty()));
+    let shown: Vec<usize> = (0..head.len()).filter(|&c| rows.is_empty() || holds(c)).collect();
     html! {
         div.scroll {
             table {
-                thead { tr { @for name in head { th scope="col" { (name) } } } }
-                tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+                thead { tr { @for &c in &shown { th scope="col" { (head[c]) } } } }
+                tbody { @for row in rows { tr { @for &c in &shown { td { @if let Some(cell) = row.get(c) { (cell) } } } } } }
             }
         }
     }
+}
+
+/// A status of a report in words.
+fn status_in_words(status: &str) -> String {
+    status.replace('_', " ")
 }
 
 /// A row of a table of texts.
@@ -73,7 +80,7 @@ pub fn results(survey: &Survey) -> Result<Markup> {
         let time = end.map(|end| format!("{} s", digits(end.wall_s)));
         rows.push(vec![
             html! { (name(folder)) },
-            html! { (report.status) },
+            html! { (status_in_words(&report.status)) },
             html! { (largest.unwrap_or_default()) },
             lines(&chambers.unwrap_or_default()),
             html! { (report.tets.map_or_else(String::new, |count| count.to_string())) },
@@ -155,7 +162,12 @@ fn terms_of(folder: &Path) -> Result<Markup> {
         }
     }
     let head = ["term of the objective", "before", "after"];
-    Ok(html! { h3 { (name(folder)) ": " (status) } (table(&head, &rows)) })
+    let stopped = designed.iter().flat_map(|found| &found.stopped);
+    Ok(html! {
+        h3 { (name(folder)) ": " (status_in_words(&status)) }
+        @for (level, why) in stopped { p { "Level " (level) " ended early: " (why) "." } }
+        (table(&head, &rows))
+    })
 }
 
 /// What `fab verify` found, line by line; what failed comes first.
@@ -337,6 +349,15 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_column_that_no_row_fills_is_left_out() {
+        let rows = [texts(["beam", "", "1 mm"]), texts(["arm", ""])];
+        let page = table(&["run", "may be off by", "value"], &rows).into_string();
+        assert!(!page.contains("may be off by") && page.contains("value"), "{page}");
+        assert_eq!(page.matches("<td>").count(), 4, "{page}");
+        assert!(table(&["run"], &[]).into_string().contains("run"));
+    }
 
     #[test]
     fn columns_are_two_blanks_apart() {

@@ -59,20 +59,29 @@ pub struct Summary {
     pub bytes: usize,
 }
 
+/// Which states and shapes a page has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// Those of all steps and levels.
+    All,
+    /// The last of each simulation and of each optimisation: a page for mail.
+    Last,
+}
+
 /// Writes the page of `folder` to `output`; `title` stands at its top.
 ///
 /// # Errors
 /// If the folder holds nothing that is known, a file in it cannot be used, or the page cannot be
 /// written.
-pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
+pub fn write(folder: &Path, output: &Path, title: &str, shown: Shown) -> Result<Summary> {
     note_results(folder);
     let survey = Survey::of(folder)?;
     let mut store = Store::default();
     let walls = wall::all(&survey)?;
-    let runs = run::all(&survey, &walls, &mut store)?;
+    let runs = run::all(&survey, &walls, shown, &mut store)?;
     let mut designs = Vec::new();
     for found in &survey.designs {
-        designs.push(design::packed(found, &mut store)?);
+        designs.push(design::packed(found, shown, &mut store)?);
     }
     let mut molds = Vec::new();
     for found in &survey.molds {
@@ -80,7 +89,7 @@ pub fn write(folder: &Path, output: &Path, title: &str) -> Result<Summary> {
     }
     let parts = [runs.len(), designs.len(), molds.len()];
     let data = json!({ "title": title, "runs": runs, "designs": designs, "molds": molds });
-    let page = document::assemble(title, &survey, &data, &store, output)?;
+    let page = document::assemble(title, &survey, shown, &data, &store, output)?;
     write_atomic(output, |out| out.write_all(page.as_bytes()))?;
     Ok(Summary { parts, bytes: page.len() })
 }

@@ -24,6 +24,8 @@ pub struct Run {
     pub inputs: Option<Inputs>,
     /// The scene.
     pub config: Scene,
+    /// The state at rest, where forces balance there.
+    pub rest: Option<Step>,
     /// Every load step or time step.
     pub steps: Vec<Step>,
     /// The state at the end.

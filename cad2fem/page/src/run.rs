@@ -9,6 +9,7 @@ use mesh::io::vtu::{Field, Grid, read_vtu};
 use program::{InputFile, sha256_file};
 use serde_json::{Value, json};
 
+use crate::Shown;
 use crate::reported::{self, read};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
@@ -31,7 +32,7 @@ struct Known {
 ///
 /// # Errors
 /// If a file cannot be used.
-pub fn all(survey: &Survey, walls: &[Wall], store: &mut Store) -> Result<Vec<Value>> {
+pub fn all(survey: &Survey, walls: &[Wall], shown: Shown, store: &mut Store) -> Result<Vec<Value>> {
     let known: Vec<Known> = survey
         .meshes
         .iter()
@@ -48,6 +49,11 @@ pub fn all(survey: &Survey, walls: &[Wall], store: &mut Store) -> Result<Vec<Val
         if !source.states.is_empty() && !sources.iter().any(again) {
             sources.push(source);
         }
+    }
+    if shown == Shown::Last {
+        sources
+            .iter_mut()
+            .for_each(|source| drop(source.states.drain(..source.states.len().saturating_sub(1))));
     }
     let share = POINTS / sources.len().max(1);
     sources.iter().map(|source| source.packed(share, walls, store)).collect()
@@ -157,9 +163,9 @@ impl Source {
             "body": body,
             "threads": threads,
             "states": states,
-            "leftOut": self.states.len() - states.len(),
             "inTime": self.report.config.time.is_some(),
             "chambers": chambers.unwrap_or_default(),
+            "rest": self.report.rest,
             "steps": self.report.steps,
             "probes": end.and_then(|end| end.probes.as_ref()),
             "errorBars": end.and_then(|end| end.error_bars.as_ref()),

@@ -16,6 +16,7 @@ const MODULES: &[(&str, &str)] = &[
     ("three/orbit", include_str!("../vendor/three/OrbitControls.js")),
     ("page/arrays", include_str!("../web/arrays.js")),
     ("page/color", include_str!("../web/color.js")),
+    ("page/words", include_str!("../web/words.js")),
     ("page/chart", include_str!("../web/chart.js")),
     ("page/controls", include_str!("../web/controls.js")),
     ("page/save", include_str!("../web/save.js")),

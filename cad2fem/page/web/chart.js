@@ -68,7 +68,7 @@ export function chart({ series, x, y, log = false, bands = [], read }) {
   svg.append(element('text', { x: (ROOM.left + width) / 2, y: HEIGHT - 6, 'text-anchor': 'middle' }, x));
   svg.append(element('text', { x: 14, y: HEIGHT / 2, 'text-anchor': 'middle', transform: `rotate(-90 14 ${HEIGHT / 2})` }, y));
   for (const { points, color, marks } of series) {
-    const seen = points.filter((p) => Number.isFinite(p.y) && (!log || p.y > 0));
+    const seen = points.filter((p) => Number.isFinite(p.x) && Number.isFinite(p.y) && (!log || p.y > 0));
     if (!marks) svg.append(element('polyline', { points: seen.map((p) => `${across(p.x)},${up(p.y)}`).join(' '), fill: 'none', stroke: color, 'stroke-width': 2 }));
     for (const p of seen) {
       if (p.off) svg.append(element('path', { d: bar(across(p.x), up(p.y - p.off), up(p.y + p.off)), stroke: color, 'stroke-width': 2, fill: 'none' }));

@@ -3,11 +3,12 @@
 import { chart } from 'page/chart';
 import { PALETTE, digits } from 'page/color';
 import { check, make, select } from 'page/controls';
+import { inWords } from 'page/words';
 
 /** Numbers of a history that can be drawn: a name and what gives it of a line. */
 function quantities(history) {
   const last = history.at(-1);
-  const of = (group, name, unit = 1) => [`${group}: ${name}`, (line) => (line[group]?.[name] ?? NaN) * unit];
+  const of = (group, name, unit = 1) => [`term: ${name}`, (line) => (line[group]?.[name] ?? NaN) * unit];
   return [
     ['objective', (line) => line.objective],
     ...Object.keys(last.terms ?? {}).map((name) => of('terms', name)),
@@ -15,7 +16,7 @@ function quantities(history) {
       const [, read] = of('mean_displacement', tag, 1e3);
       return [`mean displacement of ${tag} [mm]`, read];
     }),
-    ...['gradient_norm', 'motion_m', 'newton_iterations', 'time_s'].map((key) => [key.replaceAll('_', ' '), (line) => line[key]]),
+    ...['gradient_norm', 'motion_m', 'newton_iterations', 'time_s'].map((key) => [inWords([key]), (line) => line[key]]),
   ];
 }
 

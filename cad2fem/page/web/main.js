@@ -165,10 +165,11 @@ function scale({ title, unit, range, ramp = RAMP }) {
 }
 
 const history = new History(at('history'), data.designs, (design, set) => go(Shapes, (view) => view.choose(view.designs.indexOf(design), set)));
+/** Shows a step of a run, or rest, which comes before the first. */
 const pick = (run, step) => go(Load, async (view) => {
   const state = run.states.findIndex((s) => s.step === step);
   await view.choose(data.runs.indexOf(run));
-  if (state >= 0) view.to(state + 1);
+  if (state >= 0 || step < 0) view.to(state + 1);
   await view.refresh();
 });
 path(at('path'), data.runs, pick);

@@ -28,7 +28,8 @@ function between(points, load) {
 /** Points of the steps and of the way to the limit, and what is marked on them. */
 function pathOf(run, pick) {
   const point = (state, load) => ({ state, x: across(state)[0], y: load });
-  const steps = run.steps.map((step, i) => ({ ...point(step, step.load), pick: () => pick(run, i) }));
+  const states = [...(run.rest ? [run.rest] : []), ...run.steps];
+  const steps = states.map((step) => ({ ...point(step, step.load), pick: () => pick(run, run.steps.indexOf(step)) }));
   // the first state of the way is the last step
   const way = (run.limit?.path ?? []).slice(1).map((state) => point(state, state.factor));
   const marks = steps.flatMap(({ state }, i) => (state.path?.passed ?? []).map(({ kind, loads }) => {

@@ -21,12 +21,13 @@ export function drawn(name, attributes, text) {
   return made;
 }
 
-/** A label with a halo beside a point; on the left of it where there is no room on the right, else above it. */
+/** A label with a halo beside a point of a pane; on the left of it where there is no room on the right, else above it. */
 export function label(stage, x, y, text) {
-  const [wide, all] = [16 + 7.5 * text.length, stage.canvas.clientWidth];
-  if (x + wide < all) return drawn('text', { x: x + 10, y: y - 8, class: 'label' }, text);
-  if (x > wide) return drawn('text', { x: x - 10, y: y - 8, class: 'label', 'text-anchor': 'end' }, text);
-  return drawn('text', { x: all / 2, y: y - 14, class: 'label', 'text-anchor': 'middle' }, text);
+  const { size: [all] } = stage.layout();
+  const [wide, left] = [16 + 7.5 * text.length, Math.floor(x / all) * all];
+  if (x - left + wide < all) return drawn('text', { x: x + 10, y: y - 8, class: 'label' }, text);
+  if (x - left > wide) return drawn('text', { x: x - 10, y: y - 8, class: 'label', 'text-anchor': 'end' }, text);
+  return drawn('text', { x: left + all / 2, y: y - 14, class: 'label', 'text-anchor': 'middle' }, text);
 }
 
 export class Pointer {

@@ -25,18 +25,22 @@ export function csv(rows) {
   return new Blob([rows.map((row) => `${row.map(cell).join(',')}\r\n`).join('')], { type: 'text/csv' });
 }
 
+/** Room for the legend beside what is shown [px]. */
+const KEY = 128;
+
 /** What the stage shows, on white, with title and legend: a promise of a PNG file. */
 export function picture(stage, title, legend) {
   stage.draw();
   const source = stage.canvas;
   const scale = source.width / source.clientWidth;
-  const [width, height] = [source.clientWidth, source.clientHeight];
-  const made = make('canvas', { width: source.width, height: source.height });
+  const [shown, height] = [source.clientWidth, source.clientHeight];
+  const width = shown + KEY;
+  const made = make('canvas', { width: Math.round(scale * width), height: source.height });
   const pen = made.getContext('2d');
   pen.scale(scale, scale);
   pen.fillStyle = '#ffffff';
   pen.fillRect(0, 0, width, height);
-  pen.drawImage(source, 0, 0, width, height);
+  pen.drawImage(source, 0, 0, shown, height);
   pen.fillStyle = '#1c2430';
   pen.textBaseline = 'middle';
   pen.font = '600 16px system-ui, sans-serif';

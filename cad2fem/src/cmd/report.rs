@@ -17,6 +17,10 @@ pub struct Args {
     /// Title of the page [default: the name of the folder]
     #[arg(long)]
     title: Option<String>,
+    /// Only the last state of each simulation and the last shape of each optimisation: a page that is small enough for
+    /// mail
+    #[arg(long)]
+    final_only: bool,
 }
 
 /// Runs the verb.
@@ -29,9 +33,10 @@ pub fn run(args: &Args) -> Result<()> {
     let place = || args.folder.display().to_string();
     let full = system::canonical(&args.folder).with_context(place)?;
     let name = full.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let shown = if args.final_only { page::Shown::Last } else { page::Shown::All };
     let title = args.title.as_ref().unwrap_or(&name);
     let page::Summary { parts: [runs, designs, molds], bytes } =
-        page::write(&args.folder, &args.output, title)?;
+        page::write(&args.folder, &args.output, title, shown)?;
     log::info!(
         "{}: {runs} simulations, {designs} optimisations, {molds} molds; {:.1} MB, {:.1} s",
         args.output.display(),
