@@ -230,12 +230,14 @@ pub fn vertex_neighbours(n: usize, edges: &[[usize; 2]]) -> Vec<Vec<usize>> {
 }
 
 /// Disjoint sets of 0..n; the representative of a set is its smallest member.
-struct DisjointSets {
+pub struct DisjointSets {
     parent: Vec<usize>,
 }
 
 impl DisjointSets {
-    fn new(n: usize) -> Self {
+    /// Sets of one member each.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
         Self { parent: (0..n).collect() }
     }
 
@@ -247,12 +249,14 @@ impl DisjointSets {
         i
     }
 
-    fn join(&mut self, a: usize, b: usize) {
+    /// Makes one set of those of two members.
+    pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.representative(a), self.representative(b));
         self.parent[a.max(b)] = a.min(b);
     }
 
-    fn groups(&mut self) -> Vec<Vec<usize>> {
+    /// The members of each set, ascending.
+    pub fn groups(&mut self) -> Vec<Vec<usize>> {
         let mut groups = BTreeMap::<usize, Vec<usize>>::new();
         for i in 0..self.parent.len() {
             groups.entry(self.representative(i)).or_default().push(i);

@@ -133,20 +133,17 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
     Ok(())
 }
 
-/// Says so where gmsh did not follow the faces of CAD as closely as was wanted [m].
+/// Says so where triangles do not follow the faces of CAD as closely as was wanted [m].
 fn remark_on_chord(wanted: f64, labelled: &LabelledSurface) {
     match labelled.facts.chord_error {
         Some(error) if error > wanted => log::warn!(
-            "triangles are up to {:.4} mm from the faces of the CAD, {:.4} mm are wanted: gmsh makes none that \
-             are closer; a smaller --chord may help",
+            "triangles are up to {:.4} mm from the faces of the CAD, --chord asks for {:.4} mm",
             error * 1e3,
             wanted * 1e3
         ),
-        None if !labelled.facts.kinds.is_empty() => {
-            log::warn!(
-                "how far triangles are from the faces of the CAD is not known: gmsh cannot measure it"
-            );
-        }
+        None if !labelled.facts.kinds.is_empty() => log::warn!(
+            "how far triangles are from the faces of the CAD is not known: gmsh cannot measure it"
+        ),
         _ => {}
     }
 }

@@ -1,7 +1,7 @@
 //! Triangles of others → a solid.
 //!
 //! In this order, as far as it is needed: vertices are welded and needles taken out; shells that
-//! are sound each by itself are united or subtracted exactly; anything else, with holes, crossings
+//! are sound each by itself, and may touch or cross others, are united or subtracted exactly; anything else, with holes, crossings
 //! or edges of three triangles, goes through fTetWild, whose tetrahedra are inside where the winding
 //! number of the triangles exceeds 1/2 (Jacobson et al. 2013, doi:10.1145/2461912.2461916), and
 //! whose boundary stays within an envelope of them.
@@ -17,7 +17,9 @@ use mesh::inside::WindingNumber;
 use mesh::measure::{diagonal, enclosed_volume, hausdorff, triangle_normal};
 use mesh::needles::take_out;
 use mesh::solid::Solid;
-use mesh::topology::{boundary, boundary_edges, boundary_loops, components, edge_facets};
+use mesh::topology::{
+    DisjointSets, boundary, boundary_edges, boundary_loops, components, edge_facets,
+};
 use mesh::{SurfaceMesh, Vec3};
 use program::Unusable;
 
@@ -92,7 +94,7 @@ impl Repair {
             name_cavities(&mut raw, patches);
             return solid_of(&raw).with_context(|| shown.to_string());
         }
-        let (shells, inward) = shells_of(&raw);
+        let (shells, inward) = shells_of(&parted(&raw));
         let sound = |shell: &Patched| check::run(&shell.surface, &NEEDED).is_empty();
         if shells.len() > 1 && shells.iter().all(sound) {
             return united(&shells, &inward, file, record);
@@ -283,6 +285,21 @@ fn depths(shells: &[Patched]) -> Vec<usize> {
     let depth =
         |i: usize| (0..shells.len()).filter(|&j| j != i && within(&shells[i], &winding[j])).count();
     (0..shells.len()).map(depth).collect()
+}
+
+/// Shells that meet in edges, with vertices of their own again: welding has made one of them. They are what hangs together
+/// by edges of two triangles.
+fn parted(raw: &Patched) -> Patched {
+    let mut shells = DisjointSets::new(raw.patch.len());
+    for beside in edge_facets(&raw.surface.triangles).into_values() {
+        if let [s, t] = beside[..] {
+            shells.join(s, t);
+        }
+    }
+    shells.groups().iter().fold(Patched::default(), |mut all, shell| {
+        all.add(raw.part(shell));
+        all
+    })
 }
 
 /// The connected shells. Those that are closed face outward; which of them faced inward.
