@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use mesh::SurfaceMesh;
+use mesh::measure::triangle_area;
 use program::schema::one_of_these;
 use program::{Change, Keys, Settings};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -10,8 +12,21 @@ use serde::Deserialize;
 
 use crate::mesher::{MESHERS, Options, Refinement, TetMesher};
 
+/// Stands for the mesher that suits a surface.
+const AUTO: &str = "auto";
+
 /// Most threads of a mesher.
 const MOST_THREADS: usize = 1024;
+
+/// More triangles of a surface are not kept without being asked for: tetrahedra are about three times as many.
+const MOST_KEPT: usize = 50_000;
+
+/// A surface is not kept where more than one in a hundred of its triangles is flatter, 4√3 area over the sum of the
+/// squared edges: of CAD none is below 0.28, of implicit models one in a hundred is below 0.04 to 0.1 [1].
+const FLAT: f64 = 0.2;
+
+/// How much longer than wanted the longest edge may be of those that are kept, and how much shorter [1].
+const LONGER: f64 = 2.0;
 
 /// Content of `cad2fem.toml`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
@@ -26,7 +41,9 @@ pub struct Config {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tetmesh {
-    /// `ftetwild` or `gmsh`.
+    /// `ftetwild`, `gmsh`, or `auto`: the first of them that makes a usable mesh. That is `gmsh`, which keeps the
+    /// triangles of the surface, where these are well shaped, as long as is wanted within a factor of two, and not too
+    /// many, as those of CAD are; else `ftetwild`.
     #[schemars(schema_with = "meshers")]
     pub mesher: String,
     /// Wanted edge length [m]; instead of `relative_edge_length`. `gmsh` keeps the triangles of the surface:
@@ -57,13 +74,13 @@ pub struct Tetmesh {
 }
 
 fn meshers(_: &mut SchemaGenerator) -> Schema {
-    one_of_these(MESHERS.iter().map(|mesher| mesher.name()))
+    one_of_these(std::iter::once(AUTO).chain(MESHERS.iter().map(|mesher| mesher.name())))
 }
 
 impl Default for Tetmesh {
     fn default() -> Self {
         Self {
-            mesher: "ftetwild".into(),
+            mesher: AUTO.into(),
             edge_length: None,
             relative_edge_length: None,
             inside: Vec::new(),
@@ -94,15 +111,30 @@ impl Config {
 }
 
 impl Tetmesh {
-    /// The mesher.
+    /// The meshers that may be tried on a surface, in this order, when edges are to have a length [m].
     ///
     /// # Errors
     /// If the name is unknown.
-    pub fn tet_mesher(&self) -> Result<&'static dyn TetMesher> {
-        MESHERS.iter().find(|m| m.name() == self.mesher).copied().with_context(|| {
+    pub fn meshers(
+        &self,
+        surface: &SurfaceMesh,
+        wanted: f64,
+    ) -> Result<Vec<&'static dyn TetMesher>> {
+        if self.mesher == AUTO {
+            let mut all = MESHERS.to_vec();
+            all.sort_by_key(|mesher| mesher.keeps_triangles() != worth_keeping(surface, wanted));
+            return Ok(all);
+        }
+        let found = MESHERS.iter().find(|m| m.name() == self.mesher).copied();
+        let found = found.with_context(|| {
             let known: Vec<&str> = MESHERS.iter().map(|m| m.name()).collect();
-            format!("unknown mesher {:?}; expected one of {}", self.mesher, known.join(", "))
-        })
+            format!(
+                "unknown mesher {:?}; expected one of {AUTO}, {}",
+                self.mesher,
+                known.join(", ")
+            )
+        })?;
+        Ok(vec![found])
     }
 
     /// The settings in metres for an input of the given diagonal [m].
@@ -143,6 +175,26 @@ impl Tetmesh {
     }
 }
 
+/// Whether the triangles of a surface are such that tetrahedra on them are what is wanted.
+fn worth_keeping(surface: &SurfaceMesh, wanted: f64) -> bool {
+    if surface.triangles.len() > MOST_KEPT {
+        return false;
+    }
+    let longest = |t: usize| {
+        let [a, b, c] = surface.corners(t);
+        (b - a).norm().max((c - b).norm()).max((a - c).norm())
+    };
+    let shape = |t: usize| {
+        let [a, b, c] = surface.corners(t);
+        let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+        4.0 * 3.0_f64.sqrt() * triangle_area(a, b, c) / squares
+    };
+    let all = 0..surface.triangles.len();
+    let flat = all.clone().filter(|&t| shape(t) < FLAT).count();
+    let longest = all.clone().map(longest).fold(0.0, f64::max);
+    flat * 100 <= all.len() && longest <= LONGER * wanted && wanted <= LONGER * longest
+}
+
 fn length(
     name: &str,
     absolute: Option<f64>,
@@ -168,6 +220,8 @@ fn length(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use mesh::Vec3;
+    use mesh::solid::Solid;
 
     #[test]
     fn lengths_are_absolute_or_relative_but_not_both() {
@@ -186,7 +240,25 @@ mod tests {
     #[test]
     fn an_unknown_mesher_lists_the_known_ones() {
         let settings = Tetmesh { mesher: "netgen".into(), ..Tetmesh::default() };
-        let message = settings.tet_mesher().err().unwrap().to_string();
-        assert!(message.contains("ftetwild, gmsh"), "{message}");
+        let message = settings.meshers(&SurfaceMesh::default(), 1.0).err().unwrap().to_string();
+        assert!(message.contains("auto, ftetwild, gmsh"), "{message}");
+    }
+
+    #[test]
+    fn triangles_that_are_well_shaped_and_fine_enough_are_kept() {
+        let first = |surface: &SurfaceMesh, wanted: f64| {
+            Tetmesh::default().meshers(surface, wanted).unwrap()[0].name()
+        };
+        let mut ball = Solid::sphere(&Vec3::zeros(), 1.0, 32).to_surface();
+        assert_eq!(first(&ball, 0.2), "gmsh");
+        assert_eq!(first(&ball, 0.05), "ftetwild", "too long");
+        assert_eq!(first(&ball, 0.9), "ftetwild", "too short");
+        ball.vertices.iter_mut().for_each(|p| p.z *= 0.1);
+        ball.vertices.iter_mut().for_each(|p| p.x *= 10.0);
+        assert_eq!(first(&ball, 5.0), "ftetwild", "too flat");
+        let settings = Tetmesh { mesher: "gmsh".into(), ..Tetmesh::default() };
+        let names: Vec<_> =
+            settings.meshers(&ball, 5.0).unwrap().iter().map(|m| m.name()).collect();
+        assert_eq!(names, ["gmsh"], "what is asked for is not exchanged");
     }
 }

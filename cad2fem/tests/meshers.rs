@@ -96,6 +96,44 @@ fn gmsh_takes_the_chamber_from_cad_to_tets() {
     run(&["model", "broken.geo", "--unit", "mm", "-o", "model"]).fails(2, "syntax error");
 }
 
+/// The mesher of a mesh, and how far its boundary is from the surface [envelope].
+fn made(dir: &Workdir) -> (String, f64) {
+    let report = fs::read_to_string(dir.path("out.report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let mesher = report["mesher"].as_str().unwrap().split(' ').next().unwrap().to_owned();
+    (mesher, report["hausdorff_from_input"].as_f64().unwrap())
+}
+
+#[test]
+fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
+    let (Some(python), Some(_)) = (python_with("gmsh"), python_with("wildmeshing")) else { return };
+    let dir = Workdir::new();
+    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let ball = |radius: f64| Solid::sphere(&Vec3::zeros(), radius, 48);
+    write_surface(&dir.path("ball.stl"), &ball(0.02).to_surface()).unwrap();
+    run(&["tetmesh", "ball.stl", "-o", "out.msh"]).succeeds();
+    assert_eq!(made(&dir), ("gmsh".to_owned(), 0.0));
+    // shells inside bound cavities
+    let hollow = ball(0.02).difference(&ball(0.012)).difference(&Solid::sphere(
+        &Vec3::new(0.0, 0.0, 0.016),
+        0.002,
+        12,
+    ));
+    write_surface(&dir.path("hollow.stl"), &hollow.to_surface()).unwrap();
+    run(&["tetmesh", "hollow.stl", "--mesher", "gmsh", "-o", "out.msh"]).succeeds();
+    assert_eq!(made(&dir), ("gmsh".to_owned(), 0.0));
+    let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
+    let off = volume(&tets) / enclosed_volume(&read_surface(&dir.path("hollow.stl")).unwrap());
+    assert!((off - 1.0).abs() < 1e-9, "{off}");
+    // what gmsh cannot keep goes to fTetWild, unless gmsh was asked for
+    let plate = Solid::cube(&Vec3::new(-0.03, -0.03, -1e-3), &Vec3::new(0.03, 0.03, 1e-3));
+    write_surface(&dir.path("plate.stl"), &plate.to_surface()).unwrap();
+    let inside = ["tetmesh", "ball.stl", "--inside", "plate.stl", "-o", "out.msh"];
+    run(&inside).says("ftetwild is tried");
+    assert_eq!(made(&dir).0, "ftetwild");
+    run(&[&inside[..], &["--mesher", "gmsh"]].concat()).fails(2, "surfaces inside cross");
+}
+
 #[test]
 fn a_step_file_states_its_own_unit() {
     let Some(python) = python_with("gmsh") else { return };

@@ -98,10 +98,11 @@ pub fn run(args: &Args) -> Result<()> {
         all.join(", ")
     };
     prepare(&mut surface, args.orient).with_context(place)?;
+    let options = settings.options(diagonal(&surface.vertices)).with_context(of_config)?;
     let request = Request {
         python: Python::find()?,
-        mesher: settings.tet_mesher().with_context(of_config)?,
-        options: settings.options(diagonal(&surface.vertices)).with_context(of_config)?,
+        meshers: settings.meshers(&surface, options.edge_length).with_context(of_config)?,
+        options,
         improve_passes: settings.improve_passes,
         layers: Layers::read(&args.inside(&settings), args.unit, &surface)?,
         cache: if args.no_cache { None } else { Cache::open() },
@@ -122,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Says so where longer edges are wanted than the surface has, whose triangles the mesher keeps.
 fn warn_of_kept_triangles(surface: &SurfaceMesh, request: &Request) {
-    let (mesher, wanted) = (request.mesher, request.options.edge_length);
+    let (mesher, wanted) = (request.meshers[0], request.options.edge_length);
     let ends = |[a, b]: &[usize; 2]| (surface.vertices[*a] - surface.vertices[*b]).norm();
     let edge = edge_facets(&surface.triangles).keys().map(ends).fold(0.0, f64::max);
     if mesher.keeps_triangles() && wanted > COARSER * edge {

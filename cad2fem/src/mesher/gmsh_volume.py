@@ -12,13 +12,35 @@ vertices = numpy.load("vertices.npy")
 triangles = numpy.load("triangles.npy").astype(numpy.int64)
 triangles, layers = numpy.split(triangles, [len(triangles) - inside])
 
-# The triangles themselves become the boundary of the volume.
-surface = gmsh.model.addDiscreteEntity(2)
-numbers = numpy.arange(1, len(vertices) + 1)
-gmsh.model.mesh.addNodes(2, surface, numbers, vertices.ravel())
-gmsh.model.mesh.addElementsByType(surface, 2, [], (triangles + 1).ravel())
-loop = gmsh.model.geo.addSurfaceLoop([surface])
-volume = gmsh.model.geo.addVolume([loop])
+
+
+def shells():
+    """The connected parts of the surface."""
+    part = numpy.arange(len(vertices))
+    while True:
+        least = part.copy()
+        numpy.minimum.at(least, triangles.ravel(), numpy.repeat(part[triangles].min(axis=1), 3))
+        least = least[least]
+        if (least == part).all():
+            break
+        part = least
+    of = part[triangles[:, 0]]
+    return [triangles[of == first] for first in numpy.unique(of)]
+
+
+# The triangles themselves become the boundary of the volume: of one entity, HXT fills no cavities.
+parts = shells()
+entity = numpy.zeros(len(vertices), dtype=int)
+for number, part in enumerate(parts):
+    entity[part] = number
+loops = []
+for number, part in enumerate(parts):
+    surface = gmsh.model.addDiscreteEntity(2)
+    own = numpy.flatnonzero(entity == number)
+    gmsh.model.mesh.addNodes(2, surface, own + 1, vertices[own].ravel())
+    gmsh.model.mesh.addElementsByType(surface, 2, [], (part + 1).ravel())
+    loops.append(gmsh.model.geo.addSurfaceLoop([surface]))
+volume = gmsh.model.geo.addVolume(loops)
 gmsh.model.geo.synchronize()
 if inside:
     layer = gmsh.model.addDiscreteEntity(2)

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use mesh::check::{check_surface, check_tets, coincident, orient_by_nesting, run};
 use mesh::improve::{improve_around, improve_interior};
 use mesh::measure::{Quality, area, enclosed_volume, farthest, quality, tet_volume, volume};
@@ -41,8 +41,8 @@ const SHORTER: f64 = 0.5;
 pub struct Request<'a> {
     /// What runs the mesher.
     pub python: Python,
-    /// Who meshes.
-    pub mesher: &'a dyn TetMesher,
+    /// Who may mesh, in the order in which they are tried.
+    pub meshers: Vec<&'a dyn TetMesher>,
     /// What is asked of it.
     pub options: Options,
     /// Passes of our own improvement afterwards; none where a mesher has moved surfaces inside.
@@ -137,26 +137,58 @@ pub fn prepare(surface: &mut SurfaceMesh, orient: bool) -> Result<()> {
     Ok(())
 }
 
-/// Fills a prepared surface with tetrahedra.
+/// Fills a prepared surface with tetrahedra: by the first of the meshers that makes a usable mesh.
 ///
 /// # Errors
-/// If the mesher cannot run or fails, or if its result is not a mesh of the body
-/// ([`Unusable`]).
+/// If no mesher can run, or none makes a mesh of the body ([`Unusable`] of the first).
 pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMesh, Outcome)> {
+    let mut refused: Vec<(&str, anyhow::Error)> = Vec::new();
+    for &mesher in &request.meshers {
+        if let Some((name, error)) = refused.last() {
+            log::warn!("{name}: {error:#}; {} is tried", mesher.name());
+        }
+        match tetrahedralize_by(mesher, surface, request) {
+            Ok((mesh, mut outcome)) => {
+                let earlier = refused.iter().map(|(name, error)| format!("{name}: {error:#}"));
+                outcome.refused.splice(0..0, earlier);
+                return Ok((mesh, outcome));
+            }
+            Err(error) => refused.push((mesher.name(), error)),
+        }
+    }
+    let others: Vec<String> = refused
+        .split_off(1.min(refused.len()))
+        .into_iter()
+        .map(|(name, error)| format!("{name}: {error:#}"))
+        .collect();
+    let (name, error) = refused.pop().context("no mesher is to be tried")?;
+    Err(if others.is_empty() {
+        error
+    } else {
+        error.context(format!("no mesher makes a usable mesh; {}; {name}", others.join("; ")))
+    })
+}
+
+/// As [`tetrahedralize`], by one mesher.
+fn tetrahedralize_by(
+    mesher: &dyn TetMesher,
+    surface: &SurfaceMesh,
+    request: &Request,
+) -> Result<(TetMesh, Outcome)> {
     let start = Instant::now();
-    let version = request.python.version_of(request.mesher.package())?;
-    let mesher = format!("{} ({} {version})", request.mesher.name(), request.mesher.package());
+    let version = request.python.version_of(mesher.package())?;
+    let name = format!("{} ({} {version})", mesher.name(), mesher.package());
     let (all, inside) = request.layers.beside(surface);
-    let script = request.mesher.script(inside > 0);
-    let key = key(&all, &(REVISION, &mesher, script, &request.options, request.improve_passes))?;
+    let script = mesher.script(inside > 0);
+    let key = key(&all, &(REVISION, &name, script, &request.options, request.improve_passes))?;
     let kept = request.cache.as_ref().and_then(|cache| cache.get(&key));
     let cached = kept.is_some();
     let (mesh, mut outcome) = match kept {
         Some(mesh) => {
-            let outcome = verify(&mesh, surface, request, mesher)?;
+            let outcome = verify(&mesh, surface, request, name)?;
             (mesh, outcome)
         }
-        None => make(surface, request, &mesher)?,
+        None => make(mesher, surface, request, &name)?,
     };
     if let (Some(cache), false) = (&request.cache, cached)
         && let Err(error) = cache.put(&key, &mesh)
@@ -170,14 +202,19 @@ pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMe
 
 /// Makes a mesh that passes [`verify`]: where one try fails, the next has a smaller envelope and
 /// another seed, the last one shorter edges, too.
-fn make(surface: &SurfaceMesh, request: &Request, mesher: &str) -> Result<(TetMesh, Outcome)> {
+fn make(
+    mesher: &dyn TetMesher,
+    surface: &SurfaceMesh,
+    request: &Request,
+    name: &str,
+) -> Result<(TetMesh, Outcome)> {
     let mut options = request.options.clone();
     let mut refused = Vec::new();
     for attempt in 1.. {
         let Request { python, layers, timeout, .. } = request;
-        let mut mesh = request.mesher.mesh(python, surface, layers, &options, *timeout)?;
+        let mut mesh = mesher.mesh(python, surface, layers, &options, *timeout)?;
         finish(&mut mesh, surface, request, options.envelope);
-        let error = match verify(&mesh, surface, request, mesher.to_owned()) {
+        let error = match verify(&mesh, surface, request, name.to_owned()) {
             Ok(outcome) => return Ok((mesh, Outcome { refused, ..outcome })),
             Err(error) if attempt == ATTEMPTS => {
                 return Err(error.context(format!("no usable mesh in {ATTEMPTS} tries")));

@@ -93,14 +93,14 @@ fn made(spoiled: usize, spoil: fn(&mut TetMesh)) -> (Result<Outcome>, Vec<(f64, 
     let settings = crate::config::Tetmesh { envelope: Some(1e-4), ..Default::default() };
     let request = Request {
         python: Python { path: "none".into() },
-        mesher: &stub,
+        meshers: Vec::new(),
         options: settings.options(0.03).unwrap(),
         improve_passes: 0,
         layers: Layers::default(),
         cache: None,
         timeout: Duration::ZERO,
     };
-    let outcome = make(&surface, &request, "stub").map(|(_, outcome)| outcome);
+    let outcome = make(&stub, &surface, &request, "stub").map(|(_, outcome)| outcome);
     (outcome, stub.asked.into_inner().unwrap())
 }
 
