@@ -2,7 +2,8 @@
 //!
 //! The thickness of a wall at a point of its surface is the length of the straight line through it
 //! to a facet that faces the other way, within 60°; where the surface across is tilted
-//! more, as near a sharp edge, there is no wall to measure.
+//! more, as near a sharp edge, there is no wall to measure. Nor is there one between facets with a common corner: they are
+//! the sides of a spike, which may stand on a thick wall, in a groove where lobes of an implicit body meet.
 
 use rayon::prelude::*;
 
@@ -54,22 +55,31 @@ impl<'a> Walls<'a> {
     }
 
     /// Triangles with what is across, where that is opposite, and how far it is.
-    fn opposite(&self) -> impl IndexedParallelIterator<Item = Option<(f64, [usize; 2])>> {
+    fn opposite(&self) -> impl ParallelIterator<Item = (f64, [usize; 2])> {
         let wall = |t: usize| {
             let (thickness, across) = self.across(t, &self.surface.centroid(t))?;
             let opposite = -self.normals[t].dot(&self.normals[across]) >= OPPOSITE;
             opposite.then_some((thickness, [t, across]))
         };
-        (0..self.surface.triangles.len()).into_par_iter().map(wall)
+        (0..self.surface.triangles.len()).into_par_iter().filter_map(wall)
     }
 
     /// The thickness at each triangle where there is a wall, and its centroid.
     fn all(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
-        self.opposite().flatten().map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
+        self.opposite().map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
+    }
+
+    /// Those of them that lie between triangles without a common corner: such a pair is the two sides of a spike.
+    fn between(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
+        let corners = &self.surface.triangles;
+        let is_spike =
+            |t: usize, across: usize| corners[t].iter().any(|v| corners[across].contains(v));
+        let walls = self.opposite().filter(move |&(_, [t, across])| !is_spike(t, across));
+        walls.map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
     }
 
     fn thinnest(&self) -> Option<(f64, Vec3)> {
-        self.all().min_by(|a, b| a.0.total_cmp(&b.0))
+        self.between().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
@@ -96,7 +106,7 @@ pub fn thinnest_with(
     reach: f64,
 ) -> Option<(f64, Vec3)> {
     let (walls, model) = (Walls::new(surface), Walls::new(model));
-    let beside = walls.all().filter(|(_, at)| model.bvh.closest(at).distance > reach);
+    let beside = walls.between().filter(|(_, at)| model.bvh.closest(at).distance > reach);
     let beside = beside.min_by(|a, b| a.0.total_cmp(&b.0));
     [model.thinnest(), beside].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
 }
@@ -131,7 +141,7 @@ pub fn thinner(
 pub fn gaps(surface: &SurfaceMesh) -> Vec<(f64, [usize; 2])> {
     let triangles = surface.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let inside_out = SurfaceMesh { vertices: surface.vertices.clone(), triangles };
-    Walls::new(&inside_out).opposite().flatten().collect()
+    Walls::new(&inside_out).opposite().collect()
 }
 
 #[cfg(test)]
@@ -151,6 +161,23 @@ mod tests {
         let wedge = outer.trim_by_plane(&Vec3::new(1.0, 0.0, -1.0).normalize(), 0.0);
         let (thickness, _) = thinnest(&wedge.to_surface()).unwrap();
         assert!(thickness > 1.0, "{thickness}");
+    }
+
+    #[test]
+    fn a_spike_on_a_wall_is_no_wall() {
+        let plate = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 2.0));
+        let block = Solid::cube(&Vec3::new(9.0, 9.0, 1.9), &Vec3::new(11.0, 11.0, 4.0));
+        // four sides that meet at (10, 10, 3), each by 14° from the vertical
+        let tip = Vec3::new(10.0, 10.0, 3.0);
+        let sides = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
+        let spike = sides.iter().fold(block, |spike, &(x, y)| {
+            let inward = Vec3::new(x, y, -0.25).normalize();
+            spike.trim_by_plane(&inward, inward.dot(&tip))
+        });
+        let spiked = plate.union(&spike).to_surface();
+        assert!(Walls::new(&spiked).all().any(|(thickness, _)| thickness < 0.5));
+        let (thickness, _) = thinnest(&spiked).unwrap();
+        assert!((thickness - 2.0).abs() < 1e-9, "{thickness}");
     }
 
     #[test]
