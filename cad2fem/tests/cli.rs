@@ -292,7 +292,7 @@ fn bad_settings_are_refused() {
     dir.run(&[&arguments[..], &["--config", "cad2fem.toml"]].concat())
         .fails(2, "expected one of `mesher`, `edge_length`");
     arguments.extend(["--mesher", "netgen"]);
-    dir.run(&arguments).fails(2, "expected one of ftetwild, gmsh");
+    dir.run(&arguments).fails(2, "expected one of auto, ftetwild, gmsh");
     dir.run(&["tetmesh", "cube.stl", "-o", "out.msh", "--edge-length", "9"]).fails(2, "diagonal");
 }
 
@@ -429,7 +429,7 @@ fn settings_are_refused_with_their_file() {
     let arguments = ["tetmesh", "cube.stl", "-o", "out.msh", "--config", "cad2fem.toml"];
     for (setting, said) in [
         ("stop_energy = 2", "stop_energy must exceed 3"),
-        ("mesher = 'netgen'", "expected one of ftetwild, gmsh"),
+        ("mesher = 'netgen'", "expected one of auto, ftetwild, gmsh"),
         ("threads = 100000", "up to 1024"),
         ("edge_length = -1", "between 0 and the diagonal"),
     ] {

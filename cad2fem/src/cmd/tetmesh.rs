@@ -43,7 +43,7 @@ pub struct Args {
     /// cad2fem.toml
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// ftetwild or gmsh
+    /// auto, ftetwild or gmsh
     #[arg(long)]
     mesher: Option<String>,
     /// Wanted edge length [m]; gmsh keeps the triangles of the surface, and bounds edges inside alone
