@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         CANDIDATES.iter().filter_map(|c| fit::fit(c, &tests, arguments.bulk_ratio)).collect();
     let chosen = match &arguments.law {
         Some(law) => fits.iter().find(|f| f.candidate.name == law),
-        None => fit::choose(&fits),
+        None => fit::choose(&fits, &tests),
     };
     let Some(chosen) = chosen else {
         return Err(Unusable(format!(

@@ -11,6 +11,8 @@ const AS_GOOD: f64 = 0.1;
 const UNTOLD: f64 = 0.01;
 /// Difference of R² that tells no two laws apart, where one mode was tested.
 const SAME_R2: f64 = 1e-3;
+/// Factor by which a law's guess of a mode that was not tested may differ from what most of the others say [1].
+const FAR: f64 = 2.0;
 
 /// What laws that fit equally well say of a mode that was not tested.
 #[derive(Clone, Debug, Serialize)]
@@ -57,10 +59,10 @@ pub(super) fn left_out(
 }
 
 /// The fit to use. Of those that are stable over the data, the one with the fewest parameters that is as good as the
-/// best: where several modes were tested, as it predicts each of them from the others; else within 0.001 of the best R².
-/// Without a stable one, the one that is stable furthest.
+/// best: where several modes were tested, as it predicts each of them from the others; else within 0.001 of the best R², and
+/// in no mode far from what most of these say. Without a stable one, the one that is stable furthest.
 #[must_use]
-pub fn choose(fits: &[Fitted]) -> Option<&Fitted> {
+pub fn choose<'a>(fits: &'a [Fitted], tests: &[Test]) -> Option<&'a Fitted> {
     let stable: Vec<_> = fits.iter().filter(|f| f.stable()).collect();
     let errors = stable.iter().filter_map(|f| f.quality.left_out);
     let least = errors.reduce(f64::min);
@@ -69,7 +71,18 @@ pub fn choose(fits: &[Fitted]) -> Option<&Fitted> {
         Some(least) => f.quality.left_out.is_some_and(|error| error <= (1.0 + AS_GOOD) * least),
         None => f.quality.r2 >= best - SAME_R2,
     });
-    let simplest = good.min_by(|a, b| {
+    let mut good: Vec<_> = good.collect();
+    for mode in Mode::ALL.into_iter().filter(|mode| !modes(tests).contains(mode)) {
+        let stress = |f: &Fitted| {
+            let law = (f.law().build)(&f.values);
+            mode.nominal_stress(law.as_ref(), f.quality.stretch_range[1])
+        };
+        let mut stresses: Vec<f64> = good.iter().map(|f| stress(f)).collect();
+        stresses.sort_by(f64::total_cmp);
+        let Some(&middle) = stresses.get(stresses.len().saturating_sub(1) / 2) else { break };
+        good.retain(|f| (middle / FAR..=middle * FAR).contains(&stress(f)));
+    }
+    let simplest = good.into_iter().min_by(|a, b| {
         let by_count = a.candidate.unknowns().cmp(&b.candidate.unknowns());
         by_count.then(b.quality.r2.total_cmp(&a.quality.r2))
     });

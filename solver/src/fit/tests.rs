@@ -119,7 +119,7 @@ fn the_range_ends_where_the_law_or_the_data_end() {
     assert_eq!(ogden.quality.stretch_range, [0.5, 4.0]);
     assert!(ogden.stable());
     let chosen = [found, ogden];
-    assert_eq!(choose(&chosen).expect("one of two").candidate.name, "ogden-1");
+    assert_eq!(choose(&chosen, &[]).expect("one of two").candidate.name, "ogden-1");
 }
 
 /// Both principal stretches, of tension, of compression, in which the other sides are stretched, and of two axes.
@@ -151,7 +151,7 @@ fn a_law_that_predicts_modes_that_it_has_not_seen_is_chosen() {
     };
     assert!(error("mooney-rivlin") < 0.03, "{}", error("mooney-rivlin"));
     assert!(error("yeoh") > 2.0 * error("mooney-rivlin"), "{}", error("yeoh"));
-    let chosen = choose(&fits).expect("a fit");
+    let chosen = choose(&fits, &tests).expect("a fit");
     let stress =
         |f: &Fitted| Mode::Biaxial.nominal_stress((f.law().build)(&f.values).as_ref(), 2.0);
     let exact = Mode::Biaxial.nominal_stress(&truth, 2.0);
@@ -166,7 +166,7 @@ fn what_one_mode_leaves_open_is_said() {
     let truth = MooneyRivlin { c1: 80e3, c2: 20e3, c3: 0.0, d1: 1e7 };
     let tests = [test(&truth, Mode::Uniaxial, 3.0, 0.0)];
     let fits: Vec<_> = CANDIDATES.iter().filter_map(|c| fit(c, &tests, BULK_RATIO)).collect();
-    let chosen = choose(&fits).expect("a fit");
+    let chosen = choose(&fits, &tests).expect("a fit");
     assert_eq!(chosen.quality.left_out, None);
     let [biaxial, planar] = &spreads(&fits, chosen, &tests)[..] else { panic!("two modes") };
     assert_eq!([biaxial.mode, planar.mode], [Mode::Biaxial, Mode::Planar]);
@@ -178,13 +178,27 @@ fn what_one_mode_leaves_open_is_said() {
     assert!(biaxial.stress[1] > 1.3 * biaxial.stress[0], "{biaxial:?}");
 }
 
+/// In tension c₂ (Ī₂ − 3) is nearly what stiffening less at first is, and along two axes it is ten times as much: where most
+/// laws that fit as well say otherwise, it is not chosen, although it has the fewest parameters.
+#[test]
+fn what_most_laws_contradict_is_not_chosen() {
+    let truth = Ogden { terms: vec![(600e3, 1.2), (8e3, 4.0)], bulk: 1e8 };
+    let tests = [test(&truth, Mode::Uniaxial, 3.7, 0.0)];
+    let fits: Vec<_> = CANDIDATES.iter().filter_map(|c| fit(c, &tests, BULK_RATIO)).collect();
+    let chosen = choose(&fits, &tests).expect("a fit");
+    let stress = Mode::Biaxial.nominal_stress((chosen.law().build)(&chosen.values).as_ref(), 3.7);
+    let exact = Mode::Biaxial.nominal_stress(&truth, 3.7);
+    let name = chosen.candidate.name;
+    assert!((0.5..2.0).contains(&(stress / exact)), "{name}: {stress} {exact}");
+}
+
 #[test]
 fn the_simplest_of_equally_good_laws_is_chosen() {
     let neo = NeoHookean(Lame::new(1e5, 0.45));
     let tests = [test(&neo, Mode::Uniaxial, 2.0, 0.005)];
     let fits: Vec<_> = CANDIDATES.iter().filter_map(|c| fit(c, &tests, BULK_RATIO)).collect();
     assert_eq!(fits.len(), CANDIDATES.len());
-    assert_eq!(choose(&fits).expect("a fit").candidate.name, "neo-hookean");
+    assert_eq!(choose(&fits, &tests).expect("a fit").candidate.name, "neo-hookean");
 }
 
 #[test]
