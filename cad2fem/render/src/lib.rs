@@ -46,6 +46,20 @@ pub struct Facet {
     pub section: bool,
 }
 
+impl Facet {
+    /// Turns its back to the front.
+    pub fn turn(&mut self) {
+        self.points.swap(1, 2);
+        self.values.swap(1, 2);
+        self.normals.swap(1, 2);
+        self.normals.iter_mut().for_each(|n| *n = -*n);
+        // the first and the last side are exchanged
+        for sides in [&mut self.edges, &mut self.features] {
+            *sides = (*sides & 0b010) | ((*sides >> 2) & 1) | ((*sides & 1) << 2);
+        }
+    }
+}
+
 /// Facets drawn as one object.
 #[derive(Clone, Debug, Default)]
 pub struct Piece {

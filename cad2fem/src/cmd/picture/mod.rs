@@ -15,6 +15,7 @@ use serde_json::Value;
 use load::Loaded;
 use looks::{Looks, values};
 use options::Pair;
+use render::Facet;
 use render::annotate::Key;
 use render::color::{self, Rgb, Scale};
 use render::cut::cut;
@@ -144,7 +145,7 @@ fn load_all(args: &Args) -> Result<Vec<Loaded>> {
 const VOID: f64 = -0.1;
 
 /// Moves every shape away from the centre of all. Where walls of voids would still be hidden in others, they move on
-/// beside these in the picture, whose vectors to the right and up begin the frame.
+/// beside these in the picture, whose vectors to the right and up begin the frame, and turn the side of their colour out.
 fn spread(loaded: &mut [Loaded], factor: f64, [right, up, _]: &[Vec3; 3]) {
     let centers: Vec<Vec3> = loaded.iter().map(|l| center(&l.shape)).collect();
     let mean = centers.iter().sum::<Vec3>() / centers.len() as f64;
@@ -166,7 +167,10 @@ fn spread(loaded: &mut [Loaded], factor: f64, [right, up, _]: &[Vec3; 3]) {
     });
     let [(across, right), (along, up)] = beside;
     let by = if across <= along { across * right } else { along * up };
-    voids.iter_mut().for_each(|shape| shape.translate(&by));
+    for shape in &mut voids {
+        shape.translate(&by);
+        shape.facets.iter_mut().for_each(Facet::turn);
+    }
 }
 
 /// Room between what was hidden and what hid it, over its own extent.
