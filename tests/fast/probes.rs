@@ -101,12 +101,13 @@ fn probes_are_columns_and_agree_with_the_report() {
     assert_eq!(rows.clone().count(), lines.len() + 1);
     let rest = &report["rest"];
     let first: Vec<f64> = rows.next().unwrap().split(',').map(|n| n.parse().unwrap()).collect();
-    assert_eq!(first[..4], [0.0, 0.0, number(&rest["chambers"]["cavity"]["volume_rest"]), 0.0]);
-    assert_eq!((number(&rest["load"]), number(&rest["probes"]["bend"])), (0.0, first[7]));
-    assert!(table.lines().skip(1).all(|row| row.split(',').next().unwrap().len() <= 4), "{table}");
+    assert_eq!([first[0], first[1], first[3], number(&rest["load"])], [0.0; 4]);
+    near(&rest["chambers"]["cavity"]["volume_rest"], first[2]);
+    let load = |row: &str| row.split(',').next().unwrap().len();
+    assert!(table.lines().skip(1).all(|row| load(row) <= 14), "twelve digits: {table}");
     let row: Vec<f64> = rows.last().unwrap().split(',').map(|n| n.parse().unwrap()).collect();
     assert_eq!([row[0], row[1]], [1.0, PRESSURE]);
-    assert_eq!(row[12], number(last("turn")));
+    near(last("turn"), row[12]);
     for run in ["steps.jsonl", "report.json"] {
         let x = "--x chambers.cavity.pressure";
         dir.solver(&format!("plot out/{run} {x} --y probes.top -o curve.svg")).assert_good();
