@@ -21,6 +21,8 @@ mod castable;
 mod compare;
 #[path = "fast/contact_failures.rs"]
 mod contact_failures;
+#[path = "fast/defaults.rs"]
+mod defaults;
 #[path = "fast/design_line.rs"]
 mod design_line;
 #[path = "fast/element_kinds.rs"]

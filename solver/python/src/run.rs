@@ -231,7 +231,7 @@ impl Run {
         let paths = names.iter().filter(|name| *name != SHAPE);
         let numbers = paths.map(|path| Number::find(scene, path)).collect::<Result<Vec<_>>>();
         let numbers = numbers.map_err(refused)?;
-        let walls = Walls::of(&numbers, &scene.body).map_err(refused)?;
+        let walls = Walls::of(&numbers, scene).map_err(refused)?;
         let swept = Swept::new(scene, &self.problem, walls.as_ref(), by);
         let found = PyDict::new(py);
         if names.iter().any(|name| name == SHAPE) {

@@ -177,7 +177,7 @@ impl Scene {
     fn set(&self, path: &str, value: f64) -> PyResult<()> {
         self.change(|scene, set| {
             let number = Number::find(scene, path)?;
-            let walls = Walls::of([&number], &scene.body)?;
+            let walls = Walls::of([&number], scene)?;
             number.replace(scene, walls.as_ref(), value)?;
             if number.added_to(scene).is_none() {
                 match walls {

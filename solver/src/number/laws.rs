@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use mechanics::energy::ParameterId;
-use mechanics::material::Law;
+use mechanics::material::{Law, Specification};
 use scene::SceneLaw;
 
 use super::{Entry, Kind, Setting, Swept, any};
@@ -33,7 +33,15 @@ pub(super) const MATERIAL: Kind = Kind {
     derivative: |swept, [law, k]| {
         // a rigid body has another law than its own
         let body = &swept.scene.parts[swept.scene.laws[law].part].config.name;
-        if swept.scene.is_rigid(body) { 0.0 } else { total(swept, ParameterId::Material(law), k) }
+        let rigid = swept.scene.is_rigid(body);
+        let own = if rigid { 0.0 } else { total(swept, ParameterId::Material(law), k) };
+        match swept.scene.law_of_contact() {
+            Some(stiffest) if stiffest == law => {
+                let by_stiffness = total(swept, ParameterId::ContactStiffness, 0);
+                own + by_stiffness * shear_modulus_by(&swept.scene.laws[law].material, k)
+            }
+            _ => own,
+        }
     },
     scale: None,
 };
@@ -158,6 +166,23 @@ pub(super) const MEMBRANE: Kind = Kind {
     },
     scale: None,
 };
+
+/// Half of the difference of parameters that gives the derivative of the shear modulus, over that modulus or in the
+/// parameter's unit.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The derivative of the shear modulus at rest by a parameter, by a difference: moduli are linear in stresses, and
+/// smooth in what has no unit.
+fn shear_modulus_by(material: &Specification, k: usize) -> f64 {
+    let (_, unit) = parameters(material.law, &material.values)[k];
+    let by = if unit == "Pa" { DIFFERENCE * material.moduli().shear } else { DIFFERENCE };
+    let moved = |by: f64| {
+        let mut values = material.values.clone();
+        values[k] += by;
+        (material.law.moduli)(&values).shear
+    };
+    (moved(by) - moved(-by)) / (2.0 * by)
+}
 
 /// Names and units of all parameters of a law, one by one.
 fn parameters<M: ?Sized + 'static>(law: &Law<M>, values: &[f64]) -> Vec<(String, &'static str)> {

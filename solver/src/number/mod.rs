@@ -274,7 +274,7 @@ pub fn apply(mut scene: Scene) -> Result<Scene> {
 pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
     let find = |(path, value): (&String, &f64)| Ok((Number::find(scene, path)?, *value));
     let numbers = values.iter().map(find).collect::<Result<Vec<_>>>()?;
-    let walls = Walls::of(numbers.iter().map(|(number, _)| number), &scene.body)?;
+    let walls = Walls::of(numbers.iter().map(|(number, _)| number), scene)?;
     for (number, value) in &numbers {
         ensure!(value.is_finite(), "{} = {value}: must be finite", number.path);
         number.set(scene, walls.as_ref(), *value)?;

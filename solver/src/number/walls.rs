@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, anyhow, ensure};
-use mechanics::body::Body;
 use mesh::Vec3;
 use mesh::offset::shifts;
+use scene::Scene;
 
 use super::{Kind, Number, Setting, any, nothing_added};
 use crate::extension::Extension;
 
 pub(super) const WALL: Kind = Kind {
     path: "wall.TAG or wall",
-    meaning: "how far the whole boundary, or the part with a tag, stands outward along its normal",
+    meaning: "how far the whole boundary, or the part with a tag, stands outward along its normal; rigid parts stay where they are",
     list: |scene| {
         let tags = scene.body.used_tags().enumerate();
         let tags = tags.map(|(i, tag)| (tag.clone(), "m", [i + 1, 0]));
@@ -42,31 +42,37 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// Moves of the walls of a body, or of several bodies.
+    /// Moves of the walls of a body, or of several bodies. Rigid parts stay: derivatives by their shape are not known.
     ///
     /// # Errors
-    /// When an element is so flat that the interior cannot follow.
-    pub fn new(body: &Body) -> Result<Self> {
-        let x = &body.mesh.vertices;
+    /// When an element is so flat that the interior cannot follow, or the tag of a rigid part is missing.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        let body = &scene.body;
+        let (x, rigid) = (&body.mesh.vertices, scene.rigid_vertices(body)?);
+        let shifts = |facets: &[[usize; 3]]| {
+            let mut all = shifts(x, facets);
+            all.retain(|v, _| !rigid.contains_key(v));
+            all
+        };
         let extension = Extension::new(body)
             .map_err(|_| anyhow!("to move walls: an element of the mesh is too flat"))?;
-        let mut walls = vec![(None, shifts(x, body.boundary()))];
+        let mut walls = vec![(None, shifts(body.boundary()))];
         for tag in body.used_tags() {
-            walls.push((Some(tag.clone()), shifts(x, &body.facets(tag)?)));
+            walls.push((Some(tag.clone()), shifts(&body.facets(tag)?)));
         }
         Ok(Self { extension, vertices: x.len(), shifts: walls })
     }
 
-    /// Where numbers are walls, those of a body.
+    /// Where numbers are walls, those of the bodies of a scene.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn of<'a>(
         numbers: impl IntoIterator<Item = &'a Number>,
-        body: &Body,
+        scene: &Scene,
     ) -> Result<Option<Self>> {
         let any = numbers.into_iter().any(|number| number.word() == WALL.word());
-        any.then(|| Self::new(body)).transpose()
+        any.then(|| Self::new(scene)).transpose()
     }
 
     /// The derivative by moves of surface vertices, from that by all rest vertices.

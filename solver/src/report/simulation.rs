@@ -29,13 +29,19 @@ use crate::report::results;
 pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulation> {
     let (inputs, set) = results::provenance(folder, None, scene)?;
     let cut = !scene.body.planes.is_empty();
+    let mut config = scene.config.clone();
+    if let (Some(own), Some(contact)) = (config.contact_mut(), &problem.energies.contact) {
+        let barrier = contact.barrier();
+        own.activation.get_or_insert(barrier.activation);
+        own.stiffness.get_or_insert(barrier.stiffness);
+    }
     Ok(Simulation {
         status: Status::Ok,
         usable: true,
         program: scene::PROGRAM.to_owned(),
         inputs,
         set,
-        config: json!(scene.config),
+        config: json!(config),
         material: OneOrList::new(materials(scene)?),
         dofs: problem.dofs(),
         tets: scene.body.mesh.tets.len(),

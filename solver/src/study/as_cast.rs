@@ -153,7 +153,7 @@ struct Model<'a> {
 
 impl<'a> Model<'a> {
     fn new(scene: &'a Scene, measured: &'a Measured, tags: &[String]) -> Result<Self> {
-        let walls = Walls::new(&scene.body)?;
+        let walls = Walls::new(scene)?;
         let of = |tag: &String| {
             walls.moves(tag).with_context(|| {
                 let known: Vec<_> = scene.body.used_tags().map(String::as_str).collect();

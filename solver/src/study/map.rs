@@ -174,7 +174,7 @@ impl<'a> Map<'a> {
     pub fn row(&self, row: usize, before: &[f64]) -> Result<Row> {
         let at = self.at(row);
         let mut scene = self.scene.clone();
-        let walls = Walls::of(self.of_grid(), &scene.body)?;
+        let walls = Walls::of(self.of_grid(), &scene)?;
         for (number, value) in self.of_grid().zip(&at) {
             number.replace(&mut scene, walls.as_ref(), *value)?;
         }
@@ -196,7 +196,7 @@ impl<'a> Map<'a> {
         run: &Trajectory,
     ) -> Result<Vec<f64>> {
         let probes = scene.probes(&scene.body, &problem.space)?;
-        let walls = Walls::of(self.by.iter(), &scene.body)?;
+        let walls = Walls::of(self.by.iter(), scene)?;
         let slopes = |gradient: &adjoint::Gradient| {
             let swept = Swept::new(scene, problem, walls.as_ref(), gradient);
             self.by.iter().map(|number| number.derivative(&swept)).collect::<Vec<_>>()

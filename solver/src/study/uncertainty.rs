@@ -118,7 +118,7 @@ pub fn error_bars(
     run: &Trajectory,
 ) -> Result<BTreeMap<String, ErrorBars>> {
     let all = numbers(scene, config)?;
-    let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), &scene.body)?;
+    let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), scene)?;
     let each: Vec<&Probe> = probes.iter().collect();
     let found = sensitivities(scene, (problem, workspace), (&each, run, run.steps()))?;
     let mut bars_of = BTreeMap::new();
@@ -161,7 +161,7 @@ fn of_edges(
     let mut bars_of = BTreeMap::new();
     let Some(limit) = &scene.config.limit else { return Ok(bars_of) };
     let all = numbers(scene, config)?;
-    let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), &scene.body)?;
+    let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), scene)?;
     let growing = growing(problem, limit);
     let held = &problem.held(end.time, &growing);
     let grown = Grown { problem, held, rest: end.rest, time: end.time, growing: &growing };

@@ -272,6 +272,16 @@ impl Moment<'_> {
                 add_parameters(problem, kind, step, by, parameters);
             }
         }
+        if let (Some(contact), true) =
+            (&problem.energies.contact, problem.energies.friction.is_some())
+        {
+            let lagged = &self.step.lagged_contacts;
+            let by = contact.lagged_stiffness_vjp(lagged, &past.lagged_contacts);
+            parameters.add(step, ParameterId::ContactStiffness, vec![by]);
+        }
+        if let Some(by_start) = workspace.start_hessian_times(problem, at, lambda) {
+            past.start.iter_mut().zip(by_start).for_each(|(p, by)| *p += by);
+        }
         let (h, square) = (self.step.h, self.square());
         past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
         past.free_flight.iter_mut().zip(&self.by_acceleration).for_each(|(p, a)| *p -= a / square);

@@ -158,7 +158,7 @@ pub enum ParameterId {
     Winding(usize),
     /// Density of a body in its weight, then the three components of what is added to gravity.
     Weight(usize),
-    /// Density of a body in its inertia.
+    /// Density of a body in its inertia, or in its tiny mass.
     Density(usize),
     /// The three components of what is added to a traction.
     Traction(usize),
@@ -171,6 +171,8 @@ pub enum ParameterId {
     RigidMoment(usize),
     /// Coefficient of friction.
     Friction,
+    /// Stiffness of the barrier, in its own forces and in those of friction.
+    ContactStiffness,
     /// What a chamber is prescribed by: pressure, fill, change or factor of the volume, injected volume or supply.
     Chamber(ChamberId),
 }
@@ -221,7 +223,7 @@ impl Kind {
         )
     }
 
-    /// The numbers that it is made with. Of a tiny mass the density does not count.
+    /// The numbers that it is made with.
     #[must_use]
     pub fn parameter(self) -> Option<ParameterId> {
         match self {
@@ -232,12 +234,13 @@ impl Kind {
             Self::Fibre(family) => Some(ParameterId::Fibre(family)),
             Self::Winding(thread) => Some(ParameterId::Winding(thread)),
             Self::Weight(body) => Some(ParameterId::Weight(body)),
-            Self::Inertia(body) => Some(ParameterId::Density(body)),
+            Self::Inertia(body) | Self::TinyMass(body) => Some(ParameterId::Density(body)),
             Self::Traction(load) => Some(ParameterId::Traction(load)),
             Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
             Self::RigidMass(part) => Some(ParameterId::RigidMass(part)),
             Self::RigidLoad(part) => Some(ParameterId::RigidLoad(part)),
             Self::RigidMoment(part) => Some(ParameterId::RigidMoment(part)),
+            Self::Contact => Some(ParameterId::ContactStiffness),
             Self::Friction => Some(ParameterId::Friction),
             _ => None,
         }

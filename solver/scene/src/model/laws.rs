@@ -131,6 +131,23 @@ impl Scene {
         Ok(own)
     }
 
+    /// Largest shear modulus of all materials, at rest [Pa].
+    pub(super) fn largest_shear_modulus(&self) -> f64 {
+        self.laws[self.stiffest_law()].material.moduli().shear
+    }
+
+    /// The law with the largest shear modulus at rest, the first of several.
+    fn stiffest_law(&self) -> usize {
+        let shear = |law: usize| self.laws[law].material.moduli().shear;
+        (1..self.laws.len()).fold(0, |best, law| if shear(law) > shear(best) { law } else { best })
+    }
+
+    /// The law whose shear modulus is the stiffness of `[contact]`, where the scene gives none.
+    #[must_use]
+    pub fn law_of_contact(&self) -> Option<usize> {
+        self.config.contact()?.stiffness.is_none().then(|| self.stiffest_law())
+    }
+
     /// Whether all laws can have the dilatation of the scene.
     ///
     /// # Errors

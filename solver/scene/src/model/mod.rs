@@ -303,7 +303,8 @@ impl Scene {
     }
 
     /// The terms of a problem with the numbers of this scene: its materials, sheets, fibres, threads, gravity,
-    /// gas and friction. Barrier, supports and other forces are those of the problem.
+    /// gas, friction, and the stiffness of the barrier that follows from them. Supports and other forces are those of the
+    /// problem.
     ///
     /// # Errors
     /// When a material has no density and needs one.
@@ -320,6 +321,10 @@ impl Scene {
         }
         let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
         energies.friction = energies.friction.map(|own| own.with_coefficient(coefficient));
+        if let (Some(contact), Some(law)) = (&energies.contact, self.law_of_contact()) {
+            let stiffness = self.laws[law].material.moduli().shear;
+            energies.contact = Some(Arc::new(contact.with_stiffness(stiffness)));
+        }
         self.set_rigid_numbers(&mut energies.rigid);
         Ok(energies)
     }
@@ -435,11 +440,6 @@ impl Scene {
     fn negligible_force(&self) -> f64 {
         let size = mesh::measure::volume(&self.body.mesh).cbrt();
         NEGLIGIBLE_STRAIN * self.largest_shear_modulus() * size * size
-    }
-
-    /// Largest shear modulus of all materials, at rest [Pa].
-    fn largest_shear_modulus(&self) -> f64 {
-        self.laws.iter().map(|law| law.material.moduli().shear).fold(0.0, f64::max)
     }
 }
 

@@ -170,7 +170,7 @@ impl Calibration {
         let groups = groups.with_context(context)?;
         let start = starts(&numbers, &scenes, &groups).with_context(context)?;
         let of_scene = |(scene, groups): (&Scene, &Vec<Option<Group>>)| {
-            Walls::of(groups.iter().flatten().flat_map(|group| &group.numbers), &scene.body)
+            Walls::of(groups.iter().flatten().flat_map(|group| &group.numbers), scene)
         };
         let walls = scenes.iter().zip(&groups).map(of_scene).collect::<Result<_>>()?;
         let set =

@@ -58,9 +58,12 @@ struct Numbers {
     /// Pressure, or fill of a closed gas [Pa]; of a prescribed volume its change in
     /// [`CHANGE`], or its factor in [`FACTOR`].
     pressure: f64,
+    stiffness: f64,
     gravity: [f64; 3],
 }
 
+/// Density of the tiny mass over that of the body [1].
+const TINY: f64 = 1e6;
 /// [m³/Pa]
 const CHANGE: f64 = 1e-11;
 /// [1/Pa]
@@ -86,6 +89,7 @@ const NUMBERS: Numbers = Numbers {
     density: 1000.0,
     friction: 0.5,
     pressure: 4e3,
+    stiffness: 1e5,
     gravity: [2.0, 1.0, -9.8],
 };
 
@@ -172,7 +176,7 @@ impl Case {
         let inertia = if self.method.has_inertia() {
             Some(Inertia::new(&space, numbers.density, 0..count))
         } else {
-            self.hits().then(|| Inertia::tiny(&space, 1e9, upper..count))
+            self.hits().then(|| Inertia::tiny(&space, TINY * numbers.density, upper..count))
         };
         let mut energies = Energies::bodies(vec![BodyEnergies {
             elastic: Elastic::whole(Box::new(law)),
@@ -194,7 +198,7 @@ impl Case {
         let multipliers =
             if held { vec![Multiplier { pressure: 0.0, penalty }] } else { Vec::new() };
         if self.hits() {
-            let contact = self.barrier(&mesh, &space, &fixed);
+            let contact = self.barrier(&mesh, &space, &fixed).with_stiffness(numbers.stiffness);
             let surface = Arc::clone(contact.surface());
             energies.contact = Some(Arc::new(contact));
             energies.friction = Some(Friction::new(surface, numbers.friction, 0.05));
@@ -216,7 +220,8 @@ impl Case {
         // both barriers are tried
         let smooth = matches!(self.method, Method::Newmark | Method::GeneralizedAlpha);
         let density = if smooth { Density::LogSquared } else { Density::Log };
-        let barrier = Barrier { form, density, activation: 1.2e-3, stiffness: 1e5, thickness };
+        let barrier =
+            Barrier { form, density, activation: 1.2e-3, stiffness: NUMBERS.stiffness, thickness };
         Contact::new(Arc::new(surface), Partners::ThroughAir, barrier)
     }
 
@@ -365,7 +370,8 @@ fn check(case: &Case, forces: bool) {
                 density: scaled(4, NUMBERS.density),
                 friction: scaled(5, NUMBERS.friction),
                 pressure: scaled(6, NUMBERS.pressure),
-                gravity: std::array::from_fn(|k| scaled(7 + k, NUMBERS.gravity[k])),
+                stiffness: scaled(7, NUMBERS.stiffness),
+                gravity: std::array::from_fn(|k| scaled(8 + k, NUMBERS.gravity[k])),
             };
             let (problem, mut workspace, _) = case.problem(&numbers);
             let run = case.run(&problem, &mut workspace, &rest, start.clone());
@@ -375,15 +381,17 @@ fn check(case: &Case, forces: bool) {
     let law = of(ParameterId::Material(0));
     assert_eq!(law.len(), NUMBERS.law.len());
     let mut by: Vec<f64> = law.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
-    let by_density = one(ParameterId::Weight(0)) + one(ParameterId::Density(0));
+    let heavier = if case.method.has_inertia() { 1.0 } else { TINY };
+    let by_density = one(ParameterId::Weight(0)) + heavier * one(ParameterId::Density(0));
     by.push(by_density * NUMBERS.density);
     by.push(one(ParameterId::Friction) * NUMBERS.friction);
     let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
     let pressure = chamber.map_or(0.0, one);
     by.push(pressure * case.by_pressure() * NUMBERS.pressure);
+    by.push(one(ParameterId::ContactStiffness) * NUMBERS.stiffness);
     let falls = of(ParameterId::Weight(0)).into_iter().skip(1);
     by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
-    with(&[1.0; 10], &by);
+    with(&[1.0; 11], &by);
     // the start, of what can move
     if case.method.has_inertia() {
         let free = |g: &[f64]| -> Vec<f64> {
@@ -475,15 +483,8 @@ fn quadratic_bodies_that_hit_and_slide_have_their_gradient() {
 
 #[test]
 fn without_inertia_bodies_that_hit_and_slide_have_their_gradient() {
-    let case = Case {
-        method: Method::Quasistatic,
-        degree: 1,
-        steps: 4,
-        dt: 0.25,
-        body: Shape::Blocks,
-        inside: Inside::Pressure,
-    };
-    check(&case, true);
+    let (method, body, inside) = (Method::Quasistatic, Shape::Blocks, Inside::Pressure);
+    check(&Case { method, degree: 1, steps: 4, dt: 0.25, body, inside }, true);
 }
 
 #[test]

@@ -41,6 +41,7 @@ const SHORTEST: f64 = 1e-10;
 
 /// The barrier between all parts of a collision surface.
 pub struct Contact {
+    barrier: Barrier,
     potential: Potential,
     neighbours: NeighbourList,
     /// Whether to prove of accepted states that they have no intersection.
@@ -63,7 +64,7 @@ impl Contact {
         // each copy of a part has the same share of the energy of the whole
         let (repulsion, scale) = (barrier.repulsion(), barrier.scale() * surface.share());
         let potential = Potential::new(surface, partners, barrier.form, repulsion, scale);
-        Self { potential, neighbours: NeighbourList::default(), certify: false }
+        Self { barrier, potential, neighbours: NeighbourList::default(), certify: false }
     }
 
     /// This barrier; of accepted states it is also proved that they have no
@@ -71,6 +72,20 @@ impl Contact {
     #[must_use]
     pub fn certified(self) -> Self {
         Self { certify: true, ..self }
+    }
+
+    /// The barrier.
+    #[must_use]
+    pub fn barrier(&self) -> &Barrier {
+        &self.barrier
+    }
+
+    /// This contact with another stiffness of the barrier [Pa]; in the plain form [J/m⁴].
+    #[must_use]
+    pub fn with_stiffness(&self, stiffness: f64) -> Self {
+        let barrier = Barrier { stiffness, ..self.barrier };
+        let own = Self::new(Arc::clone(self.surface()), self.potential.partners(), barrier);
+        Self { certify: self.certify, ..own }
     }
 
     /// What intersects at positions of the collision vertices [m], if anything.
@@ -201,6 +216,17 @@ impl Contact {
         self.contacts(at).lagged()
     }
 
+    /// What cotangents of [`Self::lagged_contacts`] make of the stiffness, to which their forces are proportional.
+    #[must_use]
+    pub fn lagged_stiffness_vjp(
+        &self,
+        contacts: &[LaggedContact],
+        cotangents: &[LaggedContactCotangent],
+    ) -> f64 {
+        let each = contacts.iter().zip(cotangents);
+        each.map(|(contact, by)| contact.force * by.force).sum::<f64>() / self.barrier.stiffness
+    }
+
     /// Adds to `by_u` and `by_rest` what cotangents of [`Self::lagged_contacts`] make of this state.
     pub fn add_lagged_contacts_vjp(
         &self,
@@ -258,6 +284,13 @@ impl Energy for Contact {
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
         let by_rest = self.contacts(at).shape_vjp(&self.surface().trace(lambda));
         self.surface().add_to_rest(at.space, &by_rest, out);
+    }
+
+    /// By the stiffness, to which all forces are proportional.
+    fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {
+        let pulls = self.contacts(at).gradient();
+        let along = pulls.iter().zip(self.surface().trace(lambda)).map(|(g, l)| g.dot(&l));
+        vec![along.sum::<f64>() / self.barrier.stiffness]
     }
 }
 
