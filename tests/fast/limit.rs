@@ -60,6 +60,26 @@ fn a_path_comes_to_the_full_load() {
     }
 }
 
+/// What was asked for and not reached is no result, unless the path is what is asked for.
+#[test]
+fn a_path_that_ends_early_is_not_usable() {
+    let dir = with("[solver]\nfollow = \"arc-length\"\npath_states = 2\n");
+    dir.solver("simulate edge.toml -o out")
+        .assert_refused(1, &["full load", "path_states", "path_only"]);
+    let report = dir.json("out/report.json");
+    assert_eq!(
+        (&report["usable"], &report["status"]),
+        (&false.into(), &"full load not reached".into())
+    );
+    let load = report["load_reached"].as_f64().unwrap();
+    assert!((0.01..0.5).contains(&load), "{load}");
+    let alone = dir.text("edge.toml").replace("path_states", "path_only = true\npath_states");
+    dir.write("alone.toml", &alone);
+    dir.solver("simulate alone.toml -o alone").assert_good();
+    let report = dir.json("alone/report.json");
+    assert_eq!((&report["usable"], &report["load_reached"]), (&true.into(), &load.into()));
+}
+
 #[test]
 fn what_has_no_limit_or_path_is_refused() {
     refused("[limit]\non = [\"top\"]\n", &["[limit]", "top", "cavity"]);
@@ -69,6 +89,7 @@ fn what_has_no_limit_or_path_is_refused() {
         &["[limit]", "[time]"],
     );
     refused("[solver]\npath_states = 3\n", &["path_states", "arc-length"]);
+    refused("[solver]\npath_only = true\n", &["path_only", "arc-length"]);
     refused("[solver]\nfollow = \"arc-length\"\npath_states = 0\n", &["path_states", "one state"]);
 }
 

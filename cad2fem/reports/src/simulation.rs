@@ -106,6 +106,9 @@ pub struct End {
     /// `follow = "arc-length"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stability: Option<Stability>,
+    /// Part of the full load at the end of a path that is followed by its arc length [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_reached: Option<f64>,
     /// How much more pressure it bears, of a scene with `[limit]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<Limit>,
@@ -131,6 +134,9 @@ pub enum Status {
     /// An equilibrium was found.
     #[serde(rename = "ok")]
     Ok,
+    /// A path by its arc length ended before it came to the full load.
+    #[serde(rename = "full load not reached")]
+    FullLoadNotReached,
     /// Surfaces have passed through each other.
     #[serde(rename = "surfaces_crossed")]
     SurfacesCrossed,

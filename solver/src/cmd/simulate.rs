@@ -148,6 +148,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
     let (stability, mode) = known.unzip();
     found.stability = stability;
+    found.load_reached = run.last.as_ref().map(|step| step.time);
     let mut edges = run.edges(&end);
     if let Some(edges) = &mut edges {
         uncertainty::report_edges(&scene, &problem, &end, edges);
@@ -159,6 +160,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     found.error_bars = run.error_bars();
     found.wall_s = before_s + start.elapsed().as_secs_f64();
     found.peak_rss_mb = program::peak_rss_mb();
+    let missed = stability::missed(&scene, report.steps.len(), run.last.as_ref());
+    if let Some(missed) = &missed {
+        log::warn!("{missed}");
+        (report.usable, report.status) = (false, Status::FullLoadNotReached);
+    }
     if crossing.is_some() {
         (report.usable, report.status) = (false, Status::SurfacesCrossed);
     }
@@ -166,9 +172,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     summary::inflations(&found).iter().for_each(|line| log::info!("{line}"));
     report.end = Some(found);
     results::write_report(folder, &report)?;
-    let Some(crossing) = crossing else { return Ok(()) };
-    let scene = arguments.scene.display();
-    Err(Unusable(format!("{scene}: {}", crossing.in_words())).into())
+    let Some(why) = crossing.map(|crossing| crossing.in_words()).or(missed) else { return Ok(()) };
+    Err(Unusable(format!("{}: {why}", arguments.scene.display())).into())
 }
 
 /// The scene with what the arguments change, and its walls as they were measured.

@@ -131,6 +131,7 @@ pub fn end(
         timings: timings(spent.timings, spent.predicted_s),
         crossing: None,
         stability: None,
+        load_reached: None,
         limit: None,
         error_bars: None,
         equilibrium_s: spent.equilibrium_s,

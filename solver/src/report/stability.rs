@@ -96,8 +96,7 @@ pub fn in_words(step: &LoadStep) -> Vec<String> {
 #[must_use]
 pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) -> Option<String> {
     let solver = &scene.config.solver;
-    let most = solver.path_states.unwrap_or(PATH_STATES);
-    if !solver.follow.is_load() && states >= most {
+    if !solver.follow.is_load() && states >= most_states(scene) {
         return Some(format!("after {states} states ([solver] path_states)"));
     }
     let factor = solver.path_volume_factor?;
@@ -107,6 +106,31 @@ pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) 
     });
     let (name, found) = beyond?;
     Some(format!("as {name} has {found:.2} times its volume ([solver] path_volume_factor)"))
+}
+
+/// What a path that ended after so many states did not come to, where the scene asks for the full load: the end in
+/// words.
+#[must_use]
+pub fn missed(scene: &Scene, states: usize, last: Option<&LoadStep>) -> Option<String> {
+    let solver = &scene.config.solver;
+    let last = last.filter(|step| !step.ends_time_step && !solver.path_only)?;
+    let negative = last.path.as_ref().map_or(0, |path| path.stability.negative);
+    let stable = match negative {
+        0 => "a stable state".to_owned(),
+        1 => "an unstable state (1 negative eigenvalue)".to_owned(),
+        count => format!("an unstable state ({count} negative eigenvalues)"),
+    };
+    (states >= most_states(scene)).then(|| {
+        format!(
+            "the full load was not reached: the path ends at {}, in {stable}, after {states} states\n  \
+             raise [solver] path_states, lower the load, or write path_only = true if the path is what you want",
+            scene.progress(last.time)
+        )
+    })
+}
+
+fn most_states(scene: &Scene) -> usize {
+    scene.config.solver.path_states.unwrap_or(PATH_STATES)
 }
 
 /// States of a path where the scene gives no number.

@@ -51,6 +51,10 @@ pub struct SolverConfig {
     /// Volume of a chamber over that at rest, beyond which such a path ends [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_volume_factor: Option<f64>,
+    /// Whether the path alone is wanted: a run that ends after `path_states` before it has come to the full load is
+    /// usable then.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub path_only: bool,
     /// Whether `solver simulate` reports the stability of the state at the end. That costs a factorisation
     /// in double precision; of states that are followed by their arc length it is always reported.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -134,6 +138,7 @@ impl Default for SolverConfig {
             follow: Follow::Load,
             path_states: None,
             path_volume_factor: None,
+            path_only: false,
             stability: false,
         }
     }
@@ -214,6 +219,7 @@ impl SimConfig {
             let alone = "is for follow = \"arc-length\": set that, or leave it away";
             ensure!(s.path_states.is_none(), refused("path_states", alone));
             ensure!(s.path_volume_factor.is_none(), refused("path_volume_factor", alone));
+            ensure!(!s.path_only, refused("path_only", alone));
             return Ok(());
         }
         let history = [

@@ -408,6 +408,7 @@ impl Scene {
             follow: _,
             path_states: _,
             path_volume_factor: _,
+            path_only: _,
             stability: _,
         } = self.config.solver;
         Stepping {
