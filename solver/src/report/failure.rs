@@ -56,7 +56,7 @@ impl Diagnosis {
         let (space, next) = (&*problem.space, attempt.time);
         let (multipliers, step) = (&attempt.multipliers, Some(&*attempt.step));
         let (u, time) = (&attempt.reached, unreached.time);
-        let at = Iterate { space, rest, u, time, multipliers, step };
+        let at = Iterate { multipliers, step, ..Iterate::new(space, rest, u, time) };
         let force = unbalanced_force(problem, &Iterate { u: &attempt.u, time: next, ..at });
         let worst = worst_element(space, rest, &attempt.u, &force, &unreached.failure);
         let zero = vec![0.0; problem.dofs()];

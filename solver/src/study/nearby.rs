@@ -26,7 +26,7 @@ pub fn next_to(
     u: &[f64],
 ) -> Result<LoadStep, Failure> {
     let (rest, end) = (&scene.body.mesh.vertices[..], scene.end());
-    let step = Arc::new(scene.integrator(&scene.body, problem).step(end));
+    let step = Arc::new(scene.integrator(&scene.body, problem).step(0.0, end));
     let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, end) };
     let multipliers = solve_multipliers(problem, workspace, &at);
     let start = Configuration { rest, time: end, step: Some(&step), u: u.to_vec(), multipliers };

@@ -78,9 +78,13 @@ impl Chamber {
         self.gas.remembers().expect("only such a law has a memory")
     }
 
+    /// By what is added to the number that the law follows, which is ramped up in the first step as the rest of it.
     fn pressure_by_parameter(&self, iterate: &Iterate) -> Option<f64> {
+        let full = 1.0 - self.gas.schedule().to_come(iterate.time);
         let volume = self.wall.volume(iterate.space, positions(iterate));
-        self.gas.pressure_by_parameter(volume, self.rest_volume(iterate), &self.moment(iterate))
+        let rest = self.rest_volume(iterate);
+        let by = self.gas.pressure_by_parameter(volume, rest, &self.moment(iterate));
+        by.map(|by| full * by)
     }
 
     /// Volume behind the rest wall [m³].

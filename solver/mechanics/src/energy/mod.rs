@@ -4,6 +4,7 @@
 
 mod body_force;
 mod chamber;
+pub mod chord;
 mod contact;
 mod elastic;
 mod elements;
@@ -27,6 +28,7 @@ mod winding;
 
 pub use body_force::BodyForce;
 pub use chamber::Chamber;
+pub use chord::Chord;
 pub use contact::{Contact, GapSummary};
 pub use elastic::{Elastic, ElementLaw};
 pub use energies::{
@@ -76,13 +78,15 @@ pub struct Iterate<'a> {
     pub multipliers: &'a [Multiplier],
     /// The step in time that leads here; without it velocities are displacements.
     pub step: Option<&'a TimeStep>,
+    /// The chord that this is a point of, if it is one before its end.
+    pub chord: Option<&'a Chord>,
 }
 
 impl<'a> Iterate<'a> {
     /// At a time, without multipliers and not at the end of a time step.
     #[must_use]
     pub fn new(space: &'a FunctionSpace, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Self {
-        Self { space, rest, u, time, multipliers: &[], step: None }
+        Self { space, rest, u, time, multipliers: &[], step: None, chord: None }
     }
 }
 
@@ -101,6 +105,27 @@ pub struct TimeStep {
     pub internal_h: f64,
     /// Z° of the internal variables of all terms, from the last states; empty where all are zero.
     pub internal: Vec<f64>,
+    /// The chord along which forces act, where they do not act at the end.
+    pub chord: Option<Chord>,
+}
+
+impl TimeStep {
+    /// This step with the end of its chord, if it has one [m].
+    #[must_use]
+    pub fn ending_at(mut self, u: &[f64]) -> Self {
+        self.chord.iter_mut().for_each(|chord| u.clone_into(&mut chord.end));
+        self
+    }
+
+    /// h and history of the velocity by which surfaces slide (u − history) / h: the mean one along a chord, else that at
+    /// the end.
+    #[must_use]
+    pub fn sliding(&self) -> (f64, &[f64]) {
+        match &self.chord {
+            Some(chord) => (2.0 * self.h, &chord.start),
+            None => (self.h, &self.history),
+        }
+    }
 }
 
 /// Where the bodies of a step would go without forces, so that a = (u − at) / square.
@@ -127,6 +152,8 @@ pub struct PastCotangent {
     pub history: Vec<f64>,
     /// Cotangents of the free flight, three components per node.
     pub free_flight: Vec<f64>,
+    /// Cotangents of the start of the chord, three components per node.
+    pub start: Vec<f64>,
     /// Cotangents of the lagged contacts, in their order; empty if nothing depends on them.
     pub lagged_contacts: Vec<LaggedContactCotangent>,
     /// Cotangents of Z°; empty if nothing depends on them.
@@ -137,8 +164,8 @@ impl PastCotangent {
     /// Zero, for a number of degrees of freedom.
     #[must_use]
     pub fn zeros(len: usize) -> Self {
-        let (history, free_flight) = (vec![0.0; len], vec![0.0; len]);
-        Self { history, free_flight, ..Self::default() }
+        let [history, free_flight, start] = [(); 3].map(|()| vec![0.0; len]);
+        Self { history, free_flight, start, ..Self::default() }
     }
 }
 

@@ -91,8 +91,9 @@ struct There<'a> {
 impl<'a> There<'a> {
     fn new(of: &Problem, varied: &'a Varied, past: &Trajectory, u: &[f64], time: f64) -> Self {
         let Varied { problem, rest } = varied;
-        let step = past.next_step(problem, rest, time);
-        Self { problem, rest, u: moved_supports(of, problem, u, time), time, step }
+        let u = moved_supports(of, problem, u, time);
+        let step = past.next_step(problem, rest, (time, &u));
+        Self { problem, rest, u, time, step }
     }
 
     fn at<'b>(&'b self, multipliers: &'b [Multiplier]) -> Iterate<'b> {

@@ -13,6 +13,7 @@ use mesh::Vec3;
 use super::dirichlet::Dirichlet;
 use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
+use crate::energy::chord::{Side, on_chord};
 use crate::energy::{
     ChamberId, Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep,
 };
@@ -111,13 +112,14 @@ impl Problem {
     /// the rest shape.
     #[must_use]
     pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Iterate<'a> {
-        Iterate { space: &self.space, rest, u, time, multipliers: &self.multipliers, step: None }
+        let multipliers = &self.multipliers;
+        Iterate { multipliers, ..Iterate::new(&self.space, rest, u, time) }
     }
 
     /// Total potential energy [J].
     #[must_use]
     pub fn value(&self, at: &Iterate) -> f64 {
-        self.value_by(|term| term.energy.value(at))
+        self.value_by(|term| term.value(at))
     }
 
     /// Total potential energy [J], with the value of each term by `value`.
@@ -130,7 +132,7 @@ impl Problem {
     /// free part, or of the reactions where supports move.
     #[must_use]
     pub fn gradient(&self, at: &Iterate) -> (Vec<f64>, f64) {
-        self.gradient_by(|term, out| term.energy.add_gradient(at, out))
+        self.gradient_by(|term, out| term.add_gradient(at, out))
     }
 
     /// Results of [`Self::gradient`], with the gradient of each term added by `add`.
@@ -155,7 +157,21 @@ impl Problem {
     /// What the Hessian adds to its sparse part.
     #[must_use]
     pub fn rank_ones(&self, at: &Iterate) -> Vec<RankOne> {
-        self.energies.iter().filter_map(|energy| energy.rank_one(at)).collect()
+        self.rank_ones_by(at, Side::End)
+    }
+
+    /// What the derivative of the gradient by one side of the chord adds to its sparse part.
+    pub(super) fn rank_ones_by(&self, at: &Iterate, side: Side) -> Vec<RankOne> {
+        self.energies.terms().flat_map(|term| term.rank_ones(at, side)).collect()
+    }
+
+    /// Adds what the forces of rigid parts change by with how far they turn along the chord of the step, along λ: that by
+    /// the end of the chord, which no Hessian has.
+    pub fn add_turning_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
+        on_chord(at, 0.5, |middle| {
+            let turning = self.energies.rigid.iter().filter_map(|part| part.stiffness.as_ref());
+            turning.for_each(|rigid| rigid.add_turning_vjp(middle, lambda, out));
+        });
     }
 
     /// The prescribed volumes.
@@ -230,6 +246,7 @@ impl<'a> Configuration<'a> {
             time: *time,
             multipliers,
             step: step.map(|step| &**step),
+            chord: None,
         }
     }
 }

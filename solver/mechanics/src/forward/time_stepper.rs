@@ -7,7 +7,7 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::stepping::{
-    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
+    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual, settle,
 };
 use super::watch::Event;
 use super::{Configuration, Failure, Integrator, Linearizations, Problem, Trajectory, Workspace};
@@ -131,7 +131,7 @@ impl TimeStepper {
         let step = self.step.as_deref();
         let last = self.progress.last.last();
         let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
-        Iterate { space: &problem.space, rest, u, time, multipliers, step }
+        Iterate { space: &problem.space, rest, u, time, multipliers, step, chord: None }
     }
 
     /// The last time step that was begun.
@@ -211,8 +211,10 @@ impl TimeStepper {
                 if ends { end } else { self.progress.time + next * (end - self.progress.time) };
             let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
             let start = self.predict(problem, workspace, rest, &step, time, done == 0.0);
-            match attempt(problem, workspace, &start, time, &newton) {
+            let made = attempt(problem, workspace, &start, time, &newton);
+            match made.and_then(|made| settle(problem, workspace, rest, made, &newton)) {
                 Ok(step) => {
+                    self.step.clone_from(&step.step);
                     let step = LoadStep { ends_time_step: ends, ..step };
                     return Ok(self.accept(step, next, problem, workspace, rest));
                 }
@@ -344,7 +346,7 @@ impl TimeStepper {
         let begun =
             Iterate { u: &self.progress.integrator.last().u, time: self.progress.time, ..start };
         let lagged_contacts = problem.lagged_contacts(&begun);
-        let step = self.progress.integrator.step(end - self.progress.time);
+        let step = self.progress.integrator.step(self.progress.time, end);
         let step = Arc::new(TimeStep { lagged_contacts, ..step });
         self.step = Some(Arc::clone(&step));
         step

@@ -36,7 +36,7 @@ impl Trajectory {
     /// Adds the end of a time step by its displacement [m], on a rest shape [m].
     pub fn push_displacement(&mut self, problem: &Problem, rest: &[Vec3], time: f64, u: &[f64]) {
         let mut integrator = self.past(self.times.len());
-        let step = integrator.step(time - self.times[self.steps()]);
+        let step = integrator.step(self.times[self.steps()], time);
         let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
         integrator.accept(&step, u, problem.energies.internal(&at));
         self.push(time, integrator.last().clone());
@@ -111,20 +111,26 @@ impl Trajectory {
     /// Step n ≥ 1 with its lagged contacts.
     #[must_use]
     pub fn step(&self, problem: &Problem, rest: &[Vec3], n: usize) -> TimeStep {
-        self.step_to(problem, rest, n, self.times[n])
+        self.step_to(problem, rest, n, (self.times[n], &self.state(n).u))
     }
 
-    /// The step from the last state to a time [s], with its lagged contacts.
+    /// The step from the last state to one at a time [s], with its lagged contacts.
     #[must_use]
-    pub fn next_step(&self, problem: &Problem, rest: &[Vec3], end: f64) -> TimeStep {
+    pub fn next_step(&self, problem: &Problem, rest: &[Vec3], end: (f64, &[f64])) -> TimeStep {
         self.step_to(problem, rest, self.times.len(), end)
     }
 
-    fn step_to(&self, problem: &Problem, rest: &[Vec3], n: usize, end: f64) -> TimeStep {
+    fn step_to(
+        &self,
+        problem: &Problem,
+        rest: &[Vec3],
+        n: usize,
+        (end, u): (f64, &[f64]),
+    ) -> TimeStep {
         let before = self.times[n - 1];
         let last = self.state(n - 1);
         let lagged_contacts = problem.lagged_contacts(&problem.iterate(rest, &last.u, before));
-        TimeStep { lagged_contacts, ..self.past(n).step(end - before) }
+        TimeStep { lagged_contacts, ..self.past(n).step(before, end) }.ending_at(u)
     }
 }
 

@@ -11,14 +11,15 @@ use std::sync::Arc;
 use mesh::Vec3;
 
 use super::Problem;
+use super::assembly::{Wanted, assemble, times};
 use super::dirichlet::Dirichlet;
 use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
+use crate::energy::chord::{Side, on_chord};
 use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
 use crate::math::linear::{
-    Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, dot,
-    norm,
+    Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, norm,
 };
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
@@ -95,7 +96,7 @@ impl Linearization {
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let Self { u, multipliers, step, .. } = self;
         let (space, step) = (&problem.space, step.as_ref());
-        Iterate { space, rest, u, time: self.time, multipliers, step }
+        Iterate { space, rest, u, time: self.time, multipliers, step, chord: None }
     }
 }
 
@@ -145,7 +146,7 @@ impl Workspace {
         }
         let clock = Clock::start();
         let couplings =
-            |reach: f64| problem.energies.iter().flat_map(move |e| e.couplings(at, reach));
+            |reach: f64| problem.energies.terms().flat_map(move |term| term.couplings(at, reach));
         let known = couplings(1.0).all(|[a, b]| self.pattern.has(a, b));
         let wider = (!known).then(|| couplings(REACH).collect());
         self.timings.contact += clock.elapsed();
@@ -228,13 +229,13 @@ impl Workspace {
 
     /// [`Problem::value`], timed.
     pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
-        problem.value_by(|term| self.timings.of(term.kind, || term.energy.value(at)))
+        problem.value_by(|term| self.timings.of(term.kind, || term.value(at)))
     }
 
     /// [`Problem::gradient`], timed.
     pub fn gradient(&mut self, problem: &Problem, at: &Iterate) -> (Vec<f64>, f64) {
         problem.gradient_by(|term, out| {
-            self.timings.of(term.kind, || term.energy.add_gradient(at, out));
+            self.timings.of(term.kind, || term.add_gradient(at, out));
         })
     }
 
@@ -262,10 +263,8 @@ impl Workspace {
     ) -> (Symmetric, Option<Vec<f64>>) {
         self.extend_pattern(problem, at);
         let memory = std::mem::take(&mut self.blocks);
-        let mut matrix = BlockMatrix::zeros_in(&self.pattern, memory);
-        for Term { kind: of, energy } in problem.energies.terms() {
-            self.timings.of(of, || energy.add_hessian(at, kind, &mut matrix));
-        }
+        let wanted = Wanted { kind, side: Side::End, of: &|_| true };
+        let mut matrix = assemble(&self.pattern, memory, problem, at, &wanted, &mut self.timings);
         let clock = Clock::start();
         let dense = problem.rank_ones(at);
         let product = vector.map(|vector| times(&matrix, &dense, vector));
@@ -380,14 +379,49 @@ impl Workspace {
             return None;
         }
         self.extend_pattern(problem, at);
-        let mut matrix = BlockMatrix::zeros(&self.pattern);
-        let others = problem.energies.terms().filter(|t| !matches!(t.kind, Kind::Chamber(_)));
-        others.for_each(|term| term.energy.add_hessian(at, Hessian::Exact, &mut matrix));
-        let mut product = times(&matrix, &problem.rank_ones(at), w);
-        for (_, named) in problem.energies.chambers() {
-            named.chamber.add_stiffness_vjp(at, w, &mut product);
-        }
+        Some(self.transposed_times(problem, at, Side::End, w))
+    }
+
+    /// wᵀ ∂²E/∂u∂u₀ over all degrees of freedom, with u₀ the start of the chord of the step; none without a chord.
+    pub fn start_hessian_times(
+        &mut self,
+        problem: &Problem,
+        at: &Iterate,
+        w: &[f64],
+    ) -> Option<Vec<f64>> {
+        at.step?.chord.as_ref()?;
+        self.extend_pattern(problem, at);
+        let mut product = self.transposed_times(problem, at, Side::Start, w);
+        let mut turning = vec![0.0; w.len()];
+        problem.add_turning_vjp(at, w, &mut turning);
+        product.iter_mut().zip(turning).for_each(|(p, t)| *p -= t);
         Some(product)
+    }
+
+    /// wᵀ times the derivative of the forces by one side of the step's chord, at a given turn of rigid parts.
+    fn transposed_times(
+        &mut self,
+        problem: &Problem,
+        at: &Iterate,
+        side: Side,
+        w: &[f64],
+    ) -> Vec<f64> {
+        let of = |kind: Kind| !matches!(kind, Kind::Chamber(_));
+        let wanted = Wanted { kind: Hessian::Exact, side, of: &of };
+        let timings = &mut self.timings;
+        let matrix = assemble(&self.pattern, Vec::new(), problem, at, &wanted, timings);
+        let mut product = times(&matrix, &problem.rank_ones_by(at, side), w);
+        for term in problem.energies.terms() {
+            let Kind::Chamber(id) = term.kind else { continue };
+            for &point in term.points(at) {
+                let scaled: Vec<f64> = w.iter().map(|w| side.weight(point) * w).collect();
+                let chamber = problem.energies.chamber(id);
+                on_chord(at, point[0], |there| {
+                    chamber.add_stiffness_vjp(there, &scaled, &mut product);
+                });
+            }
+        }
+        product
     }
 
     /// The displacement with the fixed degrees of freedom where they are at the time,
@@ -458,14 +492,4 @@ impl Workspace {
         self.timings.assembly += clock.elapsed();
         floor
     }
-}
-
-/// A Hessian of a sparse and a dense part times a vector.
-fn times(matrix: &BlockMatrix, dense: &[RankOne], vector: &[f64]) -> Vec<f64> {
-    let mut product = matrix.multiply(vector);
-    for RankOne { scale, vector: v } in dense {
-        let along = scale * dot(v, vector);
-        product.iter_mut().zip(v).for_each(|(p, v)| *p += along * v);
-    }
-    product
 }

@@ -209,6 +209,15 @@ impl Scene {
                 100.0 * (factor - 1.0)
             );
         }
+        let turns = self.config.rigid.iter().find(|part| part.turns);
+        if let Some(part) = turns.filter(|_| self.config.method().shakes_stiff_parts()) {
+            log::warn!(
+                "{}: {} may turn, and with this method in [time] its energy may grow: it is stiffer than steps \
+                 resolve\n  take method = \"energy-momentum\", or turns = false if it is guided",
+                self.path.display(),
+                part.title()
+            );
+        }
     }
 
     /// Ends of the time steps [s]; of a static scene the full load, 1.

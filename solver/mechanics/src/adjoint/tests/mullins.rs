@@ -146,7 +146,7 @@ impl Stretched {
     /// Makes a step to a stretch: the nodal forces and the energy there [N, J], and what is lost by then [J].
     fn go(&mut self, stretch: f64) -> (Vec<f64>, f64, f64) {
         let u = self.displacement(stretch);
-        let step = self.integrator.step(1.0);
+        let step = self.integrator.step(0.0, 1.0);
         let at = Iterate { step: Some(&step), ..self.problem.iterate(&self.rest, &u, 1.0) };
         let (forces, _) = self.problem.gradient(&at);
         let energy = self.problem.energies.iter().map(|term| term.value(&at)).sum();

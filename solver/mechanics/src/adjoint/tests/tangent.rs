@@ -64,7 +64,7 @@ impl Tangent<'_> {
             let end_state = |of: fn(&State) -> &Vec<f64>| {
                 Self::slope(|e| {
                     let mut past = self.run(&changes, e).past(n);
-                    let step = past.step(end - self.run.times[n - 1]);
+                    let step = past.step(self.run.times[n - 1], end);
                     let moved: Vec<f64> = u.iter().zip(&du).map(|(u, du)| u + e * du).collect();
                     past.accept(&step, &moved, Vec::new());
                     of(past.last()).clone()

@@ -108,7 +108,7 @@ fn stress_relaxes_as_the_formula_says() {
         let mut integrator = Integrator::new(method, State::new(zero.clone(), zero));
         let mut force = 0.0;
         for n in 1..=steps {
-            let step = integrator.step(dt);
+            let step = integrator.step(0.0, dt);
             let at = problem.iterate(rest, &shear, dt * n as f64);
             let at = Iterate { step: Some(&step), ..at };
             let (gradient, _) = problem.gradient(&at);

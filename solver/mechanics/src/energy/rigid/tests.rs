@@ -35,7 +35,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, u: &'a [f64], step: Option<&'a TimeStep>) -> Iterate<'a> {
-        Iterate { space: &self.space, rest: &self.rest, u, time: 0.7, multipliers: &[], step }
+        Iterate { step, ..Iterate::new(&self.space, &self.rest, u, 0.7) }
     }
 
     /// Turned and shifted, with some noise.

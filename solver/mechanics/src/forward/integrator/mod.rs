@@ -8,12 +8,13 @@
 //! [`Formula`]. A method is a file beside this one with its formula, a [`Method`], and its name in scenes.
 
 mod bdf;
+mod energy_momentum;
 mod generalized_alpha;
 mod newmark;
 
 use serde::{Deserialize, Serialize};
 
-use crate::energy::{FreeFlight, TimeStep};
+use crate::energy::{Chord, FreeFlight, TimeStep};
 
 /// Time integration of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,6 +33,8 @@ pub enum Method {
     Newmark,
     /// Generalized-α: second order, damps what the step does not resolve, and little else.
     GeneralizedAlpha,
+    /// Energy–momentum: second order, keeps the energy of large rotations.
+    EnergyMomentum,
 }
 
 impl Method {
@@ -39,7 +42,7 @@ impl Method {
     #[must_use]
     pub fn states(self) -> usize {
         match self {
-            Self::Quasistatic | Self::ImplicitEuler => 1,
+            Self::Quasistatic | Self::ImplicitEuler | Self::EnergyMomentum => 1,
             Self::Bdf2 | Self::Newmark | Self::GeneralizedAlpha => 2,
             Self::Bdf3 => 3,
         }
@@ -49,6 +52,18 @@ impl Method {
     #[must_use]
     pub fn has_inertia(self) -> bool {
         self != Self::Quasistatic
+    }
+
+    /// Whether the energy may grow of what is much stiffer than steps resolve and turns.
+    #[must_use]
+    pub fn shakes_stiff_parts(self) -> bool {
+        matches!(self, Self::Newmark | Self::GeneralizedAlpha)
+    }
+
+    /// Whether forces act along the chord of a step.
+    #[must_use]
+    pub fn has_chord(self) -> bool {
+        self == Self::EnergyMomentum
     }
 
     /// Whether states have their accelerations, as the formula needs them.
@@ -154,25 +169,31 @@ impl Integrator {
             }
             // the acceleration at the start is not known
             Method::Newmark | Method::GeneralizedAlpha => bdf::formula(1, dt),
+            Method::EnergyMomentum => energy_momentum::formula(dt),
             method => bdf::formula(self.states.len().min(method.states()), dt),
         }
     }
 
-    /// The next step, of length Δt [s], without contacts.
+    /// The next step, from one time to another [s], without contacts.
     #[must_use]
-    pub fn step(&self, dt: f64) -> TimeStep {
+    pub fn step(&self, from: f64, to: f64) -> TimeStep {
+        let dt = to - from;
         let Formula { h, k, internal_h, past } = self.formula(dt);
         let states = || past.iter().zip(&self.states);
         let terms = states().flat_map(|(w, s)| w.history.into_iter().zip([&s.u, &s.v, &s.a]));
         let history = sum(terms);
-        let free_flight = self.method.has_inertia().then(|| {
+        let free_flight: Option<FreeFlight> = self.method.has_inertia().then(|| {
             let terms = states().flat_map(|(w, s)| w.velocity.into_iter().zip([&s.v, &s.a]));
             let velocity = sum(terms);
             let at = history.iter().zip(&velocity).map(|(u, v)| u + h * v).collect();
             FreeFlight { at, square: h * k }
         });
         let internal = sum(states().map(|(w, s)| (w.internal, &s.internal)));
-        TimeStep { h, history, free_flight, lagged_contacts: Vec::new(), internal_h, internal }
+        let chord = free_flight.as_ref().filter(|_| self.method.has_chord());
+        let start = || self.last().u.clone();
+        let chord = chord.map(|end| Chord { start: start(), time: from, end: end.at.clone() });
+        let lagged_contacts = Vec::new();
+        TimeStep { h, history, free_flight, lagged_contacts, internal_h, internal, chord }
     }
 
     /// Goes to the end `u` [m] of a step, with the internal variables there.
@@ -214,7 +235,7 @@ mod tests {
                 let before = (1..method.states()).map(|i| exact(-dt * i as f64));
                 integrator.states.extend(before);
                 for _ in 0..steps {
-                    let step = integrator.step(dt);
+                    let step = integrator.step(0.0, dt);
                     // (u − flight) / (h k) = −u
                     let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
                     integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
@@ -232,7 +253,7 @@ mod tests {
         let mut integrator =
             Integrator::new(Method::ImplicitEuler, State::new(vec![0.0], vec![0.0]));
         for n in 1..=20 {
-            let step = integrator.step(dt);
+            let step = integrator.step(0.0, dt);
             let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
             let u = at[0] + square * g;
             integrator.accept(&step, &[u], Vec::new());
@@ -248,7 +269,7 @@ mod tests {
         let mut integrator = Integrator::new(Method::Newmark, State::new(vec![1.0], vec![0.0]));
         let mut energies = Vec::new();
         for _ in 0..2000 {
-            let step = integrator.step(std::f64::consts::TAU / 20.0);
+            let step = integrator.step(0.0, std::f64::consts::TAU / 20.0);
             let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
             integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
             energies.push(energy(integrator.last()));
@@ -264,7 +285,7 @@ mod tests {
         let amplitude = |s: &State| s.u[0].hypot(s.v[0]);
         let mut logs = Vec::new();
         for _ in 0..1000 {
-            let step = integrator.step(dt);
+            let step = integrator.step(0.0, dt);
             let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
             integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
             logs.push(amplitude(integrator.last()).ln());

@@ -68,7 +68,7 @@ impl Scene {
 
     fn at<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64]) -> Iterate<'a> {
         let step = self.step.as_ref();
-        Iterate { space: &self.space, rest, u, time: 1.0, multipliers: &[], step }
+        Iterate { step, ..Iterate::new(&self.space, rest, u, 1.0) }
     }
 
     fn here(&self) -> Iterate<'_> {
