@@ -122,6 +122,40 @@ fn parts_that_cannot_be_are_refused() {
     refused("[[rigid]]\non = \"nowhere\"\n", &["nowhere", "top"]);
 }
 
+/// Threads bear the plate, and not the body that it is glued to.
+#[test]
+fn a_plate_on_a_very_soft_body_is_rigid_as_well() {
+    let threads = [[0.0, 0.0075], [0.015, 0.0075], [0.0075, 0.0], [0.0075, 0.015]];
+    let thread = |(i, [x, y]): (usize, [f64; 2])| {
+        format!(
+            "[[winding]]\nname = \"thread {i}\"\non = \"sides\"\nstiffness = 5\n\
+             points = [[{x}, {y}, 0], [{x}, {y}, 0.02]]\n"
+        )
+    };
+    let threads: String = threads.into_iter().enumerate().map(thread).collect();
+    let dir = with_plate(&format!("force = [0, 0, 0.05]\n{threads}"));
+    let law = &SCENE[SCENE.find("kind").unwrap()..SCENE.find("density").unwrap()];
+    let soft = dir
+        .text("plate.toml")
+        .replace(law, "kind = \"neo-hookean\"\nyoung = 0.05\npoisson = 0.3\n");
+    let soft =
+        soft.replace("gravity = [0, 0, -9.81]", "").replace("pressure = 2e3", "pressure = 0");
+    dir.write("plate.toml", &soft);
+    dir.solver("simulate plate.toml -o out").assert_good();
+    let read = |name: &str| mesh::io::npy::read_f64(&dir.path(&format!("out/{name}"))).unwrap().0;
+    let (rest, u) = (read("nodes.npy"), read("displacement.npy"));
+    let points = |x: &[f64]| x.chunks(3).map(Vec3::from_column_slice).collect::<Vec<_>>();
+    let (rest, u) = (points(&rest), points(&u));
+    let top: Vec<usize> = (0..rest.len()).filter(|&n| rest[n].z > 0.02 - 1e-9).collect();
+    let rise = u[top[0]].z;
+    assert!((1e-5..1e-3).contains(&rise), "{rise}");
+    for (&a, &b) in top.iter().zip(&top[1..]) {
+        let length = (rest[a] - rest[b]).norm();
+        let strain = (rest[a] + u[a] - rest[b] - u[b]).norm() / length - 1.0;
+        assert!(strain.abs() < 1e-3, "{strain}");
+    }
+}
+
 /// A mass that neither weighs nor resists would be silent.
 #[test]
 fn a_mass_needs_gravity_or_inertia() {

@@ -6,13 +6,15 @@ use anyhow::{Context, Result};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass, RigidMoment};
+use mechanics::material::sheet::Strain;
 use mechanics::rigid::{Moves, RigidSet};
+use mechanics::schedule::{Field, Schedule};
 use mechanics::symmetry::AXES;
 use mesh::Vec3;
 use program::misfit;
 
 use super::{Scene, nodes_of};
-use crate::config::{Fixed, RigidConfig};
+use crate::config::{Fixed, RigidConfig, is_pressure};
 use crate::supports::Supports;
 
 /// How far points that hinge a part may be off a line, over its length.
@@ -219,7 +221,6 @@ impl Scene {
         space: &FunctionSpace,
     ) -> Result<Vec<RigidEnergies>> {
         let positions = space.node_positions(&body.mesh.vertices);
-        let shear = self.rigid_shear_modulus();
         let one = |(part, set): (&RigidConfig, &RigidSet)| {
             let points = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
                 .with_context(|| part.title())?;
@@ -240,7 +241,8 @@ impl Scene {
             Ok(RigidEnergies {
                 moment,
                 name: part.on.clone(),
-                stiffness: (set.masters().len() > 1).then(|| Rigid::new(set, &positions, shear)),
+                stiffness: (set.masters().len() > 1)
+                    .then(|| Rigid::new(set, &positions, self.shear_modulus_of(part, set))),
                 mass: has_mass.then(|| RigidMass::new(set, part.mass, &points)),
                 load: RigidLoad::new(set, middle, part.force.clone(), gravity, part.mass),
             })
@@ -256,11 +258,41 @@ impl Scene {
         if largest > 0.0 { largest } else { self.largest_shear_modulus() }
     }
 
-    /// Shear modulus that stands for that of a rigid part: a power of ten, so that it does not change with the
-    /// numbers of the scene, by which there are derivatives [Pa].
-    pub(super) fn rigid_shear_modulus(&self) -> f64 {
-        10.0_f64.powf(self.largest_soft_shear_modulus().log10().round())
+    /// Shear modulus that stands for that of a rigid part: of what is around it the stiffest, or what bears the largest
+    /// load on it with a strain of one; a power of ten, so that it does not change with the numbers of the scene, by which
+    /// there are derivatives [Pa].
+    fn shear_modulus_of(&self, part: &RigidConfig, set: &RigidSet) -> f64 {
+        let size = set.extents().iter().copied().fold(0.0, f64::max);
+        let times = self.config.moments();
+        let most =
+            |schedule: &Schedule| times.iter().map(|t| schedule.at(*t).abs()).fold(0.0, f64::max);
+        let length = |field: &Field| field.0.iter().map(most).map(|f| f * f).sum::<f64>().sqrt();
+        let weight = part.mass * length(&self.config.gravity);
+        let on_part =
+            (length(&part.force) + weight) / size.powi(2) + length(&part.moment) / size.powi(3);
+        let sheets = self.membranes.iter().map(|sheet| {
+            sheet.material.build(false).tangent(&Strain::zeros()).max() * sheet.thickness / size
+        });
+        let threads = self.config.winding.iter().flat_map(|thread| thread.stiffness.values());
+        let threads = threads.map(|stiffness| stiffness / size.powi(2));
+        let fibres = self.config.fibre.iter().flat_map(|fibre| fibre.k1.values()).copied();
+        let pressures = self.config.chamber.iter().filter(|chamber| is_pressure(chamber.gas.key()));
+        let pressures = pressures.map(|chamber| most(chamber.gas.schedule()));
+        let tractions = self.config.traction.iter().map(|load| length(&load.traction));
+        let all = sheets.chain(threads).chain(fibres).chain(pressures).chain(tractions);
+        let largest = all.fold(self.largest_soft_shear_modulus().max(on_part), f64::max);
+        if largest.is_finite() { power_of_ten(largest) } else { self.rigid_shear_modulus() }
     }
+
+    /// Shear modulus of a rigid body, whose own is of no account: that of what is around it, as a power of ten [Pa].
+    pub(super) fn rigid_shear_modulus(&self) -> f64 {
+        power_of_ten(self.largest_soft_shear_modulus())
+    }
+}
+
+/// The next power of ten.
+fn power_of_ten(number: f64) -> f64 {
+    10.0_f64.powf(number.log10().round())
 }
 
 /// Points of some facets with their shares of the area: the middles of edges, which integrate second moments
