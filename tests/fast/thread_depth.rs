@@ -103,6 +103,7 @@ fn depths_that_cannot_be_used_are_refused() {
     for (from, to, words) in [
         ("5e-3", "0", &["depth = 0 m", "without depth the thread lies on the tag"][..]),
         ("5e-3", "0.03", &["depth = 0.03 m", "the deepest vertex is 2.0000e-2 m below"]),
+        ("5e-3", "1e-12", &["the mesh is too coarse for a layer", "a depth above", "no depth"]),
         ("\"side\"", "\"inner\"", &["\"inner\" has no facet on the boundary"]),
         ("end = 0.046", "end = 0.08", &["0.005 m below \"side\": it leaves the facets", "% of"]),
     ] {

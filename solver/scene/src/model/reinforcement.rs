@@ -259,6 +259,19 @@ impl<'a> Ground<'a> {
                 layer.deepest
             )
         );
+        if let Some((at, middle)) = layer.missed {
+            return Err(misfit!(
+                winding.title().key("depth"),
+                " = {depth} m: the mesh is too coarse for a layer there: the element at ({:.6}, {:.6}, {:.6}) m has all \
+                 corners nearer to \"{}\" than that, and its middle is {middle:.2e} m below it, so that the thread would \
+                 cut a corner; expected a depth above {middle:.2e} m, a finer mesh, or no depth for a thread on the tag",
+                at.x,
+                at.y,
+                at.z,
+                winding.on.all().join("\" and \"")
+            )
+            .into());
+        }
         Ok(layer)
     }
 

@@ -5,7 +5,8 @@
 //! Facets of neighbours share their corners, so that the layer has no gap. A vertex at the depth is a corner itself.
 //!
 //! Where distances are linear, below flat faces, the layer is exact. Below a curved one it is as good as the mesh: for
-//! a circle of radius R, at most h²/8R off with edges of the length h.
+//! a circle of radius R, at most h²/8R off with edges of the length h. Where faces meet in an edge, an element may have
+//! all corners on them: to linear distances it is no deeper than they are, and the layer passes it by.
 
 use std::collections::HashMap;
 
@@ -17,6 +18,10 @@ use super::lay::Piece;
 /// A distance from the depth that is rounding, relative to the depth [1].
 const ROUNDING: f64 = 1e-9;
 
+/// How much deeper than the layer the middle of an element that it passes by may be, over its longest edge [1]: below
+/// curved faces less than h/8R. A corner of a cube with edges of elements has a tenth.
+const PASSED: f64 = 0.03;
+
 /// The points of a body at a depth below a part of its boundary.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -26,6 +31,9 @@ pub struct Layer {
     pub points: Vec<Vec3>,
     /// The largest distance of a vertex from the part [m].
     pub deepest: f64,
+    /// The middle of the element that the layer passes by although that is deepest below the part, and how deep [m]; none
+    /// where no element is passed by that is deeper than the depth by more than [`PASSED`] of its longest edge.
+    pub missed: Option<(Vec3, f64)>,
     /// The edge of the mesh that a corner is on, and how far from its first end [1].
     edges: Vec<([usize; 2], f64)>,
     /// The tetrahedron of each triangle.
@@ -44,6 +52,7 @@ impl Layer {
             facets: Vec::new(),
             points: Vec::new(),
             deepest,
+            missed: None,
             edges: Vec::new(),
             tets: HashMap::new(),
         };
@@ -60,6 +69,10 @@ impl Layer {
                 ([a, b], [c, d]) => {
                     [[a, c], [a, d], [b, d], [b, c]].map(|[a, b]| [*a, *b]).to_vec()
                 }
+                ([_, _, _, _], []) => {
+                    layer.pass(tet.map(|v| x[v]), &bvh, depth);
+                    continue;
+                }
                 _ => continue,
             };
             let corners: Vec<usize> = pairs
@@ -71,6 +84,17 @@ impl Layer {
             }
         }
         layer
+    }
+
+    /// Notes an element with all corners above the layer.
+    fn pass(&mut self, corners: [Vec3; 4], bvh: &SurfaceBvh, depth: f64) {
+        let middle = corners.iter().sum::<Vec3>() / 4.0;
+        let deep = bvh.closest(&middle).distance;
+        let pairs = (0..4).flat_map(|i| (0..i).map(move |j| [i, j]));
+        let longest = pairs.map(|[i, j]| (corners[i] - corners[j]).norm()).fold(0.0, f64::max);
+        if deep - depth > PASSED * longest && self.missed.is_none_or(|(_, most)| deep > most) {
+            self.missed = Some((middle, deep));
+        }
     }
 
     /// The corner on an edge between a vertex above and one below, with `by` how much deeper both are.
