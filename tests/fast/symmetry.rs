@@ -77,6 +77,24 @@ fn parts_in_motion_are_as_the_whole() {
     assert_same(&dir);
 }
 
+/// Two fabrics at ±45° to a plane are each the mirror image of the other; one alone has none.
+#[test]
+fn crossed_fabrics_beside_a_plane_are_as_the_whole() {
+    let fabric = |y: f64| {
+        format!(
+            "[[membrane]]\non = \"top\"\nthickness = 1e-4\ndirection = [1, {y}, 0]\n\
+             material = {{ kind = \"woven\", warp = 3e6, weft = 1e6, shear = 2e5, poisson = 0.3 }}\n"
+        )
+    };
+    let dir = workdir(false);
+    let chamber = "[[chamber]]\non = \"cavity\"\npressure = 8e3\n";
+    simulate_all(&dir, "degree = 1", &(fabric(1.0) + &fabric(-1.0) + chamber));
+    assert_same(&dir);
+    dir.write("one.toml", &dir.text("quarter.toml").replace(&fabric(-1.0), ""));
+    let words = ["[[membrane]] on \"top\"", "mirror image", "the opposite angle"];
+    dir.solver("simulate one.toml -o one").assert_refused(2, &words);
+}
+
 /// Mirrored results of a part are those of the whole.
 #[test]
 fn a_mirrored_result_is_that_of_the_whole() {

@@ -4,13 +4,13 @@ use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Direction, Membrane};
-use mechanics::material::sheet::Specification;
+use mechanics::material::sheet::{Specification, Strain};
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
 use program::misfit;
 
 use super::Scene;
-use super::reinforcement::is_image;
+use super::reinforcement::{PARALLEL, image};
 use crate::config::MembraneConfig;
 
 /// Part of the direction of a warp that lies in its sheet, at least [1].
@@ -43,6 +43,30 @@ impl SceneMembrane {
     pub fn numbers(&self) -> Vec<f64> {
         let numbers = [self.thickness].into_iter().chain(self.material.values.iter().copied());
         numbers.chain(self.config.angle).collect()
+    }
+
+    /// Whether another sheet has the same numbers, on the same tag.
+    fn is_like(&self, other: &Self) -> bool {
+        let numbers = |sheet: &Self| (sheet.thickness, sheet.material.values.clone());
+        let config = |sheet: &Self| (sheet.config.on.clone(), sheet.config.tension);
+        config(self) == config(other)
+            && self.material.law.key == other.material.law.key
+            && numbers(self) == numbers(other)
+    }
+
+    /// Whether another sheet like this is its mirror image at a facet with these corners: their warps are, or, where warp
+    /// and weft are as stiff, the warp of one and the weft of the other.
+    fn is_image(&self, own: &Direction, other: &Direction, plane: &Plane, x: [Vec3; 3]) -> bool {
+        let normal = (x[1] - x[0]).cross(&(x[2] - x[0])).normalize();
+        let centre = x.iter().sum::<Vec3>() / 3.0;
+        let inside = |along: Vec3| (along - normal.dot(&along) * normal).normalize();
+        // the image of the other is compared here, in the plane of this facet
+        let mut there = other.at(image(plane, centre));
+        there[plane.axis] = -there[plane.axis];
+        let (here, there) = (inside(own.at(centre)), inside(there));
+        let stiffness = self.material.build(false).tangent(&Strain::zeros());
+        let balanced = stiffness[(0, 0)] == stiffness[(1, 1)];
+        here.cross(&there).norm() < PARALLEL || balanced && here.dot(&there).abs() < PARALLEL
     }
 
     /// What reports and messages call it.
@@ -93,13 +117,46 @@ impl Scene {
             let sheet = Membrane::new(space, &facets, *thickness, material.build(config.tension));
             let Some(direction) = config.leads()? else { return Ok(sheet) };
             check_warp(config, &direction, &facets, body)?;
+            for plane in &body.planes {
+                self.check_sheet_mirrored(membrane, &direction, (plane, &facets[..]), body)?;
+            }
             Ok(sheet.along(direction))
         };
         self.membranes.iter().map(one).collect()
     }
+
+    /// Refuses a sheet whose mirror image in a plane is none of the sheets on its tag.
+    fn check_sheet_mirrored(
+        &self,
+        own: &SceneMembrane,
+        direction: &Direction,
+        (plane, facets): (&Plane, &[[usize; 3]]),
+        body: &Body,
+    ) -> Result<()> {
+        let mut found = false;
+        for other in self.membranes.iter().filter(|other| own.is_like(other)) {
+            let Some(lead) = other.config.leads()? else { continue };
+            let image = |facet: &[usize; 3]| {
+                let corners = facet.map(|v| body.mesh.vertices[v]);
+                own.is_image(direction, &lead, plane, corners)
+            };
+            found |= facets.iter().all(image);
+        }
+        ensure!(
+            found,
+            misfit!(
+                own.config.title(),
+                ": its mirror image in {} is no sheet of the scene, so the body is not symmetric; expected a warp along \
+                 the plane or across it, another [[membrane]] on the tag with the same numbers and the opposite angle, \
+                 or the whole body (solver mirror)",
+                plane.equation()
+            )
+        );
+        Ok(())
+    }
 }
 
-/// Refuses a warp that is nearly across its sheet somewhere, or that is no mirror image of itself in a symmetric body.
+/// Refuses a warp that is nearly across its sheet somewhere.
 fn check_warp(
     membrane: &MembraneConfig,
     direction: &Direction,
@@ -125,15 +182,6 @@ fn check_warp(
                 centre.z,
                 100.0 * least,
                 100.0 * LEAST_PART
-            )
-        );
-        let mirrored = |plane: &Plane| is_image(direction, direction, plane, centre);
-        ensure!(
-            body.planes.iter().all(mirrored),
-            misfit!(
-                membrane.title(),
-                ": the warp is not its own mirror image in the plane of symmetry, so the body is not symmetric; \
-                 expected a warp along the plane or across it, or the whole body (solver mirror)"
             )
         );
     }

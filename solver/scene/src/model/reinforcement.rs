@@ -20,7 +20,7 @@ use crate::config::{Along, Climb, FibreConfig, WindingConfig};
 /// Vertices at which it is tested whether fibres are symmetric, at most.
 const TESTED: usize = 200;
 /// Sine of the angle between fibres that are mirror images of each other, at most, and relative difference of their k₁.
-const PARALLEL: f64 = 1e-6;
+pub(super) const PARALLEL: f64 = 1e-6;
 
 impl Scene {
     /// The families of fibres of a body, in the order of the scene.
@@ -204,14 +204,14 @@ fn mirrors(own: &Fibres, other: &Fibres, plane: &Plane, places: &[Vec3]) -> bool
 }
 
 /// The mirror image of a point.
-fn image(plane: &Plane, x: Vec3) -> Vec3 {
+pub(super) fn image(plane: &Plane, x: Vec3) -> Vec3 {
     let mut place = x;
     place[plane.axis] = 2.0 * plane.level - x[plane.axis];
     place
 }
 
 /// Whether fibres at the mirror image of a point lead along the mirror image of others.
-pub(super) fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
+fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool {
     let mut along = own.at(x);
     along[plane.axis] = -along[plane.axis];
     along.cross(&other.at(image(plane, x))).norm() < PARALLEL
