@@ -169,6 +169,8 @@ impl Scene {
         if supports.move_at_all() {
             problem = problem.with_motion(move |load| supports.displacement(load));
         }
+        let large = memory::foretold(problem.dirichlet.free().len());
+        large.iter().for_each(|said| log::warn!("{said}"));
         let mut workspace = Workspace::new(&problem);
         workspace.watch = Some(watch(self.config.time.is_some()));
         memory::require(workspace.memory()).with_context(context)?;
