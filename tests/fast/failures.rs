@@ -48,6 +48,33 @@ fn a_failure_names_what_was_reached_and_where() {
     advice.iter().for_each(|a| run.assert_refused(1, &[a.as_str().unwrap()]));
 }
 
+/// A column of silicone under a mass, of 10 × 10 × 70 mm, gives way near Euler's load π² E I/4L²: 8.6 % of the weight,
+/// with its own. Newton's method crawls there, and does not come beyond.
+#[test]
+fn a_column_is_said_to_buckle_and_where() {
+    let dir = Workdir::new();
+    let body = tag(
+        block([2, 2, 14], 5e-3, |_| false, |p| p),
+        &[("bottom", &|p| p.z < 1e-9), ("top", &|p| p.z > 0.07 - 1e-9), ("sides", &|_| true)],
+    );
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    dir.write(
+        "column.toml",
+        "mesh = \"body.msh\"\ndegree = 2\ngravity = [0.02, 0, -9.81]\n\
+         [material]\nkind = \"neo-hookean\"\nyoung = 200e3\npoisson = 0.45\ndensity = 1070\n\
+         [[fixed]]\non = \"bottom\"\n[[rigid]]\non = \"top\"\nmass = 0.1\n[solver]\nlargest_load_step = 0.1\n",
+    );
+    let (run, _) = failing(&dir, "column.toml");
+    run.assert_refused(
+        1,
+        &["warning: the body buckles", "try: the body buckles", "\"arc-length\""],
+    );
+    for said in run.stderr.split("buckles at about ").skip(1) {
+        let percent: f64 = said.split(' ').next().unwrap().parse().unwrap();
+        assert!((8.0..9.5).contains(&percent), "{percent}");
+    }
+}
+
 /// Another program finds the element in the last good state.
 #[test]
 fn meshio_finds_the_worst_element() {

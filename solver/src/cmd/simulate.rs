@@ -10,14 +10,15 @@ use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    ArcFollower, LoadStep, Problem, Steps, TimeStepper, Trajectory, Unreached, Workspace, about,
-    predicted_iterations, predicted_time,
+    ArcFollower, LoadStep, Problem, Reached, Steps, TimeStepper, Trajectory, Unreached, Workspace,
+    about, predicted_iterations, predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, End, ErrorBars, Simulation, Status};
 use scene::{Scene, log_share};
 
 use crate::number;
+use crate::report::buckling;
 use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
@@ -332,12 +333,15 @@ impl<'a> Run<'a> {
     ) -> Result<Option<Unreached>> {
         let mut made = self.done;
         let mut saved = Instant::now();
+        let mut buckles = false;
         loop {
+            let before = self.stepper.progress.last.last().cloned();
             let step = match self.next(1.0, "") {
                 Ok(step) => step,
                 Err(unreached) => return Ok(Some(unreached)),
             };
             made += 1;
+            buckles = buckles || self.warn_of_buckling(before, &step);
             let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
             let cut = stability::ends_path(self.scene, made, &at, self.problem);
             let ends = step.ends_time_step || cut.is_some();
@@ -359,6 +363,18 @@ impl<'a> Run<'a> {
                 return Ok(None);
             }
         }
+    }
+
+    /// Warns where the body buckles near a load step that took many iterations; the state before it is none where it is the
+    /// first.
+    fn warn_of_buckling(&mut self, before: Option<Reached>, step: &LoadStep) -> bool {
+        let rest = &self.scene.body.mesh.vertices;
+        let (u, time) = before.map_or((vec![0.0; step.u.len()], 0.0), |b| (b.u, b.time));
+        let at = Iterate { u: &u, time, ..step.iterate(self.problem, rest) };
+        let solver = (self.problem, &mut self.workspace);
+        let warning = buckling::foreseen(self.scene, solver, &at, step);
+        warning.iter().for_each(|warning| log::warn!("{warning}"));
+        warning.is_some()
     }
 
     /// The next load step towards the end of a time step.

@@ -17,6 +17,7 @@ use mesh::io::vtu;
 use reports::{Failed, SoftestStiffness, Status, WorstElement};
 use scene::Scene;
 
+use crate::report::buckling;
 use crate::report::locking::{FIRM, FIRM_ENOUGH, bulk_over_shear};
 use crate::report::results::{self, FAILED};
 
@@ -292,9 +293,12 @@ fn advice(
              the chamber instead of its pressure"
                 .to_owned()
         } else {
-            "the body is about to give way (buckling): move a support instead of prescribing a \
-             force, or lower the load"
-                .to_owned()
+            let stiffness = at_rest.stiffness.zip(reached.stiffness).map(<[f64; 2]>::from);
+            let load = stiffness.and_then(|both| buckling::critical_load(unreached.time, both));
+            load.filter(|load| *load > 0.0).map_or_else(
+                || "the body is about to give way (buckling): lower the load".to_owned(),
+                |load| buckling::in_words(scene, load),
+            )
         });
     }
     for warning in stretches.warnings() {

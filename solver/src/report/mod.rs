@@ -2,6 +2,7 @@
 //! record of a run while it runs, its numbers by their columns, what is known where there is no equilibrium, and how far
 //! runs are apart.
 
+pub mod buckling;
 pub mod columns;
 pub mod compare;
 pub mod crossing;
