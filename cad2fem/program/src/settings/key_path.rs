@@ -133,6 +133,18 @@ impl KeyPath {
         self
     }
 
+    /// The keys with numbers of items, for a text whose lines nobody knows: `chamber 1 fill`.
+    pub(super) fn words(&self) -> String {
+        let word = |step: &Step| match step {
+            Step::Table(name) | Step::List(name) | Step::Key(name) | Step::Value(name) => {
+                Some(name.clone())
+            }
+            Step::Item(number) | Step::Number(number) => Some(number.to_string()),
+            Step::Named(_) | Step::On(_) | Step::Along(_) | Step::Word(_) => None,
+        };
+        self.0.iter().filter_map(word).collect::<Vec<_>>().join(" ")
+    }
+
     pub(super) fn steps(&self) -> &[Step] {
         &self.0
     }

@@ -54,6 +54,8 @@ pub struct Settings {
     sources: Vec<Source>,
     /// Index of the file.
     own: usize,
+    /// Whether a program has made the text, of which nobody knows the lines.
+    is_made: bool,
 }
 
 /// A text that settings come from.
@@ -92,7 +94,7 @@ impl Settings {
     /// If a file cannot be read or is not TOML, files include each other in a circle, or there is
     /// nothing where a change belongs.
     pub fn read(path: &Path, changes: &[Change], keys: Keys) -> Result<Self> {
-        let mut settings = Self { keys, sources: Vec::new(), own: 0 };
+        let mut settings = Self { keys, sources: Vec::new(), own: 0, is_made: false };
         settings.own = settings.add_file(path, Path::new(""), &mut Vec::new())?;
         for change in changes {
             settings.add(Origin::Change(change.clone()), change.text());
@@ -106,11 +108,18 @@ impl Settings {
     /// It includes nothing.
     #[must_use]
     pub fn of_text(text: &str) -> Self {
-        let mut settings = Self { keys: Keys::default(), sources: Vec::new(), own: 0 };
+        let mut settings =
+            Self { keys: Keys::default(), sources: Vec::new(), own: 0, is_made: false };
         let origin =
             Origin::File { path: PathBuf::new(), folder: PathBuf::new(), includes: Vec::new() };
         settings.add(origin, text);
         settings
+    }
+
+    /// Settings that a program has put into words: errors have the keys that lead there, and no line.
+    #[must_use]
+    pub fn made(text: &str) -> Self {
+        Self { is_made: true, ..Self::of_text(text) }
     }
 
     /// Everything as a `T`.
@@ -127,7 +136,12 @@ impl Settings {
         let table = toml::Table::deserialize(Deserializer::from(root))
             .map_err(|error| self.refused(error.message(), error.span()))?;
         read_table(&table).map_err(|misfit| {
-            self.refused(&misfit.to_string(), place::of_path(&tree, &misfit.path))
+            let (keys, text) = (misfit.path.words(), misfit.to_string());
+            // some messages name the keys themselves
+            if self.is_made && !keys.is_empty() && !text.starts_with('[') {
+                return self.refused(&format!("{keys}: {text}"), None);
+            }
+            self.refused(&text, place::of_path(&tree, &misfit.path))
         })
     }
 
@@ -339,7 +353,8 @@ impl Settings {
 
     /// The error at a place.
     fn refused(&self, what: &str, place: Option<Range<usize>>) -> anyhow::Error {
-        let found = place.and_then(|place| Some((self.source_at(place.start)?, place)));
+        let found = place.filter(|_| !self.is_made);
+        let found = found.and_then(|place| Some((self.source_at(place.start)?, place)));
         let Some((source, place)) = found else {
             let name = self.name_of(self.own);
             let what = what.trim_end();

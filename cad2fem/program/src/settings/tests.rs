@@ -343,6 +343,17 @@ fn what_does_not_fit_is_shown_at_its_key() {
 }
 
 #[test]
+fn what_does_not_fit_in_a_made_text_has_keys_and_no_line() {
+    for (text, words) in [
+        ("[[own]]\n[[own]]\nend = 'a'", "own 2 end: own: invalid type: string \"a\", expected f64"),
+        ("point = [1, 2, true]", "point 3: invalid type: boolean `true`, expected f64"),
+    ] {
+        let message = Settings::made(text).parse::<Several>().expect_err(text).to_string();
+        assert_eq!(message, words, "{text}");
+    }
+}
+
+#[test]
 fn numbers_whose_powers_leave_f64_are_refused() {
     let folder = Folder::new(&[("sim.toml", SCENE)]);
     let parse = |value: &str| {

@@ -38,13 +38,13 @@ impl Scene {
         })
     }
 
-    /// A scene as text, TOML in a folder to which its paths are relative, whose bodies have these
-    /// meshes and not those of files.
+    /// A scene as text that a program has made, TOML in a folder to which its paths are relative, whose bodies have
+    /// these meshes and not those of files.
     ///
     /// # Errors
     /// With what was found and what was needed.
     pub fn of_text(text: &str, path: &Path, meshes: Vec<MshFile>) -> Result<Self> {
-        let file = Settings::of_text(text);
+        let file = Settings::made(text);
         file.checked(|file| {
             let (config, bodies) = config_of(file, path)?;
             ensure!(
