@@ -40,7 +40,7 @@ use crate::energy::{
     Constraint, Iterate, Kind, ParameterGradients, ParameterId, PastCotangent, Term, TimeStep,
 };
 use crate::forward::{
-    Formula, Linearization, Linearizations, Problem, State, Trajectory, Workspace,
+    Event, Formula, Linearization, Linearizations, Problem, State, Trajectory, Workspace,
     solve_multipliers,
 };
 use crate::math::linear::{dot, norm};
@@ -56,14 +56,20 @@ const TURNS: usize = 60;
 /// Relative change of such a solution that is none.
 const SETTLED: f64 = 1e-11;
 
-/// The adjoint system has no accurate solution.
+/// Why there is no gradient.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
-#[error(
-    "the adjoint system was solved only to a relative residual of {residual:.1e}, wanted {TOLERANCE:.0e}: the equilibrium is at a limit point or bifurcation"
-)]
-pub struct Singular {
-    /// Relative residual reached.
-    pub residual: f64,
+pub enum NoGradient {
+    /// The adjoint system has no accurate solution.
+    #[error(
+        "the adjoint system was solved only to a relative residual of {residual:.1e}, wanted {TOLERANCE:.0e}: the equilibrium is at a limit point or bifurcation"
+    )]
+    Singular {
+        /// Relative residual reached.
+        residual: f64,
+    },
+    /// The watch has broken off.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// Partial derivatives of the objective by what a moment looks like.
@@ -98,14 +104,14 @@ pub struct Gradient {
 /// factorisation.
 ///
 /// # Errors
-/// [`Singular`] when H has no accurate inverse at some step.
+/// [`NoGradient`] when H has no accurate inverse at some step, or the watch breaks off.
 pub fn sweep(
     problem: &Problem,
     workspace: &mut Workspace,
     (rest, run): (&[Vec3], &Trajectory),
     linearizations: &Linearizations,
     partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
-) -> Result<Gradient, Singular> {
+) -> Result<Gradient, NoGradient> {
     sweep_for(problem, workspace, (rest, run), linearizations, Wanted::All, partials)
 }
 
@@ -131,12 +137,15 @@ pub fn sweep_for(
     linearizations: &Linearizations,
     wanted: Wanted,
     mut partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
-) -> Result<Gradient, Singular> {
+) -> Result<Gradient, NoGradient> {
     let (len, steps) = (problem.dofs(), run.steps());
     let mut rest_bar = vec![0.0; 3 * rest.len()];
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
+        if workspace.tell(&Event::Adjoint { step: n }).is_break() {
+            return Err(NoGradient::Interrupted);
+        }
         let State { u, v, a, internal } = states[n].take().unwrap_or_else(|| zeros(len));
         let mut own = Partials::new(u);
         partials(&problem.space, n, &mut own);
@@ -220,7 +229,7 @@ impl Moment<'_> {
         problem: &Problem,
         workspace: &mut Workspace,
         linearization: Option<&Linearization>,
-    ) -> Result<Solution, Singular> {
+    ) -> Result<Solution, NoGradient> {
         let Partials { by_u, by_contact, by_reaction } = &self.partials;
         let at = &self.at;
         let through = workspace.contact_hessian_times(problem, at, by_contact);
@@ -397,11 +406,11 @@ fn add_where_any(to: &mut Vec<f64>, by: &[f64], factor: f64) {
 }
 
 /// H⁻¹ of a vector over the free degrees of freedom, by the last factorisation.
-fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, Singular> {
+fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, NoGradient> {
     let reached = workspace.solve_sharply(&mut x, SOUGHT, TOLERANCE);
     let residual = reached.unwrap_or(f64::INFINITY);
     if residual.is_nan() || residual > TOLERANCE {
-        return Err(Singular { residual });
+        return Err(NoGradient::Singular { residual });
     }
     Ok(x)
 }
@@ -415,7 +424,7 @@ fn eliminate_constraints(
     constraints: &[Constraint],
     lambda: &mut [f64],
     held: &[f64],
-) -> Result<Vec<f64>, Singular> {
+) -> Result<Vec<f64>, NoGradient> {
     let count = constraints.len();
     let mut mu = vec![0.0; count];
     if count == 0 {
@@ -427,7 +436,8 @@ fn eliminate_constraints(
     let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j]));
     let along = |i: usize| dot(&across[i], lambda) + dot(&constraints[i].gradient, held);
     let side = DVector::from_fn(count, |i, _| along(i));
-    let by_constraint = matrix.lu().solve(&side).ok_or(Singular { residual: f64::INFINITY })?;
+    let by_constraint =
+        matrix.lu().solve(&side).ok_or(NoGradient::Singular { residual: f64::INFINITY })?;
     for ((constraint, z), by) in constraints.iter().zip(&solved).zip(by_constraint.iter()) {
         lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= by * z);
         mu[constraint.multiplier] = *by;

@@ -16,6 +16,11 @@ pub enum Event<'a> {
         /// Residual wanted [N].
         wanted: f64,
     },
+    /// The adjoint comes to a time step, on its way from the last to the first.
+    Adjoint {
+        /// Number of the time step, counted from 1.
+        step: usize,
+    },
     /// An equilibrium was accepted with a residual above the wanted one, as rounding allows no less.
     AtRoundingFloor {
         /// Time of the equilibrium [s].
@@ -35,5 +40,6 @@ pub enum Event<'a> {
 }
 
 /// Gets to know of every [`Event`]. Where it breaks off at an iterate, Newton's method ends as
-/// [`Failure::Interrupted`](super::Failure::Interrupted).
+/// [`Failure::Interrupted`](super::Failure::Interrupted), and where it does at a time step, the adjoint as
+/// [`NoGradient::Interrupted`](crate::adjoint::NoGradient::Interrupted).
 pub type Watch = Box<dyn FnMut(&Event) -> ControlFlow<()> + Send + Sync>;

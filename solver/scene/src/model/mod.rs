@@ -142,12 +142,26 @@ impl Scene {
     /// When a tag is missing, a pressure wall is open with a free rim, the memory is too small, or
     /// `[numbers]` of the scene are not applied yet (`solver::number::read` does).
     pub fn problem(&self, body: &Body) -> Result<(Problem, Workspace)> {
+        let problem = self.discretise(body)?;
+        let large = memory::foretold(problem.dirichlet.free().len());
+        large.iter().for_each(|said| log::warn!("{said}"));
+        let mut workspace = Workspace::new(&problem);
+        workspace.watch = Some(watch(self.config.time.is_some()));
+        memory::require(workspace.memory()).with_context(|| self.path.display().to_string())?;
+        Ok((problem, workspace))
+    }
+
+    /// The discrete problem of [`Self::problem`] alone.
+    ///
+    /// # Errors
+    /// As there, but for the memory.
+    pub fn discretise(&self, body: &Body) -> Result<Problem> {
         let path = self.path.display();
         ensure!(self.config.numbers.is_empty(), "{path}: its [numbers] have not been applied");
         self.file.checked(|_| self.discretised(body))
     }
 
-    fn discretised(&self, body: &Body) -> Result<(Problem, Workspace)> {
+    fn discretised(&self, body: &Body) -> Result<Problem> {
         let context = || self.path.display().to_string();
         let (degree, exact) = (self.config.degree, self.config.quadrature);
         let vertices = body.mesh.vertices.len();
@@ -169,12 +183,7 @@ impl Scene {
         if supports.move_at_all() {
             problem = problem.with_motion(move |load| supports.displacement(load));
         }
-        let large = memory::foretold(problem.dirichlet.free().len());
-        large.iter().for_each(|said| log::warn!("{said}"));
-        let mut workspace = Workspace::new(&problem);
-        workspace.watch = Some(watch(self.config.time.is_some()));
-        memory::require(workspace.memory()).with_context(context)?;
-        Ok((problem, workspace))
+        Ok(problem)
     }
 
     /// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
@@ -477,6 +486,7 @@ fn watch(in_time: bool) -> Watch {
                     )
                 });
             }
+            Event::Adjoint { step } => heartbeat.say(|| format!("adjoint of time step {step}")),
             Event::AtRoundingFloor { time, residual, wanted, floor } => log::warn!(
                 "load {time:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
                  fall further and rounding alone may leave {floor:.0e} N"
