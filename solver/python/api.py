@@ -18,13 +18,15 @@ MODULES = {
 #: Commands of pip, which `puffer --help` explains, are no functions for others.
 COMMANDS = {"cad2fem", "tagger", "solver", "fab", "puffer"}
 #: Values that a user gets and does not make, and helpers that other modules share.
-MADE_ELSEWHERE, SHARED = {"Run", "Design", "Response", "ProgramError"}, {"floats"}
+MADE_ELSEWHERE = {"Run", "RunWarning", "UnusableRun", "Derivatives", "Design", "Response", "ProgramError"}
+SHARED = {"Said", "check_unusable"}
 
 
 def public(body):
     """The functions and classes among statements that people may use."""
     kinds = (ast.FunctionDef, ast.ClassDef)
-    return [node for node in body if isinstance(node, kinds) and not node.name.startswith("_")]
+    named = [node for node in body if isinstance(node, kinds) and not node.name.startswith("_")]
+    return [node for node in named if "overload" not in decorators(node)]
 
 
 def decorators(node):

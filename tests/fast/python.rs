@@ -43,11 +43,11 @@ fn python_with(needs: &str) -> Option<PathBuf> {
     Some(python)
 }
 
-/// The folder in which some classes of tests passed; none where a package of Python is missing.
-fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
+/// The folder in which some classes of tests in a file passed; none where a package of Python is missing.
+fn passed(file: &str, classes: &[&str], needs: &str) -> Option<Workdir> {
     let python = python_with(needs)?;
     let dir = package();
-    let tests = repository().join("tests/python/package.py");
+    let tests = repository().join("tests/python").join(file);
     let mut command = Command::new(python);
     command.arg("-B").arg(tests).args(classes).current_dir(dir.path(""));
     command.env("PYTHONPATH", dir.path("")).env("PUFFER_SAVED", dir.path("saved"));
@@ -60,21 +60,30 @@ fn passed(classes: &[&str], needs: &str) -> Option<Workdir> {
 /// What it saves is what the program makes of the same scene.
 #[test]
 fn the_python_package_works_on_a_small_body() {
-    let Some(dir) = passed(
-        &["Bodies", "Scenes", "Runs", "Starts", "Scenarios", "Programs", "Book"],
-        "autograd",
-    ) else {
-        return;
-    };
-    for name in ["still", "moving"] {
+    let classes = ["Bodies", "Scenes", "Runs", "Starts", "Scenarios", "Programs", "Keys", "Book"];
+    let Some(dir) = passed("package.py", &classes, "autograd") else { return };
+    for name in ["still", "moving", "path"] {
         dir.solver(&format!("simulate saved/{name}/sim.toml -o {name}")).assert_good();
         let [saved, made] = [format!("saved/{name}"), name.to_owned()]
             .map(|of| dir.json(&format!("{of}/report.json")));
         check_simulation(&saved);
-        for key in ["steps", "probes", "chambers", "energy_balance", "tags", "error_bars", "status"]
-        {
+        for key in [
+            "steps",
+            "probes",
+            "chambers",
+            "energy_balance",
+            "tags",
+            "error_bars",
+            "status",
+            "usable",
+            "stability",
+            "stretch_range",
+            "limit",
+            "config",
+        ] {
             assert_eq!(saved[key], made[key], "{name}: {key}");
         }
+        assert_eq!(saved["locking"]["change"], made["locking"]["change"], "{name}");
         for key in ["factor_entries", "dofs", "newton_iterations"] {
             assert!(saved[key].as_u64().unwrap() > 0 && saved[key] == made[key], "{name}: {key}");
         }
@@ -82,18 +91,45 @@ fn the_python_package_works_on_a_small_body() {
 }
 
 #[test]
+fn runs_are_judged_kept_and_ended() {
+    let _ = passed("runs.py", &[], "autograd");
+}
+
+#[test]
 fn pytorch_differentiates_a_simulation() {
-    let _ = passed(&["Torch"], "torch");
+    let _ = passed("frameworks.py", &["Torch"], "torch");
 }
 
 #[test]
 fn jax_differentiates_a_simulation() {
-    let _ = passed(&["Jax"], "jax");
+    let _ = passed("frameworks.py", &["Jax"], "jax");
 }
 
 #[test]
 fn scipy_designs_with_gradients() {
-    let _ = passed(&["SciPy"], "scipy");
+    let _ = passed("package.py", &["SciPy"], "scipy");
+}
+
+#[test]
+fn bodies_come_from_meshio() {
+    let _ = passed("package.py", &["Meshio"], "meshio");
+}
+
+#[test]
+fn pyvista_shows_bodies_and_runs() {
+    let _ = passed("package.py", &["PyVista"], "pyvista");
+}
+
+#[test]
+fn type_checkers_pass_the_book_and_find_what_is_wrong() {
+    let Some(python) = python_with("mypy") else { return };
+    let dir = package();
+    let mut command = Command::new(python);
+    command.arg("-B").arg(repository().join("tests/python/typed.py")).current_dir(dir.path(""));
+    let done = command.output().unwrap();
+    let said = String::from_utf8_lossy(&done.stdout);
+    said.lines().filter_map(|line| line.strip_prefix("SKIPPED ")).for_each(skip);
+    assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
 }
 
 /// Those notebooks that need NumPy and autograd alone; `slow/notebooks.rs` runs all of them.

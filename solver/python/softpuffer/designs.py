@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from typing import Any
 
 from .programs import run
 from .scene import Scene, load
@@ -17,15 +18,16 @@ class Design:
         self.folder = folder
 
     @property
-    def history(self) -> list[dict]:
+    def history(self) -> list[dict[str, Any]]:
         """A row for each accepted iteration: level, objective, terms and more."""
         lines = (self.folder / "history.jsonl").read_text().splitlines()
         return [json.loads(line) for line in lines]
 
     @property
-    def report(self) -> dict:
+    def report(self) -> dict[str, Any]:
         """The content of `report.json`."""
-        return json.loads((self.folder / "report.json").read_text())
+        report: dict[str, Any] = json.loads((self.folder / "report.json").read_text())
+        return report
 
     @property
     def scene(self) -> Scene:
@@ -34,7 +36,7 @@ class Design:
         return load(scene, [f"mesh={(self.folder / 'design.msh').resolve()}"])
 
 
-def design(path: str | os.PathLike, output: str | os.PathLike, *arguments: str) -> Design:
+def design(path: str | os.PathLike[str], output: str | os.PathLike[str], *arguments: str) -> Design:
     """Solves the design problem of a `design.toml` into a folder; a run that was interrupted continues.
 
     arguments: further words of `solver optimize`, such as "--restart".

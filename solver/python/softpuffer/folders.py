@@ -18,7 +18,7 @@ _OTHERS = (".stp", ".brep", ".iges", ".3mf", ".stl", ".obj", ".ply")
 _CAD = (".geo", ".step", ".stp", ".iges")
 
 
-def new(folder: str | os.PathLike, like: str = "blank") -> Path:
+def new(folder: str | os.PathLike[str], like: str = "blank") -> Path:
     """Writes a folder with all files of a body, to begin with: blank, beam, finger, pneunet, arm, frog, gripper, ...
 
     Raises ProgramError where the folder is there already or there is no such body.
@@ -27,7 +27,7 @@ def new(folder: str | os.PathLike, like: str = "blank") -> Path:
     return Path(folder)
 
 
-def mesh(folder: str | os.PathLike, set: Iterable[str] = (), edge_length: float | None = None) -> Body:
+def mesh(folder: str | os.PathLike[str], set: Iterable[str] = (), edge_length: float | None = None) -> Body:
     """Makes the tagged mesh of a folder from its model, in its folder `build`, as make does, and reads it.
 
     set: other numbers of the model, as `cad2fem model` takes them: ["cavity.slot.shape.box.size.1=8"].

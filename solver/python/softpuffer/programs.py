@@ -1,11 +1,13 @@
 """The commands that pip installs: four programs, and `puffer`, which calls them."""
 
+from __future__ import annotations
+
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Sequence
+from typing import NoReturn, Sequence
 
 PACKAGE = Path(__file__).resolve().parent
 BIN = PACKAGE / "bin"
@@ -37,7 +39,7 @@ class ProgramError(RuntimeError):
         super().__init__(_message(program, stderr) or f"{program} ended with exit code {returncode}, without a message")
 
 
-def _message(program, stderr):
+def _message(program: str, stderr: str) -> str:
     """The message with which a program ended: from the last line on that begins with its name, or of what is wrong
     with its arguments."""
     lines = stderr.strip().splitlines()
@@ -45,27 +47,27 @@ def _message(program, stderr):
     return "\n".join(lines[begins[-1] :]) if begins else ""
 
 
-def cad2fem():
+def cad2fem() -> None:
     """Runs the program `cad2fem`."""
     _run_program("cad2fem", sys.argv[1:])
 
 
-def tagger():
+def tagger() -> None:
     """Runs the program `tagger`."""
     _run_program("tagger", sys.argv[1:])
 
 
-def solver():
+def solver() -> None:
     """Runs the program `solver`."""
     _run_program("solver", sys.argv[1:])
 
 
-def fab():
+def fab() -> None:
     """Runs the program `fab`."""
     _run_program("fab", sys.argv[1:])
 
 
-def puffer():
+def puffer() -> None:
     """Runs the command `puffer`."""
     word, rest = (sys.argv + ["--help"])[1], sys.argv[2:]
     if word in PROGRAMS:
@@ -109,7 +111,7 @@ def run(name: str, arguments: Sequence[str]) -> str:
     return done.stdout
 
 
-def _run_program(name, arguments):
+def _run_program(name: str, arguments: Sequence[str]) -> None:
     try:
         path = program(name)
     except FileNotFoundError as error:
@@ -117,7 +119,7 @@ def _run_program(name, arguments):
     _run(path, arguments, _environment())
 
 
-def _environment():
+def _environment() -> dict[str, str]:
     """That of the programs: their meshers are packages of this Python, unless the user says otherwise."""
     environment = dict(os.environ)
     if not environment.get("PUFFER_PYTHON"):
@@ -125,7 +127,7 @@ def _environment():
     return environment
 
 
-def _make(arguments):
+def _make(arguments: list[str]) -> None:
     """Runs make with the programs of this package before others; a folder without a Makefile gets the rules."""
     make = shutil.which("make") or _refuse("make is missing: on Debian, apt install make")
     environment = _environment()
@@ -136,7 +138,7 @@ def _make(arguments):
     _run(make, [*own, *arguments], environment)
 
 
-def _sweep(arguments):
+def _sweep(arguments: list[str]) -> None:
     """Runs the sweep of a folder into its `build`, as `make sweep DIR=...` does in a checkout."""
     if not arguments or arguments[0].startswith("-"):
         _refuse("of which folder? puffer sweep FOLDER, where sweep.toml is")
@@ -153,7 +155,7 @@ def _sweep(arguments):
     _run(sys.executable, ["-Es", str(SHARE / "sweep" / "sweep.py"), str(file), *rest], environment)
 
 
-def _gallery(folders):
+def _gallery(folders: list[str]) -> None:
     """Writes the gallery of some folders into `gallery`, as `make gallery` does in a checkout."""
     if not folders or any(name.startswith("-") for name in folders):
         _refuse("of which folders? puffer gallery FOLDER ..., each with its build")
@@ -161,7 +163,7 @@ def _gallery(folders):
     _run(sys.executable, ["-Es", str(SHARE / "gallery.py"), "gallery", *bodies], _environment())
 
 
-def _run(path, arguments, environment):
+def _run(path: str | Path, arguments: Sequence[str], environment: dict[str, str]) -> None:
     """Becomes another program, where the system can; its exit code is ours."""
     command = [str(path), *arguments]
     if os.name == "nt":
@@ -169,6 +171,6 @@ def _run(path, arguments, environment):
     os.execve(command[0], command, environment)
 
 
-def _refuse(why):
+def _refuse(why: object) -> NoReturn:
     print(f"puffer: {why}", file=sys.stderr)
     sys.exit(2)

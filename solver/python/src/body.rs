@@ -6,12 +6,13 @@ use std::sync::Arc;
 use mesh::io::MshFile;
 use mesh::{TetMesh, Vec3};
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::computing::compute;
 use crate::error::{refused, refused_as};
 
 /// A tetrahedral mesh whose facets and parts have names.
@@ -26,6 +27,7 @@ impl Body {
     /// each volume.
     #[new]
     fn new(
+        py: Python<'_>,
         vertices: PyReadonlyArray2<'_, f64>,
         tets: PyReadonlyArray2<'_, i64>,
         tags: Vec<(String, PyReadonlyArray2<'_, i64>)>,
@@ -41,20 +43,22 @@ impl Body {
             Ok((name.clone(), of.as_array().iter().map(index).collect::<PyResult<Vec<_>>>()?))
         };
         let volumes = volumes.iter().map(parts).collect::<PyResult<Vec<_>>>()?;
-        let file = mesh::io::tagged_mesh(&mesh, &tags, &volumes).map_err(refused_as)?;
+        let made = compute(py, || mesh::io::tagged_mesh(&mesh, &tags, &volumes))?;
+        let file = made.map_err(refused_as)?;
         Ok(Self { file: Arc::new(file) })
     }
 
     /// Reads a mesh of Gmsh, as the tagger writes it.
     #[staticmethod]
-    fn read(path: PathBuf) -> PyResult<Self> {
-        let file = mesh::io::read_tets(&path).map_err(refused)?;
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let file = compute(py, || mesh::io::read_tets(&path))?.map_err(refused)?;
         Ok(Self { file: Arc::new(file) })
     }
 
     /// Writes it as a mesh of Gmsh.
-    fn write(&self, path: PathBuf) -> PyResult<()> {
-        mesh::io::write_tets(&path, &self.file.mesh, &self.file.tags).map_err(refused)
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let write = || mesh::io::write_tets(&path, &self.file.mesh, &self.file.tags);
+        compute(py, write)?.map_err(refused)
     }
 
     /// Positions (n, 3) [m], a copy.
@@ -92,12 +96,6 @@ impl Body {
             found.set_item(name, PyArray1::from_vec(py, own))?;
         }
         Ok(found)
-    }
-
-    fn __repr__(&self) -> String {
-        let MshFile { mesh, tags } = &*self.file;
-        let (vertices, tets) = (mesh.vertices.len(), mesh.tets.len());
-        format!("<Body: {vertices} vertices, {tets} tetrahedra, tags {}>", tags.names.join(", "))
     }
 }
 
@@ -141,11 +139,11 @@ pub fn vectors<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<Bound<'py, PyA
 }
 
 /// Numbers in rows of a length.
-pub fn by_rows<'py>(
+pub fn by_rows<'py, T: Element>(
     py: Python<'py>,
-    numbers: Vec<f64>,
+    numbers: Vec<T>,
     columns: usize,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> PyResult<Bound<'py, PyArray2<T>>> {
     let rows = numbers.len() / columns;
     numbers.into_pyarray(py).reshape([rows, columns])
 }
@@ -154,6 +152,5 @@ fn table<'py, const N: usize>(
     py: Python<'py>,
     rows: &[[usize; N]],
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
-    let numbers: Vec<i64> = rows.iter().flatten().map(|&i| i as i64).collect();
-    numbers.into_pyarray(py).reshape([rows.len(), N])
+    by_rows(py, rows.iter().flatten().map(|&i| i as i64).collect(), N)
 }

@@ -1,13 +1,16 @@
 //! The module `softpuffer._native`: what the Python package calls of Puffer's crates.
 //!
 //! Python gives names, numbers and NumPy's arrays, and gets them; checks and messages are those of
-//! the programs. What these log goes to Python's `logging`. Computations release Python's lock, and end where Ctrl-C is pressed.
+//! the programs. What these log goes to Python's `logging`, and what they warn of a run to the run. Computations release
+//! Python's lock, and end where Ctrl-C is pressed.
 
 mod body;
-mod course;
+mod computing;
 mod error;
 mod run;
+mod saved;
 mod scene;
+mod solved;
 
 use pyo3::prelude::*;
 
@@ -25,11 +28,15 @@ mod _native {
     #[pymodule_export]
     use super::scene::Scene;
 
-    /// Hands on what is logged. Another module of this process may have done so.
     #[pymodule_init]
-    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let _one_is_enough = pyo3_log::try_init();
-        Ok(())
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::computing::hear(module.py())
+    }
+
+    /// Refuses a process that was forked from one in which there are threads.
+    #[pyfunction]
+    fn check_process(py: Python<'_>) -> PyResult<()> {
+        crate::computing::compute(py, || ())
     }
 
     /// Version of Puffer that this module was built from.

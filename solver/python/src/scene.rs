@@ -13,8 +13,10 @@ use scene::config::ScenarioConfig;
 use solver::number::{self, Number, Walls};
 use solver::optimize::scene_of;
 use solver::study::nearby;
+use solver::study::uncertainty;
 
 use crate::body::{Body, points, vectors};
+use crate::computing::{collect, compute};
 use crate::error::{refused, refused_as};
 use crate::run::Run;
 
@@ -33,10 +35,12 @@ struct State {
 }
 
 impl Scene {
-    /// Gives the numbers of a scene that was read their values.
+    /// Gives the numbers of a scene that was read their values, and refuses what cannot be simulated.
     fn new(scene: scene::Scene) -> anyhow::Result<Self> {
         let set = scene.config.numbers.clone();
         let scene = Arc::new(number::apply(scene)?);
+        // what it warns of is said where the scene is simulated
+        collect(|| check(&scene)).0?;
         Ok(Self { state: Mutex::new(State { scene, set }) })
     }
 
@@ -52,14 +56,26 @@ impl Scene {
     /// Changes the scene, or leaves it as it is where that fails.
     fn change(
         &self,
-        change: impl FnOnce(&mut scene::Scene, &mut BTreeMap<String, f64>) -> anyhow::Result<()>,
+        py: Python<'_>,
+        change: impl FnOnce(&mut scene::Scene, &mut BTreeMap<String, f64>) -> anyhow::Result<()> + Send,
     ) -> PyResult<()> {
-        let mut now = self.lock();
-        let (mut scene, mut set) = ((*now.scene).clone(), now.set.clone());
-        change(&mut scene, &mut set).map_err(refused)?;
-        *now = State { scene: Arc::new(scene), set };
-        Ok(())
+        let changed = compute(py, || {
+            let mut now = self.lock();
+            let (mut scene, mut set) = ((*now.scene).clone(), now.set.clone());
+            change(&mut scene, &mut set)?;
+            *now = State { scene: Arc::new(scene), set };
+            anyhow::Ok(())
+        });
+        changed?.map_err(refused)
     }
+}
+
+/// Refuses a scene that cannot be simulated.
+fn check(scene: &scene::Scene) -> anyhow::Result<()> {
+    let problem = scene.discretise(&scene.body)?;
+    scene.probes(&scene.body, &problem.space)?;
+    scene.check_loads()?;
+    uncertainty::check(scene)
 }
 
 #[pymethods]
@@ -69,8 +85,8 @@ impl Scene {
     fn read(py: Python<'_>, path: PathBuf, changes: Vec<String>) -> PyResult<Self> {
         let changes = changes.iter().map(|text| text.parse::<Change>().map_err(refused_as));
         let changes = changes.collect::<PyResult<Vec<_>>>()?;
-        let read = py.detach(|| Self::new(scene::Scene::read_with(&path, &[], &changes)?));
-        read.map_err(refused)
+        let read = || Self::new(scene::Scene::read_with(&path, &[], &changes)?);
+        compute(py, read)?.map_err(refused)
     }
 
     /// A scene by its tables in JSON, whose bodies have these meshes in place of those of files. Its
@@ -82,14 +98,30 @@ impl Scene {
         folder: PathBuf,
         bodies: Vec<PyRef<'_, Body>>,
     ) -> PyResult<Self> {
+        let tables: serde_json::Value = serde_json::from_str(tables).map_err(refused)?;
+        Self::of_toml(py, &toml::to_string(&tables).map_err(refused)?, folder, bodies)
+    }
+
+    /// The same by its text in TOML.
+    #[staticmethod]
+    fn of_toml(
+        py: Python<'_>,
+        text: &str,
+        folder: PathBuf,
+        bodies: Vec<PyRef<'_, Body>>,
+    ) -> PyResult<Self> {
         let meshes: Vec<_> = bodies.iter().map(|body| Arc::clone(&body.file)).collect();
-        let made = py.detach(|| {
+        let made = || {
             let meshes = meshes.iter().map(|mesh| (**mesh).clone()).collect();
-            let tables: serde_json::Value = serde_json::from_str(tables)?;
-            let text = toml::to_string(&tables)?;
-            Self::new(scene::Scene::of_text(&text, &folder.join("scene"), meshes)?)
-        });
-        made.map_err(refused)
+            Self::new(scene::Scene::of_text(text, &folder.join("scene"), meshes)?)
+        };
+        compute(py, made)?.map_err(refused)
+    }
+
+    /// The folder to which its paths are relative.
+    #[getter]
+    fn folder(&self) -> PathBuf {
+        self.now().path.parent().map_or_else(PathBuf::new, Path::to_path_buf)
     }
 
     /// The scene as TOML, with the meshes of these paths where there are any, one for each body. They
@@ -120,6 +152,12 @@ impl Scene {
         self.now().config.probe.iter().map(|probe| probe.name().to_owned()).collect()
     }
 
+    /// Numbers of tetrahedra, and the degree.
+    fn size(&self) -> (usize, usize) {
+        let scene = self.now();
+        (scene.body.mesh.tets.len(), scene.config.degree)
+    }
+
     /// Number of nodes that a run has.
     fn node_count(&self) -> usize {
         let scene = self.now();
@@ -129,12 +167,12 @@ impl Scene {
     }
 
     /// A scene of its own, as a scenario of a design has it, by its table in JSON.
-    fn scenario(&self, table: &str) -> PyResult<Self> {
+    fn scenario(&self, py: Python<'_>, table: &str) -> PyResult<Self> {
         let State { scene: before, mut set } = self.lock().clone();
         let table: serde_json::Value = serde_json::from_str(table).map_err(refused)?;
         let text = toml::to_string(&table).map_err(refused)?;
-        let config: ScenarioConfig = Settings::of_text(&text).parse().map_err(refused)?;
-        let scene = scene_of(&before, &config).map_err(refused)?;
+        let config: ScenarioConfig = Settings::made(&text).parse().map_err(refused)?;
+        let scene = compute(py, || scene_of(&before, &config))?.map_err(refused)?;
         for number in Number::all(&scene).iter().filter(|number| number.word() != "wall") {
             let is_new = number.value(&scene) != number.value(&before);
             if is_new && number.added_to(&mut scene.clone()).is_none() {
@@ -173,19 +211,22 @@ impl Scene {
         found.map_err(refused)
     }
 
-    /// Gives a number a value. A wall is moved by it from where it is.
-    fn set(&self, path: &str, value: f64) -> PyResult<()> {
-        self.change(|scene, set| {
-            let number = Number::find(scene, path)?;
-            let walls = Walls::of([&number], scene)?;
-            number.replace(scene, walls.as_ref(), value)?;
-            if number.added_to(scene).is_none() {
-                match walls {
-                    Some(_) => *set.entry(path.to_owned()).or_default() += value,
-                    None => drop(set.insert(path.to_owned(), value)),
+    /// Gives numbers their values, all or none. A wall is moved by its value from where it is.
+    fn set(&self, py: Python<'_>, values: Vec<(String, f64)>) -> PyResult<()> {
+        self.change(py, |scene, set| {
+            let find = |(path, _): &(String, f64)| Number::find(scene, path);
+            let numbers = values.iter().map(find).collect::<anyhow::Result<Vec<_>>>()?;
+            let walls = Walls::of(&numbers, scene)?;
+            for (number, (path, value)) in numbers.iter().zip(&values) {
+                number.replace(scene, walls.as_ref(), *value)?;
+                if number.added_to(scene).is_none() {
+                    match number.word() {
+                        "wall" => *set.entry(path.clone()).or_default() += value,
+                        _ => drop(set.insert(path.clone(), *value)),
+                    }
                 }
             }
-            number.check(scene)
+            numbers.iter().try_for_each(|number| number.check(scene))
         })
     }
 
@@ -196,9 +237,9 @@ impl Scene {
     }
 
     /// Gives the vertices other rest positions (n, 3) [m].
-    fn move_to(&self, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+    fn move_to(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
         let vertices = points(&vertices)?;
-        self.change(|scene, _| {
+        self.change(py, |scene, _| {
             let mesh = &mut scene.body.mesh;
             let (found, needed) = (vertices.len(), mesh.vertices.len());
             ensure!(found == needed, "{found} vertices, but the scene has {needed}");
@@ -221,23 +262,23 @@ impl Scene {
 
     /// Solves the scene. `progress` is called with the time, the number of an iteration of Newton's
     /// method, the unbalanced force and the one wanted [N]. The equilibrium is sought next to that of
-    /// `start` first.
-    #[pyo3(signature = (progress=None, start=None))]
+    /// `start` first. What elements hold back is estimated at once, or where it is asked for.
+    #[pyo3(signature = (progress=None, start=None, estimates=false))]
     fn simulate(
         &self,
         py: Python<'_>,
         progress: Option<Py<PyAny>>,
         start: Option<PyRef<'_, Run>>,
+        estimates: bool,
     ) -> PyResult<Run> {
         let scene = self.now();
         let start = start.map(|run| run.start_of(&scene)).transpose()?;
-        Run::new(py, scene, progress, start)
+        Run::new(py, scene, progress, (start, estimates))
     }
 
-    fn __repr__(&self) -> String {
-        let scene = self.now();
-        let (tets, degree) = (scene.body.mesh.tets.len(), scene.config.degree);
-        format!("<Scene: {tets} tetrahedra of degree {degree}, {}>", path_of(&scene.path).display())
+    /// A run of this scene by its bytes.
+    fn run_of_bytes(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<Run> {
+        Run::of_bytes(py, self.now(), bytes)
     }
 }
 
@@ -250,8 +291,4 @@ fn value(scene: &mut scene::Scene, number: &Number) -> Option<f64> {
         Some(schedule) => schedule.number(),
         None => Some(number.value(scene)),
     }
-}
-
-fn path_of(path: &Path) -> &Path {
-    path.file_name().map_or(path, Path::new)
 }

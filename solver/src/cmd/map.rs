@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use program::{Changes, Unusable, read_checkpoint, write_checkpoint};
+use reports::Status;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::number;
 use crate::report::table;
@@ -16,8 +18,8 @@ use crate::study::map::{Grid, Map, Row};
 ///
 /// Writes a row for each combination of values, the last number fastest: the numbers, status, the probes, the pose of
 /// the tip (mean position and rotation vector), the derivative of each by each number, and the stiffness at the tip, the
-/// upper triangle of a matrix 6 × 6. SI units; NaN where there is no equilibrium. A table that was interrupted
-/// continues after its last row when the same command is given again.
+/// upper triangle of a matrix 6 × 6. SI units; NaN where there is no equilibrium, or one that must not be used. A table that
+/// was interrupted continues after its last row when the same command is given again.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The scene, without [time]
@@ -60,9 +62,8 @@ struct Begun {
 
 /// Least time between two checkpoints.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
-/// What the status of a row is.
+/// Word of a row that was found.
 const FOUND: &str = "ok";
-const NONE: &str = "no equilibrium";
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
@@ -96,11 +97,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     table::write(&arguments.output, table)?;
     mesh::io::remove_output(&path)?;
     let found = begun.rows.iter().filter(|row| row[grid.len()] == FOUND).count();
-    log::info!("{}: {found} of {count} rows have an equilibrium", arguments.output.display());
+    log::info!(
+        "{}: {found} of {count} rows have an equilibrium that may be used",
+        arguments.output.display()
+    );
     if found == 0 {
-        return Err(
-            Unusable(format!("{}: no row has an equilibrium", arguments.scene.display())).into()
-        );
+        return Err(Unusable(format!(
+            "{}: no row has an equilibrium that may be used",
+            arguments.scene.display()
+        ))
+        .into());
     }
     Ok(())
 }
@@ -131,15 +137,23 @@ fn begin(path: &Path, inputs: String, restart: bool) -> Result<Begun> {
 fn text(row: &Row, columns: usize) -> Vec<String> {
     let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>();
     let mut text = numbers(&row.at);
-    text.push(if row.values.is_some() { FOUND } else { NONE }.to_owned());
+    text.push(word(row.status));
     text.extend(row.values.as_deref().map(numbers).unwrap_or_default());
     text.resize(columns, f64::NAN.to_string());
     text
 }
 
+/// The status as reports have it.
+fn word(status: Status) -> String {
+    json!(status).as_str().unwrap_or(FOUND).to_owned()
+}
+
 fn in_words(row: &Row, grid: &[Grid], [i, count]: [usize; 2], start: Instant) -> String {
     let numbers = grid.iter().zip(&row.at).map(|(own, value)| format!("{} = {value}", own.path));
-    let status = if row.values.is_some() { "" } else { "  no equilibrium" };
+    let status = match row.status {
+        Status::Ok => String::new(),
+        other => format!("  {}", word(other)),
+    };
     let seconds = start.elapsed().as_secs_f64();
     format!("row {i}/{count}  {}{status}  {seconds:.1} s", numbers.collect::<Vec<_>>().join("  "))
 }

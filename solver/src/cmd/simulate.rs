@@ -8,32 +8,27 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
-use mechanics::energy::Iterate;
 use mechanics::forward::{
     ArcFollower, LoadStep, Problem, Reached, Steps, TimeStepper, Trajectory, Unreached, Workspace,
     about, predicted_iterations, predicted_time,
 };
 use program::{Changes, FolderLock, Unusable};
-use reports::{AsCast, End, ErrorBars, Simulation, Status};
+use reports::{AsCast, Simulation};
 use scene::{Scene, log_share};
 
 use crate::number;
 use crate::report::buckling;
-use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
-use crate::report::locking;
 use crate::report::meeting;
 use crate::report::record::{Checkpoint, Finished, Recorder, Work};
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
 use crate::report::stability;
-use crate::report::summary;
 use crate::report::time_left::{Pace, foretell};
 use crate::report::writer::{Writer, write_beside};
-use crate::report::{reinforcement, threads};
 use crate::study::as_cast;
-use crate::study::limit::{self, Edges};
+use crate::study::outcome::Outcome;
 use crate::study::uncertainty;
 
 /// Solve a scene for its equilibrium under the full load, or through time
@@ -85,7 +80,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
     scene.check_loads()?;
-    scene.warn_of_growth();
     uncertainty::check(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
@@ -131,50 +125,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_beside(&mut recorder, |writer| run.go(steps, writer, checkpoint))?;
     run.workspace.timings.output += waited;
     let equilibrium_s = before_s + begin.elapsed().as_secs_f64();
-    report.rest.clone_from(&recorder.rest);
-    report.steps.clone_from(&recorder.lines);
-    // at the end, as contact adds entries
-    report.factor_entries = run.workspace.linear().cost().entries;
-    report.memory_estimate_mb = run.workspace.memory().bytes as f64 / f64::from(1 << 20);
+    simulation::follow(&mut report, &recorder, &run.workspace);
     Checkpoint::remove(folder)?;
     if let Some(unreached) = outcome {
         return Err(run.failed(report, arguments, &unreached)?);
     }
-    let end = run.stepper.iterate(&problem, &scene.body.mesh.vertices);
-    reinforcement::write_threads(folder, &scene, &problem.energies, &end)?;
-    threads::crossings(&scene, &problem.energies, &end)
-        .iter()
-        .for_each(|line| log::info!("{line}"));
-    let (mut found, crossing) = run.found(&end, &recorder, [equilibrium_s, predicted_s])?;
-    let known = stability::at_end(&scene, (&problem, &mut run.workspace), &end, run.last.as_ref());
-    let (stability, mode) = known.unzip();
-    found.stability = stability;
-    found.load_reached = run.last.as_ref().map(|step| step.time);
-    let mut edges = run.edges(&end);
-    if let Some(edges) = &mut edges {
-        uncertainty::report_edges(&scene, &problem, &end, edges);
-    }
-    let at_limit = || edges.as_ref()?.at_limit.as_ref().map(|found| found.mode.clone());
-    let mode = mode.or_else(at_limit);
-    found.limit = edges.map(|edges| edges.limit);
-    results::write_end(folder, &problem, &end, mode.as_deref())?;
-    found.error_bars = run.error_bars();
-    found.wall_s = before_s + start.elapsed().as_secs_f64();
-    found.peak_rss_mb = program::peak_rss_mb();
-    let missed = stability::missed(&scene, report.steps.len(), run.last.as_ref());
-    if let Some(missed) = &missed {
-        log::warn!("{missed}");
-        (report.usable, report.status) = (false, Status::FullLoadNotReached);
-    }
-    if crossing.is_some() {
-        (report.usable, report.status) = (false, Status::SurfacesCrossed);
-    }
-    log::info!("{}", summary::in_words(&found));
-    summary::inflations(&found).iter().for_each(|line| log::info!("{line}"));
-    report.end = Some(found);
-    results::write_report(folder, &report)?;
-    let Some(why) = crossing.map(|crossing| crossing.in_words()).or(missed) else { return Ok(()) };
-    Err(Unusable(format!("{}: {why}", arguments.scene.display())).into())
+    let spent = [equilibrium_s, predicted_s];
+    let refusal = run.end(report, folder, &recorder, (start, before_s, spent))?;
+    let Some(refusal) = refusal else { return Ok(()) };
+    Err(Unusable(format!("{}: {refusal}", arguments.scene.display())).into())
 }
 
 /// The scene with what the arguments change, and its walls as they were measured.
@@ -197,11 +156,10 @@ fn announce(scene: &Scene, workspace: &Workspace) {
     for line in silicones.map(|named| named.in_words()).collect::<BTreeSet<_>>() {
         log::info!("{line}");
     }
-    locking::foresee(scene);
+    simulation::foresee(scene);
     scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
     scene.config.fibre.iter().for_each(|fibre| log::info!("{}", fibre.in_words()));
     scene.config.winding.iter().for_each(|winding| log::info!("{}", winding.in_words()));
-    threads::far_points(scene).iter().for_each(|line| log::warn!("{line}"));
     scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
     scene.config.mullins.iter().for_each(|softening| log::info!("{}", softening.in_words()));
     log::info!(
@@ -395,12 +353,7 @@ impl<'a> Run<'a> {
             now,
             left.map(|s| format!("  about {} left", about(s))).unwrap_or_default()
         );
-        if step.smallest_volume_ratio <= 0.0 {
-            let ratio = step.smallest_volume_ratio;
-            log::warn!(
-                "an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}"
-            );
-        }
+        simulation::judge_step(&step);
         stability::in_words(&step).iter().for_each(|line| log::info!("{line}"));
         self.last = step.path.is_some().then(|| step.clone());
         if let (Some(states), true) = (&mut self.states, step.ends_time_step) {
@@ -409,38 +362,31 @@ impl<'a> Run<'a> {
         Ok(step)
     }
 
-    /// What is known of the state at the end, and surfaces that have passed through each other.
-    fn found(
-        &self,
-        end: &Iterate,
+    /// Writes what the run came to; the result is why it must not be used, if it must not. It began at some time, after
+    /// some seconds, and took some until the equilibrium, as others were expected.
+    fn end(
+        &mut self,
+        report: Simulation,
+        folder: &Path,
         recorder: &Recorder,
-        [equilibrium_s, predicted_s]: [f64; 2],
-    ) -> Result<(End, Option<Crossing>)> {
+        (since, before_s, [equilibrium_s, predicted_s]): (Instant, f64, [f64; 2]),
+    ) -> Result<Option<String>> {
         let progress = &self.stepper.progress;
         let inertia = progress.integrator.method.has_inertia();
+        let timings = self.workspace.timings;
         let spent = Spent {
             newton_iterations: progress.newton_iterations,
             velocity: inertia.then(|| &progress.integrator.last().v[..]),
             recorder,
-            timings: &self.workspace.timings,
+            timings: &timings,
             equilibrium_s,
             predicted_s,
         };
-        simulation::end(self.scene, (self.problem, self.probes), end, &spent)
-    }
-
-    /// How much more pressure the state at the end bears, where the scene asks for that.
-    fn edges(&self, end: &Iterate) -> Option<Edges> {
-        let config = self.scene.config.limit.as_ref()?;
-        let found = limit::find(self.scene, self.problem, end, config);
-        log::info!("{}", limit::in_words(&found.limit));
-        Some(found)
-    }
-
-    /// Error bars of the probes, where all states are known.
-    fn error_bars(&mut self) -> Option<BTreeMap<String, ErrorBars>> {
-        let solver = (self.problem, &mut self.workspace);
-        uncertainty::report(self.scene, solver, self.probes, self.states.as_ref()?)
+        let end = self.stepper.iterate(self.problem, &self.scene.body.mesh.vertices);
+        let (last, states) = (self.last.as_ref(), self.states.as_ref());
+        let outcome = Outcome { end, last, states, spent, since, before_s };
+        let solver = (self.problem, &mut self.workspace, self.probes);
+        outcome.write(self.scene, solver, folder, report)
     }
 
     /// Writes the report of a run without an equilibrium; the result is what to say of it.

@@ -101,12 +101,13 @@ pub struct Finished {
     pub checkpoint: Option<Checkpoint>,
 }
 
-/// Writes the reported steps of a run.
+/// Measures the reported steps of a run, and writes them.
 pub struct Recorder<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
     probes: &'a [Probe],
-    folder: PathBuf,
+    /// Where they are written, if they are.
+    folder: Option<PathBuf>,
     /// Whether every step gets its picture.
     pictures: bool,
     /// SHA-256 of the pictures, by the names of the files.
@@ -132,8 +133,10 @@ impl<'a> Recorder<'a> {
         pictures: bool,
         done: Option<&Checkpoint>,
     ) -> Result<Self> {
-        let begin = || Work::new(problem, &scene.body.mesh.vertices);
-        let work = done.map_or_else(begin, |done| done.work.clone());
+        let mut own = Self::measuring(scene, (problem, probes))?;
+        if let Some(done) = done {
+            own.work = done.work.clone();
+        }
         let written = done.map_or_else(BTreeMap::new, |done| done.pictures.clone());
         for (name, hash) in &written {
             program::check_unaltered(&folder.join(name), hash)?;
@@ -155,20 +158,28 @@ impl<'a> Recorder<'a> {
                 done.steps
             );
         }
-        let folder = folder.to_path_buf();
-        let kinetic_at_start = kinetic_at_start(scene, problem);
-        let rest = results::at_rest(scene, problem, probes)?;
+        Ok(Self { folder: Some(folder.to_path_buf()), pictures, written, lines, ..own })
+    }
+
+    /// Begins with nothing, and writes nothing.
+    ///
+    /// # Errors
+    /// When a tag is missing.
+    pub fn measuring(
+        scene: &'a Scene,
+        (problem, probes): (&'a Problem, &'a [Probe]),
+    ) -> Result<Self> {
         Ok(Self {
             scene,
             problem,
             probes,
-            folder,
-            pictures,
-            written,
-            rest,
-            lines,
-            work,
-            kinetic_at_start,
+            folder: None,
+            pictures: false,
+            written: BTreeMap::new(),
+            rest: results::at_rest(scene, problem, probes)?,
+            lines: Vec::new(),
+            work: Work::new(problem, &scene.body.mesh.vertices),
+            kinetic_at_start: kinetic_at_start(scene, problem),
         })
     }
 
@@ -185,10 +196,12 @@ impl<'a> Recorder<'a> {
                 self.record(step, finished.velocity.as_deref())?;
             }
         }
-        let Some(checkpoint) = finished.checkpoint else { return Ok(()) };
+        let (Some(checkpoint), Some(folder)) = (finished.checkpoint, &self.folder) else {
+            return Ok(());
+        };
         let (work, lines) = (self.work.clone(), sha256(&self.lines));
         let pictures = self.written.clone();
-        Checkpoint { work, lines, pictures, ..checkpoint }.write(&self.folder)
+        Checkpoint { work, lines, pictures, ..checkpoint }.write(folder)
     }
 
     /// Work of gas, dead loads and moving supports so far.
@@ -220,24 +233,25 @@ impl<'a> Recorder<'a> {
             line.energy_gain = Some(energy - start - self.work.total);
         }
         self.lines.push(line);
+        let Some(folder) = &self.folder else { return Ok(()) };
         if self.pictures {
             let name = picture(self.lines.len() - 1);
             let mut grid = results::grid_with_fields(&self.problem.energies, &at);
             let mode = step.path.as_ref().map(|path| stability::field(&path.stability.mode));
             grid.point_fields.extend(mode);
-            let path = self.folder.join(&name);
+            let path = folder.join(&name);
             vtu::write_vtu(&path, &grid)?;
             self.written.insert(name, program::sha256_file(&path)?);
             // ParaView sorts by these: the load of a path falls and rises
             let order = |line: &Step| line.path.as_ref().map_or(line.t, |path| path.arc_length);
             let picture = |(i, line): (usize, &Step)| (order(line), picture(i));
             let all: Vec<_> = self.lines.iter().enumerate().map(picture).collect();
-            vtu::write_pvd(&self.folder.join("result.pvd"), &all)?;
+            vtu::write_pvd(&folder.join("result.pvd"), &all)?;
         }
-        mesh::io::write_atomic(&self.folder.join(STEPS), |out| {
+        mesh::io::write_atomic(&folder.join(STEPS), |out| {
             self.lines.iter().try_for_each(|line| writeln!(out, "{}", json!(line)))
         })?;
-        curve::write(&self.folder, self.rest.iter().chain(&self.lines), self.probes)
+        curve::write(folder, self.rest.iter().chain(&self.lines), self.probes)
     }
 }
 

@@ -1,4 +1,5 @@
-//! The report of a simulation.
+//! The report of a simulation, and the judgement of it: one for the program, which ends with exit code 1 where the
+//! result must not be used, and for the Python package, which raises an exception there.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,11 +7,11 @@ use std::path::Path;
 use anyhow::Result;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
-use mechanics::forward::{self, Problem};
+use mechanics::forward::{self, LoadStep, Problem, Workspace};
 use mechanics::stretch::{Strained, Stretches};
 use reports::{
     End, EnergyBalance, Material, MaterialRange, Moduli, OneOrList, Simulation, Status,
-    StretchRange, Task, Timings,
+    StretchRange, Task, Timings, Winding,
 };
 use scene::{Scene, SceneLaw, law_table};
 use serde_json::json;
@@ -21,6 +22,8 @@ use crate::report::mullins;
 use crate::report::record::Recorder;
 use crate::report::reinforcement;
 use crate::report::results;
+use crate::report::stability;
+use crate::report::threads;
 
 /// What is known before a run whose results lie in a folder.
 ///
@@ -78,6 +81,15 @@ fn materials(scene: &Scene) -> Result<Vec<Material>> {
 /// the trapezoidal rule, of second order in the step.
 const NOTABLE_GAIN: f64 = 0.1;
 
+/// Takes over what a run has written of its steps, and what its factor took.
+pub fn follow(report: &mut Simulation, recorder: &Recorder, workspace: &Workspace) {
+    report.rest.clone_from(&recorder.rest);
+    report.steps.clone_from(&recorder.lines);
+    // at the end, as contact adds entries
+    report.factor_entries = workspace.linear().cost().entries;
+    report.memory_estimate_mb = workspace.memory().bytes as f64 / f64::from(1 << 20);
+}
+
 /// What a run took.
 pub struct Spent<'a> {
     /// Iterations of Newton's method.
@@ -94,7 +106,79 @@ pub struct Spent<'a> {
     pub predicted_s: f64,
 }
 
-/// What is known of the state at the end of a run, and surfaces that have passed through each other.
+/// Says before a run what a user should know of its scene, as warnings in the log.
+pub fn foresee(scene: &Scene) {
+    scene.warn_of_growth();
+    locking::foresee(scene);
+    threads::far_points(scene).iter().for_each(|line| log::warn!("{line}"));
+}
+
+/// Says of a load step what a user should know of it.
+pub fn judge_step(step: &LoadStep) {
+    let ratio = step.smallest_volume_ratio;
+    if ratio <= 0.0 {
+        log::warn!("an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}");
+    }
+}
+
+/// What decides whether the state at the end of a run may be used.
+pub struct Verdict {
+    crossing: Option<Crossing>,
+    /// How a path ended before the full load that was asked for.
+    missed: Option<String>,
+    stretch_range: StretchRange,
+    windings: Option<Vec<Winding>>,
+}
+
+impl Verdict {
+    /// Of the state at the end of a run of some load steps, the last of which is known on a path. They have added a part of
+    /// the largest energy to it [1], where that is known. What a user should know of it is said in the log, as warnings.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        problem: &Problem,
+        end: &Iterate,
+        (steps, last): (usize, Option<&LoadStep>),
+        gain: Option<f64>,
+    ) -> Self {
+        if let Some(gain) = gain.filter(|gain| *gain > NOTABLE_GAIN) {
+            log::warn!(
+                "the steps in time add energy: {:.0} % of the largest that there is, at most {:.0} % expected\n  \
+                 take shorter steps, or method = \"generalized-alpha\" in [time]",
+                100.0 * gain,
+                100.0 * NOTABLE_GAIN
+            );
+        }
+        let missed = stability::missed(scene, steps, last);
+        missed.iter().for_each(|missed| log::warn!("{missed}"));
+        let threads = || reinforcement::windings(scene, &problem.energies, end);
+        let find = || Crossing::find(scene, &scene.body, problem, end);
+        Self {
+            stretch_range: stretches(scene, end),
+            windings: (!scene.config.winding.is_empty()).then(threads),
+            crossing: scene.certify.then(find).flatten(),
+            missed,
+        }
+    }
+
+    /// What the result is.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        match (&self.crossing, &self.missed) {
+            (Some(_), _) => Status::SurfacesCrossed,
+            (None, Some(_)) => Status::FullLoadNotReached,
+            (None, None) => Status::Ok,
+        }
+    }
+
+    /// Why the result must not be used, if it must not.
+    #[must_use]
+    pub fn refusal(&self) -> Option<String> {
+        self.crossing.as_ref().map(Crossing::in_words).or_else(|| self.missed.clone())
+    }
+}
+
+/// What is known of the state at the end of a run, of which there is a verdict.
 ///
 /// # Errors
 /// When a tag has no facets.
@@ -103,16 +187,16 @@ pub fn end(
     (problem, probes): (&Problem, &[Probe]),
     end: &Iterate,
     spent: &Spent,
-) -> Result<(End, Option<Crossing>)> {
+    verdict: Verdict,
+) -> Result<End> {
     let energies = results::stored_energies(&problem.energies, end);
     let kinetic =
         spent.velocity.map(|v| results::kinetic_energy(&problem.energies, end.space, end.rest, v));
     let sheets = || results::membranes(scene, &problem.energies, end);
     let fibres = || reinforcement::fibres(&problem.energies, end);
-    let threads = || reinforcement::windings(scene, &problem.energies, end);
     let measured = || results::probes(probes, problem, end);
     let recorder = spent.recorder;
-    let mut found = End {
+    Ok(End {
         tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
         newton_iterations: spent.newton_iterations,
         energy_balance: balance(recorder, &energies, kinetic),
@@ -122,14 +206,14 @@ pub fn end(
         chambers: results::chambers(&problem.energies, end),
         membranes: (!scene.membranes.is_empty()).then(sheets),
         fibres: (!scene.config.fibre.is_empty()).then(fibres),
-        windings: (!scene.config.winding.is_empty()).then(threads),
+        windings: verdict.windings,
         mullins: mullins::softened(scene, &problem.energies, end),
         inflations: mullins::inflations(scene, &recorder.lines),
         probes: (!probes.is_empty()).then(measured),
-        stretch_range: stretches(scene, end),
+        stretch_range: verdict.stretch_range,
         locking: locking::estimate(scene, (problem, probes), end),
         timings: timings(spent.timings, spent.predicted_s),
-        crossing: None,
+        crossing: verdict.crossing.as_ref().map(Crossing::report),
         stability: None,
         load_reached: None,
         limit: None,
@@ -137,14 +221,10 @@ pub fn end(
         equilibrium_s: spent.equilibrium_s,
         wall_s: 0.0,
         peak_rss_mb: None,
-    };
-    let find = || Crossing::find(scene, &scene.body, problem, end);
-    let crossing = scene.certify.then(find).flatten();
-    found.crossing = crossing.as_ref().map(Crossing::report);
-    Ok((found, crossing))
+    })
 }
 
-/// Work of the loads beside stored and kinetic energy [J], with a warning where time integration adds energy.
+/// Work of the loads beside stored and kinetic energy [J].
 fn balance(
     recorder: &Recorder,
     energies: &BTreeMap<String, f64>,
@@ -157,14 +237,6 @@ fn balance(
     let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
     let relative_gap = kinetic.is_none().then_some(gap);
     let largest_gain = recorder.largest_gain();
-    if let Some(gain) = largest_gain.filter(|gain| *gain > NOTABLE_GAIN) {
-        log::warn!(
-            "the steps in time add energy: {:.0} % of the largest that there is, at most {:.0} % expected\n  \
-             take shorter steps, or method = \"generalized-alpha\" in [time]",
-            100.0 * gain,
-            100.0 * NOTABLE_GAIN
-        );
-    }
     EnergyBalance { work_of_loads, elastic, kinetic, largest_gain, relative_gap }
 }
 

@@ -9,17 +9,17 @@ use anyhow::{Result, ensure};
 use measure::probe::Probe;
 use mechanics::adjoint;
 use mechanics::energy::Iterate;
-use mechanics::forward::{Linearizations, Problem, TimeStepper, Trajectory, Workspace};
+use mechanics::forward::{Linearizations, Problem, Trajectory, Workspace};
 use nalgebra::Matrix6;
+use reports::Status;
 use scene::Scene;
 
-use super::nearby::{is_free_of_history, next_to};
+use super::course::Course;
 use super::pose::Tip;
 use super::sensitivity::sensitivities;
 use crate::number::{Number, Swept, Walls};
+use crate::report::simulation::Verdict;
 
-/// Memory for a state [B]; a static run has two.
-const STATE_MEMORY: f64 = 4e9;
 /// Values of one number at most.
 const MOST_VALUES: usize = 100_000;
 /// Part of a step by which the last value may be off the end of a range.
@@ -81,9 +81,11 @@ pub struct Map<'a> {
 pub struct Row {
     /// The values of the grid.
     pub at: Vec<f64>,
-    /// Values of all further columns; none where there is no equilibrium.
+    /// Whether there is an equilibrium that may be used.
+    pub status: Status,
+    /// Values of all further columns; none where there is no such equilibrium.
     pub values: Option<Vec<f64>>,
-    /// Displacement [m]; empty where there is no equilibrium.
+    /// Displacement [m]; empty where there is no such equilibrium.
     pub u: Vec<f64>,
 }
 
@@ -180,12 +182,20 @@ impl<'a> Map<'a> {
         }
         self.of_grid().try_for_each(|number| number.check(&scene))?;
         let (problem, mut workspace) = scene.problem(&scene.body)?;
-        let solver = (&problem, &mut workspace);
-        let Some(run) = run(&scene, solver, before) else {
-            return Ok(Row { at, values: None, u: Vec::new() });
+        let none = |status| Row { at: at.clone(), status, values: None, u: Vec::new() };
+        let Ok(course) = Course::new(&scene, (&problem, &mut workspace), Some(before)) else {
+            return Ok(none(Status::NoEquilibrium));
         };
-        let values = self.values(&scene, (&problem, &mut workspace), &run)?;
-        Ok(Row { at, values: Some(values), u: run.state(1).into_owned().u })
+        let run = &course.trajectory;
+        let u = run.state(1).into_owned().u;
+        let end = problem.iterate(&scene.body.mesh.vertices, &u, run.times[1]);
+        let on_path = (course.load_steps.len(), course.load_steps.last());
+        let status = Verdict::new(&scene, &problem, &end, on_path, None).status();
+        if status != Status::Ok {
+            return Ok(none(status));
+        }
+        let values = self.values(&scene, (&problem, &mut workspace), run)?;
+        Ok(Row { at, status, values: Some(values), u })
     }
 
     /// Values of the columns at the end of a run.
@@ -212,7 +222,7 @@ impl<'a> Map<'a> {
         let (rest, state) = (&scene.body.mesh.vertices[..], run.state(1));
         let pose = Tip::new(&scene.body, &problem.space, tag)?.pose(&state.u)?;
         let step = run.step(problem, rest, 1);
-        let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, 1.0) };
+        let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, run.times[1]) };
         let (linearization, stiffness) = pose.stiffness(problem, workspace, &at)?;
         let known = Linearizations::at_step(1, linearization);
         values.extend(pose.position.iter().chain(pose.rotation.iter()));
@@ -230,26 +240,6 @@ impl<'a> Map<'a> {
         values.extend(upper().map(|place| stiffness[(place[0], place[1])]));
         Ok(values)
     }
-}
-
-/// The equilibrium of a static scene, from a nearby displacement [m] if there is one; none where there is none.
-fn run(
-    scene: &Scene,
-    (problem, workspace): (&Problem, &mut Workspace),
-    before: &[f64],
-) -> Option<Trajectory> {
-    let rest = &scene.body.mesh.vertices[..];
-    let integrator = scene.integrator(&scene.body, problem);
-    if before.len() == problem.dofs()
-        && is_free_of_history(scene)
-        && let Ok(found) = next_to(scene, (problem, workspace), before)
-    {
-        let mut run = Trajectory::begin(&integrator, STATE_MEMORY);
-        run.push_displacement(problem, rest, 1.0, &found.u);
-        return Some(run);
-    }
-    let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-    stepper.run(problem, workspace, rest, &[1.0], STATE_MEMORY, |_| {}).ok()
 }
 
 /// Places of a symmetric matrix on and above its diagonal.

@@ -27,7 +27,7 @@ const SETTLED: f64 = 1e-7;
 const ALONG: f64 = 0.5;
 
 /// How stable an equilibrium is at a held load.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stability {
     /// Number of negative eigenvalues.
     pub negative: usize,

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use mesh::Vec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::augmented::pull_supports;
 use super::stability::Stability;
@@ -42,7 +42,7 @@ pub struct Stepping {
 }
 
 /// One accepted load step.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoadStep {
     /// Time t [s]; in a static scene the fraction of the
     /// full load.
@@ -59,24 +59,20 @@ pub struct LoadStep {
     /// Lower bound of J = det(I + ∇u) over all points of all elements.
     pub smallest_volume_ratio: f64,
     /// Displacement [m], three components per node.
-    #[serde(skip)]
     pub u: Vec<f64>,
     /// Multipliers of the chambers with a prescribed volume.
-    #[serde(skip)]
     pub multipliers: Vec<Multiplier>,
-    /// The time step that it is in, if there is one.
+    /// The time step that it is in, if there is one; not in files, as [`Trajectory::step`](super::Trajectory::step) has it.
     #[serde(skip)]
     pub step: Option<Arc<TimeStep>>,
     /// Whether it is the end of a time step.
-    #[serde(skip)]
     pub ends_time_step: bool,
     /// What is known of it as a state of a path, if it is one.
-    #[serde(skip)]
     pub path: Option<Box<ArcPoint>>,
 }
 
 /// A state on a path of equilibria that is followed by its arc length.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ArcPoint {
     /// Arc length from rest [1].
     pub arc: f64,
@@ -91,7 +87,7 @@ pub struct ArcPoint {
 }
 
 /// A singular point of a path between two loads.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Passed {
     /// The load turns: from and to.
     LimitPoint([f64; 2]),
