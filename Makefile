@@ -186,7 +186,7 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 		{ echo "setup: $(PYTHON) is $$($(PYTHON) --version 2>&1), needed is Python 3.10 to 3.13: make PYTHON=..."; exit 1; }
 	@$(PYTHON) -c 'import ensurepip' || { echo "setup: Python's venv is missing: apt install python3-venv"; exit 1; }
 	rm -rf .venv
-	@echo "setup: downloading Python packages (meshers, readers) into .venv, 270 MB"
+	@echo "setup: downloading Python packages (meshers, readers) into .venv, 330 MB"
 	$(PYTHON) -m venv .venv
 	.venv/bin/pip install --disable-pip-version-check --require-hashes --only-binary :all: -r $<
 	touch $@
