@@ -206,10 +206,13 @@ class Scene:
         first, self._said.locking = not self._said.locking, True
         with shown(progress) as told:
             run = Run(solved._native.simulate(told, None if start is None else start._native, first), solved)
-        self._said.warn(run.warnings if first else run._known_warnings)
-        if unusable == "raise" and not run.usable:
-            raise UnusableRun(run.refusal or run.status, run)
-        return run
+        known = run.warnings if first else run._known_warnings
+        if run.usable or unusable == "return":
+            self._said.warn(known)
+            return run
+        # the first of them is the exception
+        self._said.warn(known[1:])
+        raise UnusableRun(known[0], run)
 
     def to_pyvista(self) -> pyvista.MultiBlock:
         """The body at rest and its tags, as `Body.to_pyvista` has them."""
