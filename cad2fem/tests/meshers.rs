@@ -112,7 +112,11 @@ fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
     let ball = |radius: f64| Solid::sphere(&Vec3::zeros(), radius, 48);
     write_surface(&dir.path("ball.stl"), &ball(0.02).to_surface()).unwrap();
     run(&["tetmesh", "ball.stl", "-o", "out.msh"]).succeeds();
-    assert_eq!(made(&dir), ("gmsh".to_owned(), 0.0));
+    assert!(
+        matches!(made(&dir), (mesher, off) if mesher == "gmsh" && off < 1e-9),
+        "{:?}",
+        made(&dir)
+    );
     // shells inside bound cavities
     let hollow = ball(0.02).difference(&ball(0.012)).difference(&Solid::sphere(
         &Vec3::new(0.0, 0.0, 0.016),
@@ -121,7 +125,11 @@ fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
     ));
     write_surface(&dir.path("hollow.stl"), &hollow.to_surface()).unwrap();
     run(&["tetmesh", "hollow.stl", "--mesher", "gmsh", "-o", "out.msh"]).succeeds();
-    assert_eq!(made(&dir), ("gmsh".to_owned(), 0.0));
+    assert!(
+        matches!(made(&dir), (mesher, off) if mesher == "gmsh" && off < 1e-9),
+        "{:?}",
+        made(&dir)
+    );
     let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
     let off = volume(&tets) / enclosed_volume(&read_surface(&dir.path("hollow.stl")).unwrap());
     assert!((off - 1.0).abs() < 1e-9, "{off}");
