@@ -19,7 +19,7 @@ MANY, MOST = 200_000, 2_000_000
 # Triangles that gmsh makes in a second.
 RATE = 15_000
 # How often faces that are too far off may be meshed again, and by how much more they are refined than they need.
-ROUNDS, MARGIN = 4, 0.9
+ROUNDS, MARGIN = 7, 0.9
 # Parts of a triangle's corners at which its distance from the face is measured: its middle and those of its edges.
 PROBES = numpy.array([[1 / 3, 1 / 3, 1 / 3], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
 
