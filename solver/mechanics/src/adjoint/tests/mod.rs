@@ -62,7 +62,6 @@ struct Numbers {
     gravity: [f64; 3],
 }
 
-/// Density of the tiny mass over that of the body [1].
 const TINY: f64 = 1e6;
 /// [m³/Pa]
 const CHANGE: f64 = 1e-11;
@@ -401,7 +400,8 @@ fn check(case: &Case, forces: bool) {
                 .collect()
         };
         let by: Vec<f64> = free(&gradient.start.v);
-        check_gradient(&start.v, &by, size * if case.hits() { 1e-3 } else { 0.2 }, |v| {
+        let swift = if case.method.has_chord() { 0.02 } else { 0.2 };
+        check_gradient(&start.v, &by, size * if case.hits() { 1e-3 } else { swift }, |v| {
             let (problem, mut workspace, _) = case.problem(&NUMBERS);
             let from = State::new(start.u.clone(), free(v));
             let run = case.run(&problem, &mut workspace, &rest, from);
