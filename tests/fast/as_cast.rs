@@ -1,10 +1,9 @@
 //! `simulate --as-cast`: walls that are off are found from mass, gauges and probes; and what is refused.
 
-use mechanics::body::Body;
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use mesh::measure::volume;
-use solver::number::Walls;
+use solver::number::{self, Walls};
 use tests::chamber;
 use tests::workdir::Workdir;
 
@@ -24,8 +23,8 @@ fn workdir() -> Workdir {
 /// Writes the body with walls moved by distances [m], and gives its mass [kg].
 fn cast(dir: &Workdir, off: &[(&str, f64)]) -> f64 {
     let file = read_tets(&dir.path("body.msh")).unwrap();
-    let body = Body::new(file.mesh.clone(), file.tags.clone());
-    let walls = Walls::new(&body).unwrap();
+    let scene = number::read(&dir.path("sim.toml"), &[], &[]).unwrap();
+    let walls = Walls::new(&scene).unwrap();
     let mut mesh = file.mesh;
     for (tag, d) in off {
         let moves = walls.moves(tag).unwrap();

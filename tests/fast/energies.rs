@@ -118,6 +118,7 @@ impl Case {
             time: 0.8,
             multipliers: &MULTIPLIERS,
             step: Some(&self.step),
+            chord: None,
         }
     }
 

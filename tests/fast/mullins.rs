@@ -272,7 +272,7 @@ fn numbers_have_their_derivatives() {
         let on = (&[&probes[0]][..], &run, run.steps());
         let found = sensitivities(scene, (&problem, &mut workspace), on).unwrap();
         let (value, by) = &found[0];
-        let walls = Walls::new(&scene.body).unwrap();
+        let walls = Walls::new(scene).unwrap();
         let swept = Swept::new(scene, &problem, Some(&walls), by);
         let all = Number::all(scene).into_iter();
         let own = all.filter(|number| ["mullins", "material"].contains(&number.word()));

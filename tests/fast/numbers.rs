@@ -68,7 +68,7 @@ fn top(scene: &Scene) -> (f64, Vec<f64>) {
     let on = (&[&probes[0]][..], &run, run.steps());
     let found = sensitivities(scene, (&problem, &mut workspace), on).unwrap();
     let (value, by) = &found[0];
-    let walls = Walls::new(&scene.body).unwrap();
+    let walls = Walls::new(scene).unwrap();
     let swept = Swept::new(scene, &problem, Some(&walls), by);
     let all = Number::all(scene);
     (*value, all.iter().map(|number| number.derivative(&swept)).collect())
@@ -80,7 +80,7 @@ fn every_number_has_its_derivative() {
     let scene = Scene::read(&workdir("").path("sim.toml")).unwrap();
     let all = Number::all(&scene);
     let (_, derivatives) = top(&scene);
-    let walls = Walls::new(&scene.body).unwrap();
+    let walls = Walls::new(&scene).unwrap();
     let mut words = BTreeSet::new();
     for (number, slope) in all.iter().zip(derivatives) {
         let value = number.value(&scene);

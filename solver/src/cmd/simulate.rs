@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
+use mechanics::energy::Iterate;
 use mechanics::forward::{
     ArcFollower, LoadStep, Problem, Reached, Steps, TimeStepper, Trajectory, Unreached, Workspace,
     about, predicted_iterations, predicted_time,

@@ -46,11 +46,6 @@ pub const TARGETS: &[Target] = &[
         corpus: corpus::npy,
     },
     Target {
-        name: "tags",
-        read: |b| read(b, "a.txt", |p| mesh::io::read_tags(p).map(drop)),
-        corpus: || vec![b"1 0 1 2\n2 1 2 3\n1 0 2 3\n".to_vec()],
-    },
-    Target {
         name: "checkpoint",
         read: |b| {
             let value = |p: &Path| program::read_checkpoint::<Vec<f64>>(p, "fuzz 1").map(drop);

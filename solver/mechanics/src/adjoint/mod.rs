@@ -271,8 +271,8 @@ impl Moment<'_> {
         problem: &Problem,
         rhs: &[f64],
         mut solution: Solution,
-        mut solved: impl FnMut(Vec<f64>) -> Result<Solution, Singular>,
-    ) -> Result<Solution, Singular> {
+        mut solved: impl FnMut(Vec<f64>) -> Result<Solution, NoGradient>,
+    ) -> Result<Solution, NoGradient> {
         let mut change = f64::INFINITY;
         for _ in 0..TURNS {
             let mut turning = vec![0.0; solution.lambda.len()];
@@ -287,7 +287,7 @@ impl Moment<'_> {
                 return Ok(solution);
             }
         }
-        Err(Singular { residual: change })
+        Err(NoGradient::Singular { residual: change })
     }
 
     /// The cotangent of the past; adds those of the rest shape and of the parameters in

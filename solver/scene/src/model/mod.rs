@@ -10,6 +10,7 @@ mod laws;
 mod membranes;
 mod objectives;
 mod probes;
+mod progress;
 mod read;
 mod rigid;
 mod reinforcement;
@@ -19,7 +20,6 @@ pub use laws::SceneLaw;
 pub use membranes::SceneMembrane;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -30,12 +30,12 @@ use mechanics::energy::{
     BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
 };
 use mechanics::forward::{
-    ArcLength, Event, Growth, Integrator, Newton, Problem, State, Stepping, Watch, Workspace,
+    ArcLength, Growth, Integrator, Newton, Problem, State, Stepping, Workspace,
 };
 use mechanics::schedule::Field;
 use mechanics::stretch::Limits;
 use mesh::Vec3;
-use program::{Heartbeat, KeyPath, Settings, misfit};
+use program::{KeyPath, Settings, misfit};
 
 use crate::config::{
     BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig,
@@ -146,7 +146,7 @@ impl Scene {
         let large = memory::foretold(problem.dirichlet.free().len());
         large.iter().for_each(|said| log::warn!("{said}"));
         let mut workspace = Workspace::new(&problem);
-        workspace.watch = Some(watch(self.config.time.is_some()));
+        workspace.watch = Some(progress::watch(self.config.time.is_some()));
         memory::require(workspace.memory()).with_context(|| self.path.display().to_string())?;
         Ok((problem, workspace))
     }
@@ -229,24 +229,6 @@ impl Scene {
                 part.title()
             );
         }
-    }
-
-    /// Ends of the time steps [s]; of a static scene the full load, 1.
-    #[must_use]
-    pub fn times(&self) -> Vec<f64> {
-        self.config.times()
-    }
-
-    /// The load at the end [s].
-    #[must_use]
-    pub fn end(&self) -> f64 {
-        self.times().last().copied().unwrap_or(1.0)
-    }
-
-    /// A load in words, for messages.
-    #[must_use]
-    pub fn progress(&self, load: f64) -> String {
-        progress(self.config.time.is_some(), load)
     }
 
     /// The fixed degrees of freedom on a body with this scene's tags.
@@ -462,42 +444,6 @@ impl Scene {
         let size = mesh::measure::volume(&self.body.mesh).cbrt();
         NEGLIGIBLE_STRAIN * self.largest_shear_modulus() * size * size
     }
-}
-
-/// A time, or of a static scene a load, in words.
-fn progress(in_time: bool, load: f64) -> String {
-    if in_time { format!("t = {load:.4e} s") } else { format!("{:.1} % of the load", 100.0 * load) }
-}
-
-/// Says in the log what happens on the way to an equilibrium of a static scene, or of one in time.
-fn watch(in_time: bool) -> Watch {
-    let mut heartbeat = Heartbeat::start();
-    Box::new(move |event| {
-        match event {
-            Event::Iterate { time, iteration, residual, wanted } => {
-                if *iteration == 0 {
-                    heartbeat = Heartbeat::start();
-                }
-                heartbeat.say(|| {
-                    let towards = progress(in_time, *time);
-                    format!(
-                        "towards {towards}: iteration {iteration}, forces off balance by {residual:.1e} N, \
-                         {wanted:.1e} N wanted"
-                    )
-                });
-            }
-            Event::Adjoint { step } => heartbeat.say(|| format!("adjoint of time step {step}")),
-            Event::AtRoundingFloor { time, residual, wanted, floor } => log::warn!(
-                "load {time:.4}: residual {residual:.1e} N instead of {wanted:.1e} N: it does not \
-                 fall further and rounding alone may leave {floor:.0e} N"
-            ),
-            Event::KeptInMemory { error } => log::warn!(
-                "{}: states could not be written ({error}); they stay in memory, beyond the budget",
-                std::env::temp_dir().display()
-            ),
-        }
-        ControlFlow::Continue(())
-    })
 }
 
 /// Says in the log what part of a symmetric body this is, if it is one.
