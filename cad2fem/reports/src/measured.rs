@@ -156,7 +156,7 @@ pub struct StretchRange {
     pub fitted: Option<[f64; 2]>,
     /// Uniaxial stretch at which the material tears, if it is known [1].
     pub at_break: Option<f64>,
-    /// The same of each material, beside its tests.
+    /// Each material, beside its tests.
     #[serde(default)]
     pub materials: Vec<MaterialRange>,
 }

@@ -140,7 +140,7 @@ class Scene:
         """Gives a number another value; also `scene[path] = value`. `wall.TAG` moves a wall outward by a distance [m]
         from where it is.
 
-        path: that of the number; or several with their values, of which all are set or none.
+        path: path of a number; or several with their values, of which all are set or none.
         """
         if isinstance(path, str):
             if value is None:
