@@ -50,7 +50,5 @@ mod shell;
 mod sphere_volume;
 #[path = "convergence/supports.rs"]
 mod supports;
-#[path = "convergence/thick.rs"]
-mod thick;
 #[path = "convergence/volumes.rs"]
 mod volumes;

@@ -177,7 +177,7 @@ fn surfaces_that_will_meet_are_said_before_the_run() {
     let run = dir.solver("simulate pulled.toml -o pulled");
     run.assert_refused(
         1,
-        &["\"a.high\" and \"b.low\" will meet: 0.80 mm apart", "add the line [contact]"],
+        &["\"b.low\" and \"a.high\" will meet: 0.80 mm apart", "add the line [contact]"],
     );
     let (_, load) = run.stderr.split_once("they close that at ").unwrap();
     let load: f64 = load.split(' ').next().unwrap().parse().unwrap();

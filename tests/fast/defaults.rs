@@ -43,8 +43,10 @@ const PLATE: &str = "[[obstacle]]\nname = \"plate\"\nsurface = \"plate.stl\"\n";
 #[test]
 fn a_contact_without_a_stiffness_has_the_gradient_by_the_modulus() {
     let dir = beside_a_plate(0.0403);
+    // without gravity, by which the top moves within rounding alone
+    let silicone = SILICONE.replace("gravity = [0, 0, -9.81]\n", "");
     let scene = format!(
-        "{SILICONE}{TOP}{PLATE}{TIGHT}[[fixed]]\non = \"seat\"\n[[chamber]]\non = \"cavity\"\npressure = \"20e3*t\"\n\
+        "{silicone}{TOP}{PLATE}{TIGHT}[[fixed]]\non = \"seat\"\n[[chamber]]\non = \"cavity\"\npressure = \"20e3*t\"\n\
          [contact]\nactivation = 2e-4\nfriction = 0.3\nfriction_speed = 1e-3\n\
          [time]\nend = 1\nsteps = 3\nmethod = \"quasistatic\"\n"
     );

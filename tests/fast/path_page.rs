@@ -22,6 +22,7 @@ fn a_path_is_drawn_with_its_limit_and_its_burst() {
     made.assert_good();
     let report = dir.json("out/run/report.json");
     let states = report["steps"].as_array().unwrap().len();
+    let rest = usize::from(report["rest"].is_object());
     let way = report["limit"]["path"].as_array().unwrap();
     assert_eq!(way[0]["factor"], json!(1.0));
     assert_eq!(way.last().unwrap()["factor"], report["limit"]["factor"]);
@@ -30,7 +31,7 @@ fn a_path_is_drawn_with_its_limit_and_its_burst() {
     browser.wait("window.puffer?.state().firstPicture");
     assert_eq!(browser.evaluate("document.getElementById('path').hidden"), json!(false));
     let points = browser.evaluate(&format!("{}.length", circles("#5b8db8", 3.5)));
-    assert_eq!(points, json!(states + way.len() - 1));
+    assert_eq!(points, json!(rest + states + way.len() - 1));
     let lines = browser.evaluate("document.querySelectorAll('#path polyline').length");
     assert_eq!(lines, json!(1), "marks have no line");
     for (color, name, value) in [

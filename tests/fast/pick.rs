@@ -181,7 +181,7 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
         let arguments =
             ["tag", "volume.msh", "--config", config, "--patches", "model/patches", "-o", output];
         run(&dir, "tagger", &arguments).assert_good();
-        dir.text(&format!("{}/tags.txt", output.split('/').next().unwrap()))
+        fs::read(dir.path(output)).unwrap()
     };
     dir.write("hand.toml", BY_HAND);
     for folder in ["by-page", "by-hand"] {
@@ -189,7 +189,7 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     }
     let by_page = tagged("saved/tags.toml", "by-page/tagged.msh");
     assert_eq!(by_page, tagged("hand.toml", "by-hand/tagged.msh"));
-    assert!(by_page.lines().count() > 200);
+    assert!(dir.text("by-page/tags.txt").contains("fixed"));
     in_a_changed_body(&dir, &text);
 }
 
@@ -313,7 +313,7 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
         let arguments =
             ["tag", "volume.msh", "--config", config, "--patches", "model/patches", "-o", &output];
         run(&dir, "tagger", &arguments).assert_good();
-        dir.text(&format!("{config}.d/tags.txt"))
+        fs::read(dir.path(&output)).unwrap()
     };
     assert_eq!(tagged("given.toml"), tagged("again.toml"));
 
