@@ -4,7 +4,7 @@
 //!
 //! a, b   middle of a facet, and of the one that it faces through air, along the normal τ at a
 //! w      the gap between them at rest [m]
-//! u      displacement under the part λ = [`SMALL`] of the load: one step of Newton's method from rest [m]
+//! u      displacement under the part λ = `SMALL` of the load: one step of Newton's method from rest [m]
 //!
 //! That is linear elasticity: a body that grows softer as it is stretched closes a gap earlier. The cost is one
 //! assembly and one factorisation.
