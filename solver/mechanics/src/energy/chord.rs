@@ -6,11 +6,11 @@
 //!
 //! Velocities that change by Δt M⁻¹ F over the step, and a mean velocity of Δu/Δt, then leave the sum of kinetic and
 //! potential energy as it is. F is the gradient of ∫₀¹ E(u₀ + s Δu)/s ds by u, so that a step has a potential. The
-//! integral is that of [`MEAN`], three points of Radau, exact up to s⁴: what the contact keeps apart it keeps apart at
+//! integral is that of `MEAN`, three points of Radau, exact up to s⁴: what the contact keeps apart it keeps apart at
 //! the end, which is one of them. Loads are those of the time at each point.
 //!
 //! What keeps a part rigid is many times as stiff as all else. Along a chord a part that turns is shorter than at both
-//! ends, which would make its mean force expand it; at [`MIDDLE`] with the strain of both ends it has none, see
+//! ends, which would make its mean force expand it; at `MIDDLE` with the strain of both ends it has none, see
 //! [`Rigid`](super::Rigid).
 //!
 //! Inertia is that of the whole step. Friction, overstress, softening, and gas that is prescribed or remembered are

@@ -32,7 +32,7 @@ pub struct Layer {
     /// The largest distance of a vertex from the part [m].
     pub deepest: f64,
     /// The middle of the element that the layer passes by although that is deepest below the part, and how deep [m]; none
-    /// where no element is passed by that is deeper than the depth by more than [`PASSED`] of its longest edge.
+    /// where no element is passed by that is deeper than the depth by more than `PASSED` of its longest edge.
     pub missed: Option<(Vec3, f64)>,
     /// The edge of the mesh that a corner is on, and how far from its first end [1].
     edges: Vec<([usize; 2], f64)>,
