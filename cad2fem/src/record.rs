@@ -13,7 +13,7 @@ pub struct Record {
     pub split: Option<f64>,
     /// In the order in which it was done, in words.
     changes: Vec<String>,
-    /// How far surfaces were moved where they were made anew [m].
+    /// The largest distance by which fTetWild moved a surface that it repaired [m].
     #[serde(skip)]
     pub moved: f64,
 }

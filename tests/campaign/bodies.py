@@ -17,6 +17,9 @@ import numpy
 
 FAMILIES = ("shells", "lattices", "fillets", "lofts", "periodic", "scans")
 
+# No wall and no radius of an inlet is less [mm].
+LEAST_WALL, LEAST_INLET = 1.4, 1.5
+
 # The mesher's envelope over the least wall: what it moves does not matter to a wall.
 ENVELOPE = 1 / 10
 # Selections reach further than the envelope.

@@ -11,10 +11,10 @@ import tempfile
 
 import gmsh
 
-from bodies import Body
+from bodies import LEAST_INLET, LEAST_WALL, Body
 
-# No wall, no radius of an inlet and no fillet is less [mm].
-LEAST_WALL, LEAST_INLET, LEAST_FILLET = 1.4, 1.5, 0.3
+# No radius of a fillet is less [mm].
+LEAST_FILLET = 0.3
 
 
 def body(random):

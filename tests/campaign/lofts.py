@@ -10,8 +10,8 @@ import gmsh
 import manifold3d
 import numpy
 
-from bodies import Body, apart
-from fillets import LEAST_INLET, LEAST_WALL, finish, holes, redrawn
+from bodies import LEAST_INLET, LEAST_WALL, apart
+from fillets import finish, holes, redrawn
 
 # Longest edge of the triangles on which walls are measured, in walls.
 FINE = 0.7

@@ -6,10 +6,7 @@ import math
 
 import manifold3d
 
-from bodies import Body, apart, triangles
-
-# No wall and no radius of an inlet is less [mm].
-LEAST_WALL, LEAST_INLET = 1.4, 1.5
+from bodies import LEAST_INLET, LEAST_WALL, Body, apart, triangles
 
 
 def body(random):

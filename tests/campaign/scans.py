@@ -7,10 +7,8 @@ import math
 import manifold3d
 import numpy
 
-from bodies import Body, apart, triangles
+from bodies import LEAST_INLET, LEAST_WALL, Body, apart, triangles
 
-# No wall and no radius of an inlet is less [mm].
-LEAST_WALL, LEAST_INLET = 1.4, 1.5
 # The noise of a scanner over the wall, at most.
 NOISE = 0.06
 

@@ -4,11 +4,9 @@ import math
 
 import numpy
 
-from bodies import Body, between
+from bodies import LEAST_INLET, LEAST_WALL, Body, between
 from implicit import DEEP, Model, block, capsule, cylinder, ellipsoid, sphere
 
-# No wall and no radius of an inlet is less [mm].
-LEAST_WALL, LEAST_INLET = 1.4, 1.5
 # Walls between surfaces that are approximate distances are this part of what they are offset by.
 TAPERED = 0.98
 

@@ -25,9 +25,6 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 SILICONE = {"kind": "mooney-rivlin-quadratic", "c1": 55e3, "c2": 5e3, "c3": 1.7e3, "d1": 1e6}
 EDGE = 0.01
 
-# a test program that runs in the background may begin with Ctrl-C ignored
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
 
 def box(cells=3):
     """A cube with a hole of a cell in the middle: vertices, tetrahedra and tags."""

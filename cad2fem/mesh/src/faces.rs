@@ -6,13 +6,14 @@ use crate::measure::{triangle_area, triangle_normal};
 use crate::topology::directed_edges;
 use crate::{SurfaceMesh, Vec3, place_key};
 
-/// What is the same to a middle [√area of the body], an area [1] and a normal [1], as facets of a curved face differ.
+/// Differences of middle [√area of the body], area [1] and normal [1] up to which two faces are the same: other facets of a
+/// curved face cause such differences.
 const SAME: [f64; 3] = [1e-3, 0.01, 0.02];
 
-/// What is too far for a face to be the same: a quarter of the body, twice the area, 29°.
+/// Differences beyond which a face is another one: a quarter of the body, twice the area, 29°.
 const FARTHEST: [f64; 3] = [0.25, std::f64::consts::LN_2, 0.5];
 
-/// What neighbours that are others weigh beside differences of middle, area and normal.
+/// Weight of other neighbours, beside the differences of middle, area and normal [1].
 const NEIGHBOURS: f64 = 0.5;
 
 /// What a face measures.
@@ -79,11 +80,11 @@ impl Face {
 /// A face of a changed body that stands for an earlier one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Again {
-    /// Its number.
+    /// The number of the later face.
     pub face: usize,
-    /// Whether it measures the same, but for facets.
+    /// Whether both faces measure the same, apart from how they are cut into facets.
     pub same: bool,
-    /// How many of the neighbours of the earlier face stand beside it.
+    /// How many neighbours of the earlier face are neighbours of the later one.
     pub beside: usize,
 }
 

@@ -69,7 +69,7 @@ impl<'a> Walls<'a> {
         self.opposite().map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
     }
 
-    /// Those of them that lie between triangles without a common corner: such a pair is the two sides of a spike.
+    /// Walls between triangles without a common corner: two triangles with one are the sides of a spike.
     fn between(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
         let corners = &self.surface.triangles;
         let is_spike =

@@ -62,7 +62,7 @@ pub struct Summary {
 /// Which states and shapes a page has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// Those of all steps and levels.
+    /// The states of all steps, and the shapes of all levels.
     All,
     /// The last of each simulation and of each optimisation: a page for mail.
     Last,

@@ -123,8 +123,8 @@ fn makefile(sources: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(rules.chain([("sources/Makefile".to_owned(), makefile)]).collect())
 }
 
-/// Of a body without a file of its model among the sources: the model, where the rules of make look for it, and the files
-/// that it was imported from.
+/// The model of a body that was imported by hand, so that its sources hold no file of it, and the files that it was imported
+/// from. The model lies where the rules of make look for it.
 fn model_by_hand(sources: &Path, results: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     let folder = results.join("model");
     let report = folder.join("model.json");
@@ -142,7 +142,7 @@ fn model_by_hand(sources: &Path, results: &Path) -> Result<Vec<(String, Vec<u8>)
     let imported: Imported = read(&report)?;
     let top = canonical(sources)?;
     for file in imported.import.files {
-        match (InputFile { path: file.path, sha256: file.sha256 }).find(&folder) {
+        match file.find(&folder) {
             Ok(path) if canonical(&path).is_ok_and(|path| path.starts_with(&top)) => {}
             Ok(path) => files.push((format!("sources/cad/{}", name(&path)), read_bytes(&path)?)),
             Err(error) => log::warn!("{}: left out of the package: {error:#}", report.display()),
@@ -160,13 +160,7 @@ struct Imported {
 
 #[derive(Default, Deserialize)]
 struct Files {
-    files: Vec<CadFile>,
-}
-
-#[derive(Deserialize)]
-struct CadFile {
-    path: PathBuf,
-    sha256: String,
+    files: Vec<InputFile>,
 }
 
 /// The place of a file in the package: as it lies in its folder.

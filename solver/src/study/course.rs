@@ -44,15 +44,9 @@ impl Course {
             return Ok(Self { trajectory, load_steps: vec![step], newton_iterations });
         }
         let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-        let mut load_steps = Vec::new();
-        let solver = (problem, &mut *workspace);
-        let reached = if scene.path().is_some() {
-            follow(scene, solver, &mut stepper, &mut load_steps)
-        } else {
-            go(scene, solver, &mut stepper, &mut load_steps)
-        };
-        match reached {
-            Ok(trajectory) => {
+        let way = if scene.path().is_some() { follow } else { go };
+        match way(scene, (problem, &mut *workspace), &mut stepper) {
+            Ok((trajectory, load_steps)) => {
                 let newton_iterations = stepper.progress.newton_iterations;
                 Ok(Self { trajectory, load_steps, newton_iterations })
             }
@@ -61,14 +55,16 @@ impl Course {
     }
 }
 
+/// States at the ends of time steps, and all load steps.
+type Reached = Result<(Trajectory, Vec<LoadStep>), Unreached>;
+
 /// Goes through the time steps of a scene.
 fn go(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),
     stepper: &mut TimeStepper,
-    load_steps: &mut Vec<LoadStep>,
-) -> Result<Trajectory, Unreached> {
-    let rest = &scene.body.mesh.vertices[..];
+) -> Reached {
+    let (rest, mut load_steps) = (&scene.body.mesh.vertices[..], Vec::new());
     let timed = scene.config.time.is_some();
     let (mut before, mut leapt) = (vec![0.0; problem.dofs()], false);
     let keep = |step: &LoadStep| {
@@ -81,7 +77,8 @@ fn go(
         }
         load_steps.push(step.clone());
     };
-    stepper.run(problem, workspace, rest, &scene.times(), STATE_MEMORY, keep)
+    let run = stepper.run(problem, workspace, rest, &scene.times(), STATE_MEMORY, keep)?;
+    Ok((run, load_steps))
 }
 
 /// Follows the path of a static scene to its end.
@@ -89,9 +86,8 @@ fn follow(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),
     stepper: &mut TimeStepper,
-    load_steps: &mut Vec<LoadStep>,
-) -> Result<Trajectory, Unreached> {
-    let rest = &scene.body.mesh.vertices[..];
+) -> Reached {
+    let (rest, mut load_steps) = (&scene.body.mesh.vertices[..], Vec::new());
     let mut trajectory = Trajectory::begin(&stepper.progress.integrator, STATE_MEMORY);
     let mut follower = scene.path().map(ArcFollower::new);
     while let Some(on_path) = &mut follower {
@@ -105,5 +101,5 @@ fn follow(
         }
         load_steps.push(step);
     }
-    Ok(trajectory)
+    Ok((trajectory, load_steps))
 }

@@ -305,7 +305,6 @@ impl Moment<'_> {
         let mut past = PastCotangent::zeros(at.u.len());
         let by_contact = &self.partials.by_contact;
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
-        let negative: Vec<f64> = by_contact.iter().map(|f| -f).collect();
         for term in problem.energies.terms() {
             let Term { kind, energy } = term;
             let own = if kind.is_contact() { &in_contact } else { lambda };
@@ -321,9 +320,14 @@ impl Moment<'_> {
                 _ => term.parameter_vjp(at, own),
             };
             if splits {
-                energy.add_mixed_vjp(at, &negative, rest_bar);
-                let at_end = energy.parameter_vjp(at, &negative);
-                by.iter_mut().zip(at_end).for_each(|(by, end)| *by += end);
+                let negative: Vec<f64> = by_contact.iter().map(|f| -f).collect();
+                if self.wanted != Wanted::Numbers {
+                    energy.add_mixed_vjp(at, &negative, rest_bar);
+                }
+                if self.wanted != Wanted::Shape {
+                    let at_end = energy.parameter_vjp(at, &negative);
+                    by.iter_mut().zip(at_end).for_each(|(by, end)| *by += end);
+                }
             }
             if let Kind::Chamber(id) = kind {
                 by.extend(problem.energies.chamber(id).constraint_vjp(at, mu, rest_bar));

@@ -157,7 +157,7 @@ impl<'e> Term<'e> {
 pub enum Side {
     /// The end of the chord.
     End,
-    /// Its start.
+    /// The start of the chord.
     Start,
 }
 

@@ -38,20 +38,24 @@ pub fn assemble<'p>(
         on_chord(at, s, |there| {
             // the terms of a point have few different parts: of the mean, and alone
             for alone in [false, true] {
-                let mut factor = 0.0;
-                let mut own = BlockMatrix::zeros(pattern);
-                for term in terms() {
+                let point = |term: &Term| {
                     let points = term.points(at);
-                    let is_own = (points.len() == 1) == alone;
-                    let Some(&point) = points.iter().find(|p| p[0] == s && is_own) else {
-                        continue;
-                    };
-                    factor = wanted.side.weight(point);
+                    let own = points.iter().find(|point| point[0] == s).copied();
+                    own.filter(|_| (points.len() == 1) == alone)
+                };
+                let Some(factor) =
+                    terms().find_map(|term| point(&term)).map(|p| wanted.side.weight(p))
+                else {
+                    continue;
+                };
+                if factor == 0.0 {
+                    continue;
+                }
+                let mut own = BlockMatrix::zeros(pattern);
+                for term in terms().filter(|term| point(term).is_some()) {
                     timings.of(term.kind, || term.energy.add_hessian(there, wanted.kind, &mut own));
                 }
-                if factor != 0.0 {
-                    sum.add_multiple(factor, &own);
-                }
+                sum.add_multiple(factor, &own);
             }
         });
     }

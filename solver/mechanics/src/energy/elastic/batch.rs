@@ -121,9 +121,9 @@ pub(in crate::energy) struct Memory<S: Simd, const N: usize> {
     local: Vec<[Lanes<S>; 9]>,
     /// Moments of elements that are of degree 2.
     moments: Moments<S>,
-    /// Derivatives of the mean dilatations, as they are summed up.
+    /// Sums over quadrature points of the derivatives of the mean dilatations.
     by_volume: Vec<Forces<S, N>>,
-    /// The same, of the nodes.
+    /// Derivatives of the mean dilatations by the nodes.
     changes: Vec<Nodal<S, N>>,
 }
 
