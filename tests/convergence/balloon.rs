@@ -187,6 +187,7 @@ fn thick_spheres_balloon_at_their_closed_forms() {
 /// With c₂ = (c₁ + c₂)/4 the pressure grows without end. Threshold, set before: 0.5 % of the pressure. With 4 arcs and 2 layers it
 /// misses.
 #[test]
+#[ignore = "a quarter of a minute: runs in make test-all"]
 fn a_sphere_that_stiffens_has_no_limit() {
     let closed = closed_form(B, 3, in_sphere(0.25));
     assert_eq!(maximum(STRETCHES, &closed), None);
@@ -203,6 +204,7 @@ fn a_sphere_that_stiffens_has_no_limit() {
 /// without limit, but has no limit point. Threshold, set before: 2e-4 of the pressure, which the law of Mooney and Rivlin
 /// misses with 16 arcs and 4 layers by another 1.6e-4.
 #[test]
+#[ignore = "a quarter of a minute: runs in make test-all"]
 fn a_long_tube_in_plane_strain_has_no_limit_point() {
     let closed = closed_form(B, 2, |l| MU * (l - l.powi(-3)));
     assert_eq!(maximum([1.05, 8.0], &closed), None);

@@ -135,8 +135,9 @@ class Jax(unittest.TestCase):
             sp.jax.simulate(bad, None, {CROSSED: bad[CROSSED]})
 
     def test_second_derivatives_are_refused(self):
-        with self.assertRaises(Exception):
+        with self.assertRaises(sp.InputError) as caught:
             self.jax.grad(self.jax.grad(lambda p: sp.jax.simulate(self.scene, None, {PRESSURE: p}).sum()))(20e3)
+        self.assertIn("no second derivatives", str(caught.exception))
 
 
 if __name__ == "__main__":

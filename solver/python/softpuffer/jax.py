@@ -21,8 +21,9 @@ import numpy as np
 from jax.core import Tracer
 from numpy.typing import ArrayLike
 
+from ._native import InputError
 from .beside import run_all
-from .differentiable import check_inputs, not_one, solved
+from .differentiable import ONCE, check_inputs, not_one, solved
 from .run import Run, Unusable
 from .scene import Scene
 
@@ -56,11 +57,13 @@ def simulate(
     def forward(vertices: Any, values: Any) -> Any:
         return displacement(vertices, values), (vertices, values)
 
+    @jax.custom_vjp
     def backward(inputs: Any, by_u: Any) -> Any:
         like = jax.tree.map(lambda x: _Like(jnp.shape(x), jnp.result_type(x)), inputs)
         return _called(last.vjp, like, *inputs, by_u)
 
     displacement.defvjp(forward, backward)
+    backward.defvjp(lambda *inputs: (backward(*inputs), None), _refused)
     values = [_one(path, jnp.asarray(value, dtype=real)) for path, value in parameters.items()]
     found: jax.Array = displacement(None if vertices is None else jnp.asarray(vertices, dtype=real), values)
     return found
@@ -87,6 +90,10 @@ def _one(path: str, value: jax.Array) -> jax.Array:
     if value.size != 1:
         raise not_one(path, value.shape)
     return value.reshape(())
+
+
+def _refused(*_: Any) -> Any:
+    raise InputError(ONCE)
 
 
 def _known(tree: Any) -> bool:

@@ -7,7 +7,10 @@
 //! u      displacement under the part λ = `SMALL` of the load: one step of Newton's method from rest [m]
 //!
 //! That is linear elasticity: a body that grows softer as it is stretched closes a gap earlier. The cost is one
-//! assembly and one factorisation.
+//! assembly and one factorisation, where there are gaps at all. Walls of one chamber whose pressure is positive are none:
+//! it drives them apart.
+
+use std::collections::HashMap;
 
 use mechanics::body::Body;
 use mechanics::element::at;
@@ -18,6 +21,7 @@ use mesh::{SurfaceMesh, Vec3};
 use scene::Scene;
 
 use crate::report::crossing::WAY_OUT;
+use crate::report::results;
 
 /// Part of the full load that is small, so that its displacements are linear in it.
 const SMALL: f64 = 1e-3;
@@ -36,7 +40,7 @@ pub fn foresee(scene: &Scene, problem: &Problem, workspace: &mut Workspace) {
     if scene.config.contact.is_some() || scene.config.time.is_some() || !scene.certify {
         return;
     }
-    let found = first(&scene.body, problem, workspace);
+    let found = first(scene, problem, workspace);
     workspace.forget();
     if let Some(meeting) = found.filter(|meeting| meeting.load < 1.0) {
         log::warn!("{}: {}", scene.path.display(), in_words(&meeting, &scene.body));
@@ -44,14 +48,20 @@ pub fn foresee(scene: &Scene, problem: &Problem, workspace: &mut Workspace) {
 }
 
 /// The facets that meet first, under whatever load.
-fn first(body: &Body, problem: &Problem, workspace: &mut Workspace) -> Option<Meeting> {
+fn first(scene: &Scene, problem: &Problem, workspace: &mut Workspace) -> Option<Meeting> {
+    let body = &scene.body;
     let (rest, facets) = (&body.mesh.vertices, body.boundary());
     let surface = SurfaceMesh { vertices: rest.clone(), triangles: facets.to_vec() };
-    let gaps = gaps(&surface);
+    let still = vec![0.0; problem.dofs()];
+    let inflated = inflated(scene, problem, &problem.iterate(rest, &still, SMALL));
+    let mut gaps = gaps(&surface);
+    gaps.retain(|(_, pair)| {
+        let [a, b] = pair.map(|t| body.tags.get(facets[t]).and_then(|tag| inflated.get(&tag)));
+        a.is_none() || a != b
+    });
     if gaps.is_empty() {
         return None;
     }
-    let still = vec![0.0; problem.dofs()];
     let led = workspace.move_supports(problem, &problem.iterate(rest, &still, SMALL));
     let start = Iterate { u: &led, ..problem.iterate(rest, &still, SMALL) };
     let step = newton_step(problem, workspace, &start)?;
@@ -68,6 +78,20 @@ fn first(body: &Body, problem: &Problem, workspace: &mut Workspace) -> Option<Me
         })
     };
     gaps.iter().filter_map(meeting).min_by(|a, b| a.load.total_cmp(&b.load))
+}
+
+/// The chambers with positive pressure, by the tags of their walls.
+fn inflated(scene: &Scene, problem: &Problem, at: &Iterate) -> HashMap<u32, usize> {
+    let state = results::chambers(&problem.energies, at);
+    let mut of_tag = HashMap::new();
+    for (place, chamber) in scene.config.chamber.iter().enumerate() {
+        if state.get(&chamber.name).is_some_and(|state| state.pressure > 0.0) {
+            let on_wall =
+                scene.body.tags.names.iter().zip(1..).filter(|(name, _)| chamber.is_on(name));
+            of_tag.extend(on_wall.map(|(_, tag)| (tag, place)));
+        }
+    }
+    of_tag
 }
 
 fn in_words(Meeting { gap, load, facets }: &Meeting, body: &Body) -> String {

@@ -6,8 +6,9 @@
 //!
 //! Velocities that change by Δt M⁻¹ F over the step, and a mean velocity of Δu/Δt, then leave the sum of kinetic and
 //! potential energy as it is. F is the gradient of ∫₀¹ E(u₀ + s Δu)/s ds by u, so that a step has a potential. The
-//! integral is that of `MEAN`, three points of Radau, exact up to s⁴: what the contact keeps apart it keeps apart at
-//! the end, which is one of them. Loads are those of the time at each point.
+//! integral is that of `MEAN`, four points of Lobatto, exact up to s⁵: what the contact keeps apart it keeps apart at
+//! the end, which is one of them. So is the start, where E/s is ∇E(u₀) · Δu: a step back undoes a step, and what the
+//! rule misses of a barrier that is met is given back when it is left. Loads are those of the time at each point.
 //!
 //! What keeps a part rigid is many times as stiff as all else. Along a chord a part that turns is shorter than at both
 //! ends, which would make its mean force expand it; at `MIDDLE` with the strain of both ends it has none, see
@@ -40,17 +41,18 @@ pub type Point = [f64; 2];
 const END: &[Point] = &[[1.0, 1.0]];
 /// The middle alone.
 const MIDDLE: &[Point] = &[[0.5, 1.0]];
-/// √6.
-const ROOT: f64 = 2.449_489_742_783_178;
-/// The points of Radau.
+/// √5.
+const ROOT: f64 = 2.236_067_977_499_79;
+/// The points of Lobatto.
 const MEAN: &[Point] = &[
-    [(4.0 - ROOT) / 10.0, (16.0 - ROOT) / 36.0],
-    [(4.0 + ROOT) / 10.0, (16.0 + ROOT) / 36.0],
-    [1.0, 1.0 / 9.0],
+    [0.0, 1.0 / 12.0],
+    [(5.0 - ROOT) / 10.0, 5.0 / 12.0],
+    [(5.0 + ROOT) / 10.0, 5.0 / 12.0],
+    [1.0, 1.0 / 12.0],
 ];
 
 /// All points at which terms are evaluated, each once.
-pub const ALL: [f64; 4] = [MEAN[0][0], MEAN[1][0], 0.5, 1.0];
+pub const ALL: [f64; 5] = [MEAN[0][0], MEAN[1][0], 0.5, MEAN[2][0], 1.0];
 
 impl Chord {
     /// The displacement at a point of the chord to `u` [m].
@@ -100,8 +102,19 @@ impl<'e> Term<'e> {
     #[must_use]
     pub fn value(&self, at: &Iterate) -> f64 {
         let mut sum = 0.0;
-        self.along(at, |there, [s, part]| sum += part / s * self.energy.value(there));
+        self.along(at, |there, [s, part]| {
+            sum +=
+                part * if s > 0.0 { self.energy.value(there) / s } else { self.work(there, at.u) };
+        });
         sum
+    }
+
+    /// ∇E · Δu from the start of a chord to its end [J].
+    fn work(&self, start: &Iterate, end: &[f64]) -> f64 {
+        let mut gradient = vec![0.0; end.len()];
+        self.energy.add_gradient(start, &mut gradient);
+        let by_moves = gradient.iter().zip(end.iter().zip(start.u));
+        by_moves.map(|(g, (to, from))| g * (to - from)).sum()
     }
 
     /// Adds its gradient by the end [N].
@@ -118,7 +131,7 @@ impl<'e> Term<'e> {
         let mut all = Vec::new();
         self.along(at, |there, point| {
             let weight = side.weight(point);
-            let found = self.energy.rank_one(there);
+            let found = (weight > 0.0).then(|| self.energy.rank_one(there)).flatten();
             all.extend(found.map(|found| RankOne { scale: weight * found.scale, ..found }));
         });
         all

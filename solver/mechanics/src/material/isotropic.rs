@@ -99,6 +99,6 @@ impl<T: Isotropic + Clone + 'static> Material for T {
 
     /// J does not couple to the other invariants.
     fn split(&self) -> Option<Split> {
-        Some(Split::new(Isochoric::new(self.clone()), self.clone()))
+        Some(Split::of_isotropic(self.clone()))
     }
 }

@@ -434,25 +434,34 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
     case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
     case(Method::Newmark, 4, Shape::Tet, Inside::Pressure);
     case(Method::GeneralizedAlpha, 4, Shape::Tet, Inside::Pressure);
+    case(Method::ImplicitEuler, 3, Shape::Tet, Inside::CheckedSupply);
+    case(Method::EnergyMomentum, 3, Shape::Tet, Inside::Gas);
+    case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
+    case(Method::Quasistatic, 3, Shape::Hollow, Inside::Supply);
+}
+
+#[test]
+#[ignore = "half a minute: runs in make test-all; one element with each formula stays"]
+fn a_chamber_of_many_elements_has_its_gradient_with_any_formula() {
+    let case = |method, steps, body, inside| {
+        let (degree, dt) = (1, 0.02);
+        check(&Case { method, degree, steps, dt, body, inside }, false);
+    };
     case(Method::GeneralizedAlpha, 3, Shape::Hollow, Inside::Gas);
     case(Method::Newmark, 3, Shape::Hollow, Inside::Factor);
     for inside in [Inside::Pressure, Inside::Gas, Inside::Factor, Inside::Supply] {
         case(Method::EnergyMomentum, 3, Shape::Hollow, inside);
     }
-    case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
     case(Method::ImplicitEuler, 2, Shape::Hollow, Inside::Factor);
     case(Method::Bdf2, 2, Shape::Hollow, Inside::Gas);
-    case(Method::Quasistatic, 3, Shape::Hollow, Inside::Supply);
     case(Method::Bdf2, 4, Shape::Hollow, Inside::Supply);
     case(Method::GeneralizedAlpha, 3, Shape::Hollow, Inside::Supply);
-    case(Method::ImplicitEuler, 3, Shape::Tet, Inside::CheckedSupply);
 }
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    use Method::{EnergyMomentum, GeneralizedAlpha, ImplicitEuler as Euler, Newmark};
-    let last = [(Newmark, 4), (GeneralizedAlpha, 3), (EnergyMomentum, 4)];
-    for (method, steps) in [(Euler, 1), (Euler, 2), (Euler, 5)].into_iter().chain(last) {
+    use Method::{EnergyMomentum, ImplicitEuler};
+    for (method, steps) in [(ImplicitEuler, 2), (EnergyMomentum, 2)] {
         let (degree, dt) = (1, 2e-3);
         let (body, inside) = (Shape::Blocks, Inside::Pressure);
         check(&Case { method, degree, steps, dt, body, inside }, true);
@@ -466,8 +475,11 @@ fn longer_runs_and_other_formulas_have_their_gradient() {
         let (dt, body, inside) = (2e-3, Shape::Blocks, Inside::Pressure);
         check(&Case { method, degree, steps, dt, body, inside }, true);
     };
-    case(Method::ImplicitEuler, 1, 3);
+    case(Method::ImplicitEuler, 1, 5);
     case(Method::ImplicitEuler, 1, 10);
+    case(Method::Newmark, 1, 4);
+    case(Method::GeneralizedAlpha, 1, 3);
+    case(Method::EnergyMomentum, 1, 4);
     case(Method::ImplicitEuler, 2, 3);
     case(Method::Bdf2, 2, 4);
 }

@@ -87,17 +87,26 @@ fn check_softening(case: &Case, beside: Beside) {
 
 #[test]
 fn softened_runs_have_their_gradients() {
-    for (method, degree, body, beside) in [
-        (Method::Quasistatic, 1, Shape::Tet, Beside::Nothing),
-        (Method::Quasistatic, 2, Shape::Tet, Beside::Nothing),
-        (Method::ImplicitEuler, 1, Shape::Tet, Beside::Overstress),
-        (Method::Quasistatic, 2, Shape::Tet, Beside::MeanDilatation),
-        (Method::Quasistatic, 2, Shape::Hollow, Beside::Nothing),
-        (Method::ImplicitEuler, 1, Shape::Blocks, Beside::Nothing),
+    for (method, degree, beside) in [
+        (Method::Quasistatic, 1, Beside::Nothing),
+        (Method::Quasistatic, 2, Beside::Nothing),
+        (Method::ImplicitEuler, 1, Beside::Overstress),
+        (Method::Quasistatic, 2, Beside::MeanDilatation),
     ] {
-        let dt = if body == Shape::Blocks { 2e-3 } else { 0.02 };
+        let (body, inside) = (Shape::Tet, Inside::Pressure);
+        check_softening(&Case { method, degree, steps: 5, dt: 0.02, body, inside }, beside);
+    }
+}
+
+#[test]
+#[ignore = "half a minute: runs in make test-all; one element stays"]
+fn softened_bodies_of_many_elements_have_their_gradients() {
+    for (method, degree, dt, body) in [
+        (Method::Quasistatic, 2, 0.02, Shape::Hollow),
+        (Method::ImplicitEuler, 1, 2e-3, Shape::Blocks),
+    ] {
         let case = Case { method, degree, steps: 5, dt, body, inside: Inside::Pressure };
-        check_softening(&case, beside);
+        check_softening(&case, Beside::Nothing);
     }
 }
 

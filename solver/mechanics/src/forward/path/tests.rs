@@ -154,6 +154,7 @@ fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
 /// A higher arch bends sideways before it snaps, where a² − b² = 2.7276, and in its second symmetrical mode where
 /// N L²/(E I) = 16 π², which is a² − b² = 16/3: there and back, symmetrically around b = 0.
 #[test]
+#[ignore = "a quarter of a minute: runs in make test-all; the shallow arch and the direct method stay"]
 fn a_higher_arch_says_where_an_asymmetrical_branch_leaves() {
     let rise: f64 = 2.5;
     let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());

@@ -205,7 +205,7 @@ fn campaign(wall: f64) -> Vec<(&'static str, usize, TetMesh)> {
 fn nothing_acts_at_rest_through_walls_and_across_slots() {
     let mut pushed = 0;
     let forms = [Form::Convergent, Form::Even, Form::Plain];
-    for (k, wall) in [0.2, 0.5, 0.999, 1.1, 3.0].into_iter().enumerate() {
+    for (k, wall) in [0.2, 0.999, 1.1].into_iter().enumerate() {
         for (name, degree, mesh) in campaign(wall) {
             let barrier = barrier(forms[(k + degree) % 3], 1.0);
             let scene = alone(degree, mesh, barrier);

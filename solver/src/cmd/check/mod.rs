@@ -1,5 +1,7 @@
 //! `solver check`: the Taylor test on the user's own design problem.
 
+mod finding;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,38 +10,17 @@ use anyhow::{Context, Result};
 use mechanics::forward::about;
 use mechanics::math::linear::dot;
 use mechanics::math::random::Random;
-use mechanics::math::taylor::log_slope;
 use program::{Changes, Heartbeat, Unusable};
 use scene::ObjectiveBuilder;
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
+use self::finding::Finding;
 use super::optimize::{Problem, read};
 use crate::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
-
-/// Slopes of the first-order remainder that an exact gradient may have.
-const ACCEPTED: std::ops::RangeInclusive<f64> = 1.9..=2.1;
 
 /// How often the test of a term is repeated with steps of a quarter of the length, while
 /// its slope is not accepted.
 const SHORTER: i32 = 4;
-
-/// Change of a term, relative to the term, that rounding and the tolerance of the
-/// run may hide.
-const NOISE: f64 = 1e-9;
-
-/// Largest remainder of a term that is linear along q, and largest noise there, relative to
-/// the change of the term at the longest step.
-const LINEAR: f64 = 1e-4;
-
-/// Remainders above the noise that a slope needs.
-const POINTS: usize = 3;
-
-/// Slopes between remainders that are below the noise, of which [`POINTS`] in a row are enough.
-const EXACT: std::ops::RangeInclusive<f64> = 1.99..=2.01;
-
-/// Remainders in a row, each a quarter of the one before, that are no noise although they are
-/// below the usual one: a term of the rest shape alone has less.
-const QUADRATIC: usize = 5;
 
 /// Check the gradients of a design problem against its objective
 ///
@@ -48,8 +29,9 @@ const QUADRATIC: usize = 5;
 /// |J(θ + εq) − J(θ) − ε g·q| along the gradient of the whole objective and along
 /// random directions; their slope against ε is 2 when the gradient is exact. Where
 /// remainders are within rounding there is no slope: such a test passes if the term does
-/// not change at all and g·q is zero, or if it is linear, so that its change is ε g·q;
-/// else it is "not measurable". Steps that are too long are shortened, and what was found
+/// not change at all and g·q is zero, if it is linear, so that its change is ε g·q, or if
+/// longer steps have a slope above 2; else it is "not measurable". At a kink, where the
+/// derivatives to either side differ, the slope is 2 along −q. Steps that are too long are shortened, and what was found
 /// with them is printed. Exit code 1 unless every test passes.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -180,80 +162,6 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What the remainders of a term along a direction say.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Finding {
-    /// Slope of the remainders against ε.
-    Slope(f64),
-    /// The term does not change and g·q is zero, both within the noise.
-    Constant,
-    /// The change is ε g·q; the largest difference relative to the change.
-    Linear(f64),
-    /// A step was too long for an equilibrium or a valid shape.
-    TooLong,
-    /// Changes and remainders are too near to the noise for any of these.
-    NotMeasurable,
-}
-
-impl Finding {
-    /// From changes J(θ + εq) − J(θ) of a term of a size.
-    fn new(size: f64, slope: f64, epsilon: &[f64], change: &[f64], remainder: &[f64]) -> Self {
-        let noise = NOISE * size;
-        // a remainder in the noise says nothing, nor do those after it
-        let above = remainder.iter().take_while(|r| **r > noise).count();
-        let measured = above.max(quadratic(epsilon, remainder));
-        if measured >= POINTS {
-            return Self::Slope(log_slope(&epsilon[..measured], &remainder[..measured]));
-        }
-        let predicted = epsilon.iter().map(|e| e * slope);
-        if change.iter().copied().chain(predicted).all(|c| c.abs() <= noise) {
-            return Self::Constant;
-        }
-        // the longest step changes the term most
-        let limit = LINEAR * change[0].abs();
-        match remainder[0].max(noise) <= limit {
-            true => Self::Linear(remainder[0] / change[0].abs()),
-            false => Self::NotMeasurable,
-        }
-    }
-
-    fn passes(self) -> bool {
-        match self {
-            Self::Slope(slope) => ACCEPTED.contains(&slope),
-            Self::Constant | Self::Linear(_) => true,
-            Self::TooLong | Self::NotMeasurable => false,
-        }
-    }
-
-    /// Whether shorter steps may find something else.
-    fn is_open(self) -> bool {
-        !self.passes() && self != Self::NotMeasurable
-    }
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Slope(slope) => write!(f, "slope {slope:.3} (2 expected)"),
-            Self::Constant => write!(f, "no change within rounding, and none predicted"),
-            Self::Linear(off) => write!(f, "linear: the change is ε g·q within {off:.0e} of it"),
-            Self::TooLong => write!(f, "no result with steps of this length"),
-            Self::NotMeasurable => write!(f, "not measurable: the remainder is within rounding"),
-        }
-    }
-}
-
-/// Number of first remainders of which each is a quarter of the one before, as noise never is
-/// several times in a row: [`QUADRATIC`] about, or [`POINTS`] exactly; else none.
-fn quadratic(epsilon: &[f64], remainder: &[f64]) -> usize {
-    let enough = |slopes: std::ops::RangeInclusive<f64>, least: usize| {
-        let pairs = epsilon.windows(2).zip(remainder.windows(2));
-        let fall = pairs.take_while(|(e, r)| slopes.contains(&log_slope(e, r))).count() + 1;
-        if fall >= least { fall } else { 0 }
-    };
-    enough(ACCEPTED, QUADRATIC).max(enough(EXACT, POINTS))
-}
-
 /// The test of one term along one direction.
 struct Outcome {
     term: String,
@@ -293,15 +201,33 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// The test of all terms along q. A term whose slope is not accepted is tested again
-    /// with shorter steps: too long ones hide the second order behind the third, or leave
-    /// the range of valid shapes. What counts is the last test of a term.
+    /// The test of all terms along q, and along −q where one does not pass: it may have a kink.
     fn along(
         &mut self,
         gradients: &BTreeMap<&str, Vec<f64>>,
         q: &[f64],
         arguments: &Arguments,
     ) -> Result<Vec<Outcome>> {
+        let mut found = self.shortened(gradients, q, arguments)?;
+        if found.values().any(|outcome| outcome.finding.is_open()) {
+            let back: Vec<f64> = q.iter().map(|q| -q).collect();
+            let back = self.shortened(gradients, &back, arguments)?;
+            for (term, own) in &mut found {
+                own.finding = own.finding.beside(back[term].finding);
+            }
+        }
+        Ok(found.into_values().collect())
+    }
+
+    /// The test of all terms along q, by their names. A term whose slope is not accepted is tested again
+    /// with shorter steps: too long ones hide the second order behind the third, or leave
+    /// the range of valid shapes. What counts is the last test of a term.
+    fn shortened(
+        &mut self,
+        gradients: &BTreeMap<&str, Vec<f64>>,
+        q: &[f64],
+        arguments: &Arguments,
+    ) -> Result<BTreeMap<String, Outcome>> {
         let longest = self.longest(q, arguments.motion);
         let retries = SHORTER * i32::from(arguments.motion.is_none());
         let mut last: BTreeMap<String, Outcome> = BTreeMap::new();
@@ -320,10 +246,13 @@ impl Case<'_> {
                 break;
             }
         }
-        match (last.is_empty(), failure) {
-            (true, Some(error)) => Err(error),
-            _ => Ok(last.into_values().collect()),
+        if let (true, Some(error)) = (last.is_empty(), failure) {
+            return Err(error);
         }
+        for outcome in last.values_mut() {
+            outcome.finding = outcome.finding.after(&outcome.before);
+        }
+        Ok(last)
     }
 
     fn outcomes(
@@ -415,58 +344,5 @@ impl Table {
             }
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The finding for J(ε) along a direction, with a slope g·q.
-    fn found(j: impl Fn(f64) -> f64, slope: f64) -> Finding {
-        let epsilon: Vec<f64> = (0..7).map(|k| 1e-2 * 0.5_f64.powi(k)).collect();
-        let values: Vec<f64> = epsilon.iter().map(|&e| j(e)).collect();
-        Outcome::new("term", j(0.0), slope, &epsilon, &values).finding
-    }
-
-    #[test]
-    fn a_curved_term_has_a_slope() {
-        let j = |e: f64| (1.0 + e).powi(3);
-        assert!(found(j, 3.0).passes() && matches!(found(j, 3.0), Finding::Slope(_)));
-        assert!(!found(j, 3.1).passes());
-        assert!(!found(j, 0.0).passes());
-    }
-
-    /// The remainders are 4e-11 of the term and less.
-    #[test]
-    fn small_remainders_that_fall_as_they_should_have_a_slope() {
-        let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;
-        assert!(found(j, 1e-3).passes() && matches!(found(j, 1e-3), Finding::Slope(_)));
-        assert!(!found(j, 1.01e-3).passes());
-    }
-
-    /// Of four steps there are no five remainders.
-    #[test]
-    fn few_remainders_that_fall_exactly_by_four_have_a_slope() {
-        let epsilon = [1e-2, 5e-3, 2.5e-3, 1.25e-3];
-        let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;
-        let values = epsilon.map(j);
-        let finding = |slope: f64| Outcome::new("term", j(0.0), slope, &epsilon, &values).finding;
-        assert!(finding(1e-3).passes() && matches!(finding(1e-3), Finding::Slope(_)));
-        assert!(!finding(1.01e-3).passes());
-    }
-
-    #[test]
-    fn without_a_slope_only_proven_gradients_pass() {
-        assert_eq!(found(|_| 5.0, 0.0), Finding::Constant);
-        assert_eq!(found(|_| 0.0, 0.0), Finding::Constant);
-        assert!(!found(|_| 5.0, 1e-3).passes());
-        let line = |e: f64| 5.0 + 2.0 * e;
-        assert!(matches!(found(line, 2.0), Finding::Linear(_)));
-        assert!(!found(line, 2.001).passes());
-        assert!(!found(line, 0.0).passes());
-        // changes of 1e-8 of the term, of which 10 % may be noise, prove nothing
-        assert_eq!(found(|e| 5.0 + 5e-6 * e, 5e-6), Finding::NotMeasurable);
-        assert_eq!(found(|e| 5.0 + 5e-6 * e, 4.8e-6), Finding::NotMeasurable);
     }
 }
