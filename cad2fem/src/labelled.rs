@@ -100,7 +100,7 @@ pub struct Report {
     /// Regions that meet without an edge, where CAD says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     tangent: Option<Vec<[String; 2]>>,
-    /// Largest distance of the triangles from the faces of CAD [m].
+    /// Largest distance of the triangles from the faces of CAD, or from the functions of a remeshed implicit body [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     chord_error: Option<f64>,
     wall_s: f64,
@@ -267,7 +267,7 @@ impl Report {
             self.volume * 1e6
         );
         if let Some(error) = self.chord_error {
-            log::info!("  up to {:.4} mm from the faces of the CAD", error * 1e3);
+            log::info!("  up to {:.4} mm from the faces that they stand for", error * 1e3);
         }
         for RegionReport { name, patch, .. } in &self.regions {
             log::info!(

@@ -328,7 +328,7 @@ fn triangles_follow_curved_faces_of_cad_and_are_long_on_flat_ones() {
     // how far the middles of the ball's triangles and of their edges are from it [mm], and how many there are
     let ball = |chord: &[&str]| {
         run(&[&["import", "ball.step", "-o", "out"], chord].concat())
-            .says("mm from the faces of the CAD");
+            .says("mm from the faces that they stand for");
         let (surface, _, _) = result(&dir);
         let off = |t: usize| {
             let [a, b, c] = surface.corners(t);

@@ -89,7 +89,8 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let region = assign(model, &fields, &skin);
     let (surface, thin, names) = (skin.surface, skin.thin, model.region_names());
     let (inside, volumes) = (Vec::new(), Vec::new());
-    let (import, facts) = (None, Facts::default());
+    let facts = Facts { chord_error: skin.chord_error, ..Facts::default() };
+    let import = None;
     let labelled = LabelledSurface { surface, names, region, inside, volumes, thin, import, facts };
     finish(args, &labelled, folder, input.clone(), start)
 }
