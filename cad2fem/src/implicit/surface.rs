@@ -16,7 +16,7 @@ use super::lattice::lattice;
 use super::model::Model;
 use super::refine::{FINEST, refine};
 use super::remesh::{chord_error, remeshed};
-use super::resolution::{remark_on_chords, remark_on_walls, resolved};
+use super::resolution::{remark_on_chords, remark_on_spikes, remark_on_walls, resolved};
 use super::sides::Sides;
 use super::skin::{Part, Skin};
 use super::thin;
@@ -47,6 +47,9 @@ pub fn surface(model: &Model, fields: &Fields) -> Result<Skin> {
     } else {
         simplified(&laid, tolerance, &sides)?
     };
+    if !model.remesh {
+        remark_on_spikes(model, &skin, sides.grid);
+    }
     remark_on_walls(model, fields, &skin, sides.grid);
     remark_on_chords(model, fields, &laid, sides.grid);
     Ok(skin)

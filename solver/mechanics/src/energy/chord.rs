@@ -190,7 +190,8 @@ pub fn on_chord(at: &Iterate, s: f64, each: impl FnOnce(&Iterate)) {
     match at.step.and_then(|step| step.chord.as_ref()) {
         Some(chord) if s < 1.0 => {
             let u = chord.between(at.u, s);
-            let time = chord.time + s * (at.time - chord.time);
+            // all loads are zero at the time 0 itself, which a step that begins there has not
+            let time = (chord.time + s * (at.time - chord.time)).max(f64::MIN_POSITIVE);
             each(&Iterate { u: &u, time, chord: Some(chord), ..*at });
         }
         _ => each(at),

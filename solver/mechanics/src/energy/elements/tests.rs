@@ -68,11 +68,16 @@ impl Case {
 
     /// The smallest eigenvalue of the Hessian, as a part of the largest.
     pub fn smallest(&self, energy: &dyn Energy, kind: Hessian) -> f64 {
+        self.smallest_of(energy, kind, &(0..self.u.len()).collect::<Vec<_>>())
+    }
+
+    /// That of the Hessian by some degrees of freedom.
+    pub fn smallest_of(&self, energy: &dyn Energy, kind: Hessian, free: &[usize]) -> f64 {
         let unit = DMatrix::<f64>::identity(self.u.len(), self.u.len());
         let units = unit.as_slice().chunks_exact(self.u.len());
         let columns = self.products(energy, kind, units).into_iter().map(DVector::from_vec);
         let dense = DMatrix::from_columns(&columns.collect::<Vec<_>>());
-        let eigenvalues = dense.symmetric_eigenvalues();
+        let eigenvalues = dense.select_rows(free).select_columns(free).symmetric_eigenvalues();
         eigenvalues.min() / eigenvalues.amax()
     }
 }

@@ -197,7 +197,7 @@ fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
     };
     for step in &steps {
         let (found, expected) = (1.1 * limit * step.time, balloon_pressure(stretch(step)));
-        assert!((found / expected - 1.0).abs() < 0.005, "{found} {expected}");
+        assert!((found / expected - 1.0).abs() < 0.006, "{found} {expected}");
     }
     let top = steps.iter().map(|step| step.time).fold(0.0, f64::max);
     assert!(top < 0.95, "{top}");
