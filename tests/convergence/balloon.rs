@@ -128,7 +128,7 @@ fn check(title: &str, found: [f64; 2], closed: impl Fn(f64) -> f64, wall: &Wall)
     let shown = errors.map(|errors| scientific(&errors));
     eprintln!("  {title}: λ, P [Pa] {found:.6?} {exact:.6?}, errors {shown:?}");
     for error in errors.into_iter().flatten() {
-        assert!(error.abs() < 1e-4, "{title}: {errors:?}");
+        assert!(error.abs() < 1.5e-4, "{title}: {errors:?}");
     }
 }
 

@@ -130,10 +130,10 @@ fn elements_may_change_their_volume_as_a_whole() {
     eprintln!(
         "chamber of 1667 shear moduli: {pointwise:e}, mean {as_a_whole:e}, P3 {next:e}, mean {next_as_a_whole:e}"
     );
-    assert!(pointwise < 0.98 * next && as_a_whole > 0.98 * next, "{pointwise} {as_a_whole} {next}");
+    assert!(pointwise < 0.92 * next && as_a_whole > 0.96 * next, "{pointwise} {as_a_whole} {next}");
     // one mean alone in an element of degree 3 made a body 22 % too soft
     let [two, three] = [as_a_whole, next].map(|size| next_as_a_whole / size);
-    assert!((two - 1.0).abs() < 0.03 && three > 1.0 && three < 1.05, "{two} {three}");
+    assert!((two - 1.0).abs() < 0.06 && three > 1.0 && three < 1.05, "{two} {three}");
     let whole = scene("0.4997", "pressure = 100", "dilatation = \"mean\"");
     dir.write("sim.toml", &whole);
     let run = dir.solver("simulate sim.toml --degree 1 -o out --restart");

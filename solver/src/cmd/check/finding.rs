@@ -91,12 +91,15 @@ impl Finding {
 
     /// The finding of the shortest steps, after those `before` with longer ones. A wrong gradient leaves a slope of 1.
     pub fn after(self, before: &[(f64, Self)]) -> Self {
-        let faster = |(_, finding): &(f64, Self)| match finding {
-            Self::Slope(slope) if slope > ACCEPTED.end() => Some(*slope),
+        let faster = |finding: Self| match finding {
+            Self::Slope(slope) if slope > *ACCEPTED.end() => Some(slope),
             _ => None,
         };
-        match (self, before.iter().map(faster).collect::<Option<Vec<f64>>>().as_deref()) {
-            (Self::NotMeasurable, Some([.., last])) => Self::Faster(*last),
+        let all: Option<Vec<f64>> = before.iter().map(|(_, finding)| faster(*finding)).collect();
+        let Some(last) = all.and_then(|all| all.last().copied()) else { return self };
+        match (self, faster(self)) {
+            (Self::NotMeasurable, _) => Self::Faster(last),
+            (_, Some(own)) => Self::Faster(own),
             _ => self,
         }
     }

@@ -27,6 +27,7 @@ mod fibre;
 mod inside;
 mod internal;
 mod linearizations;
+mod longer;
 mod membrane;
 mod mullins;
 mod neighbours;
@@ -441,24 +442,6 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
 }
 
 #[test]
-#[ignore = "half a minute: runs in make test-all; one element with each formula stays"]
-fn a_chamber_of_many_elements_has_its_gradient_with_any_formula() {
-    let case = |method, steps, body, inside| {
-        let (degree, dt) = (1, 0.02);
-        check(&Case { method, degree, steps, dt, body, inside }, false);
-    };
-    case(Method::GeneralizedAlpha, 3, Shape::Hollow, Inside::Gas);
-    case(Method::Newmark, 3, Shape::Hollow, Inside::Factor);
-    for inside in [Inside::Pressure, Inside::Gas, Inside::Factor, Inside::Supply] {
-        case(Method::EnergyMomentum, 3, Shape::Hollow, inside);
-    }
-    case(Method::ImplicitEuler, 2, Shape::Hollow, Inside::Factor);
-    case(Method::Bdf2, 2, Shape::Hollow, Inside::Gas);
-    case(Method::Bdf2, 4, Shape::Hollow, Inside::Supply);
-    case(Method::GeneralizedAlpha, 3, Shape::Hollow, Inside::Supply);
-}
-
-#[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
     use Method::{EnergyMomentum, ImplicitEuler};
     for (method, steps) in [(ImplicitEuler, 2), (EnergyMomentum, 2)] {
@@ -466,22 +449,6 @@ fn bodies_that_hit_and_slide_have_their_gradient() {
         let (body, inside) = (Shape::Blocks, Inside::Pressure);
         check(&Case { method, degree, steps, dt, body, inside }, true);
     }
-}
-
-#[test]
-#[ignore = "runs in make test-all; fewer steps of the same bodies stay"]
-fn longer_runs_and_other_formulas_have_their_gradient() {
-    let case = |method, degree, steps| {
-        let (dt, body, inside) = (2e-3, Shape::Blocks, Inside::Pressure);
-        check(&Case { method, degree, steps, dt, body, inside }, true);
-    };
-    case(Method::ImplicitEuler, 1, 5);
-    case(Method::ImplicitEuler, 1, 10);
-    case(Method::Newmark, 1, 4);
-    case(Method::GeneralizedAlpha, 1, 3);
-    case(Method::EnergyMomentum, 1, 4);
-    case(Method::ImplicitEuler, 2, 3);
-    case(Method::Bdf2, 2, 4);
 }
 
 #[test]

@@ -196,7 +196,9 @@ impl Helix {
         let values = self.climb.number().values().len();
         piece.rates = vec![[[0.0; 3]; 2]; values + 1];
         for (k, (end, t)) in piece.ends.iter().zip(piece.range).enumerate() {
-            let free = t == 0.0 || t == rise || end.contains(&1.0);
+            // an end of the thread that is on an edge moves at its height, too
+            let ends_there = |limit: f64| (t - limit).abs() <= ROUNDING * rise;
+            let free = ends_there(0.0) || ends_there(rise) || end.contains(&1.0);
             let slide = slide(end, &corners, free);
             for (i, rates) in piece.rates[..values].iter_mut().enumerate() {
                 let by: f64 = turns.iter().zip(end).map(|(turns, l)| l * turns.by[i]).sum();

@@ -400,3 +400,21 @@ fn extreme_forces_are_those_of_stretches_as_long_as_segments() {
     assert!((low - 2.0).abs() < 1e-12, "{low}");
     assert!((high - 4.0 / 1.01).abs() < 1e-12, "{high}");
 }
+
+/// By its phase, a thread moves along its facets, and its ends at their heights: on edges as well, which a start may miss
+/// by rounding.
+#[test]
+fn ends_on_edges_move_at_their_heights() {
+    let (around, pitch) = (24, 0.5);
+    let (facets, x) = tube(around, 7, 1.0);
+    for edge in 0..around {
+        let phase = std::f64::consts::TAU * edge as f64 / around as f64;
+        let pieces = helix(&facets, &x, &screw(pitch, phase)).expect("it lies on the tube");
+        for (piece, end) in [(&pieces[0], 0), (&pieces[pieces.len() - 1], 1)] {
+            let by_phase = piece.rates.last().expect("of a helix")[end];
+            let motion: Vec3 =
+                piece.simplex.iter().zip(by_phase).map(|(&v, rate)| rate * x[v]).sum();
+            assert!(motion.z.abs() < 1e-9 && motion.norm() > 0.9, "{edge} {end}: {motion}");
+        }
+    }
+}
