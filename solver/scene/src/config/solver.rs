@@ -91,8 +91,8 @@ pub enum Dilatation {
     #[default]
     Pointwise,
     /// As a whole (mean dilatation), in elements of degree 2 by the mean of J, in those of degree 3 by the linear
-    /// polynomial that is nearest to J: they do not lock, however large the bulk modulus. With degree 1 there is no
-    /// difference. Not for the laws `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
+    /// polynomial that is nearest to J: they do not lock, however large the bulk modulus. Two shear moduli of it count at
+    /// every point all the same. With degree 1 there is no difference. Not for the laws `saint-venant-kirchhoff` and `linear-elastic`, nor with an objective `stress`.
     Mean,
 }
 
