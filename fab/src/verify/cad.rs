@@ -157,8 +157,7 @@ impl MoldAndCad<'_> {
         // The mold has the triangles that were asked for.
         if off <= limit && line.status == Status::Fail {
             line.status = Status::Warn;
-            line.needed +=
-                ": cad2fem import with a smaller --chord, or finer triangles of the script";
+            line.needed += ": cad2fem import with a smaller --chord, a smaller simplify of the model, or finer triangles of the script";
         }
         // The boundary of the tetrahedra was asked for.
         if report.input.surface == Casts::Mesh && line.status == Status::Fail {
