@@ -73,7 +73,7 @@ $(VALIDATION)/pictures/arm.png: $(VALIDATION)/arm/after/report.json | setup
 		--title "arm at 10 kPa" -o $@
 
 $(VALIDATION)/pictures/capsule.png: $(VALIDATION)/capsule/2.3/after/report.json | setup
-	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,009 020 026) --cut x=0 --color displacement --view right --edges \
+	$(BIN)/cad2fem picture $(patsubst %,$(<D)/step_%.vtu,010 020 027) --cut x=0 --color displacement --view right --edges \
 		--captions "buckles,dented,lowest pressure" --title "capsule with a wall of 2.3 mm" -o $@
 
 $(VALIDATION)/pictures/compression.png: $(patsubst %,$(VALIDATION)/compression/%/report.json,slippery sticking) | setup
