@@ -36,9 +36,23 @@ def main(folder):
         elif not there.map(lambda value: isinstance(value, str)).all():
             table[name] = table[name].map(str, na_action="ignore")
     html = page.assemble(plan, cases, table).encode(errors="replace")
-    replace(folder / "table.csv", lambda file: table.to_csv(file, index=False))
+    texts = [name for name in table.columns if not pandas.api.types.is_numeric_dtype(table[name])]
+    plain = table.assign(**{name: table[name].map(no_formula, na_action="ignore") for name in texts})
+    plain = plain.rename(columns=no_formula)
+    replace(folder / "table.csv", lambda file: plain.to_csv(file, index=False))
     replace(folder / "table.parquet", lambda file: table.to_parquet(file, index=False))
     replace(folder / "sweep.html", lambda file: file.write(html))
+
+
+def no_formula(cell):
+    """A text that a spreadsheet does not take for a formula, as `solver` writes names: a space comes before it."""
+    if not isinstance(cell, str) or not cell.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f" {cell}"
+    return cell
 
 
 class Case:
