@@ -45,11 +45,10 @@ pub fn surface(model: &Model, fields: &Fields) -> Result<Skin> {
         let usual = ACCURACY * sides.grid * sides.metres;
         with_new_triangles(&laid, if tolerance > 0.0 { tolerance } else { usual }, &sides)?
     } else {
-        simplified(&laid, tolerance, &sides)?
-    };
-    if !model.remesh {
+        let skin = simplified(&laid, tolerance, &sides)?;
         remark_on_spikes(model, &skin, sides.grid);
-    }
+        skin
+    };
     remark_on_walls(model, fields, &skin, sides.grid);
     remark_on_chords(model, fields, &laid, sides.grid);
     Ok(skin)

@@ -12,7 +12,7 @@ use super::super::skin::Skin;
 const SHORTEST: f64 = 0.4;
 const LONGEST: f64 = 3.0;
 
-/// Of an equilateral triangle with edges h inscribed in a sphere of radius r, the middle is h²/6r from it. Edges
+/// The middle of an equilateral triangle is h²/6r from the sphere of radius r that its corners lie on, for edges h. Edges
 /// are up to a third longer than their size, where they bend less than that: h² = 4.5 r e for a distance e, as
 /// for CAD.
 const SQUARED: f64 = 4.5;

@@ -68,7 +68,7 @@ struct MeanPart {
     u: Arc<dyn Isotropic>,
     /// 1 − θ.
     part: f64,
-    /// Its derivatives by the parameters.
+    /// Derivatives of 1 − θ by the parameters of the law.
     by: Vec<f64>,
 }
 

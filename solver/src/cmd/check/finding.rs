@@ -168,7 +168,7 @@ mod tests {
         assert!(!found(j, 1.01e-3).passes());
     }
 
-    /// Of three steps there are no four remainders.
+    /// Three steps are too few for [`QUADRATIC`] remainders.
     #[test]
     fn few_remainders_that_fall_exactly_by_four_have_a_slope() {
         let epsilon = [1e-2, 5e-3, 2.5e-3];
@@ -192,6 +192,7 @@ mod tests {
         assert_eq!(found(|e| 5.0 + 5e-6 * e, 5e-6), Finding::NotMeasurable);
         assert_eq!(found(|e| 5.0 + 5e-6 * e, 4.8e-6), Finding::NotMeasurable);
     }
+
     #[test]
     fn a_kink_is_told_from_a_wrong_gradient() {
         let j = |e: f64| 5.0 + if e > 0.0 { 1.1 * e } else { e } + e * e;

@@ -31,8 +31,9 @@ const SHORTER: i32 = 4;
 /// remainders are within rounding there is no slope: such a test passes if the term does
 /// not change at all and g·q is zero, if it is linear, so that its change is ε g·q, or if
 /// longer steps have a slope above 2; else it is "not measurable". At a kink, where the
-/// derivatives to either side differ, the slope is 2 along −q. Steps that are too long are shortened, and what was found
-/// with them is printed. Exit code 1 unless every test passes.
+/// derivatives to either side differ, the slope is 2 along −q. Steps that are too long
+/// are shortened, and what was found with them is printed. Exit code 1 unless every
+/// test passes.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The design problem

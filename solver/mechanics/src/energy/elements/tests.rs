@@ -71,7 +71,7 @@ impl Case {
         self.smallest_of(energy, kind, &(0..self.u.len()).collect::<Vec<_>>())
     }
 
-    /// That of the Hessian by some degrees of freedom.
+    /// The smallest eigenvalue of the rows and columns `free` of the Hessian, as a part of the largest.
     pub fn smallest_of(&self, energy: &dyn Energy, kind: Hessian, free: &[usize]) -> f64 {
         let unit = DMatrix::<f64>::identity(self.u.len(), self.u.len());
         let units = unit.as_slice().chunks_exact(self.u.len());
