@@ -9,7 +9,7 @@
 //!
 //! With θ = 0 the volume of a point costs nothing beside that of its element. Then a free surface that is compressed
 //! along two directions folds element by element at a stretch of 0.745, however fine the mesh, in place of 0.666 (Biot),
-//! and a wall of one element of degree 2 that bends is 15 % too soft. With 2 G it folds at 0.68, and bends within 3 %.
+//! and a wall of one element of degree 2 that bends is 15 % too soft. With 2 G it folds at 0.68, and bends within 5 %.
 //!
 //! Source: Simo, Taylor and Pister 1985, "Variational and projection methods for the volume
 //! constraint in finite deformation elasto-plasticity", doi:10.1016/0045-7825(85)90033-7.

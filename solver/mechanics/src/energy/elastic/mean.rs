@@ -25,7 +25,7 @@
 //! δ(λ·∂E/∂u) ∋ (1/n) Σ_c U''(J̄_c) δJ̄_c ∫ ω_c cof F : ∇λ dX
 //!
 //! In an element of degree 1 J is constant, so that there is no difference. A bar of one cell of degree 2 over its height
-//! bends by 0.5 to 2.2 % too little, whatever its bulk modulus; the standard element by 17 to 33 %.
+//! bends by 2.2 % too little to 4.9 % too much, whatever its bulk modulus; of two cells within 1.2 %.
 //!
 //! The projected Hessian has the tangent A_p + p ∂²J/∂F² of every point made positive semidefinite, and
 //! the parts of rank one with max(U'', 0). The finger at 120 kPa takes 12 iterations of Newton's method, 15
