@@ -48,7 +48,7 @@ pub fn packed(folder: &Path, shown: Shown, store: &mut Store) -> Result<Value> {
         "history": history,
         "shapes": shapes,
         "status": status,
-        "stopped": designed.map(|designed| designed.stopped),
+        "levels": designed.map(|designed| designed.levels),
     }))
 }
 

@@ -162,10 +162,12 @@ fn terms_of(folder: &Path) -> Result<Markup> {
         }
     }
     let head = ["term of the objective", "before", "after"];
-    let stopped = designed.iter().flat_map(|found| &found.stopped);
+    let levels = designed.iter().flat_map(|found| &found.levels);
     Ok(html! {
         h3 { (name(folder)) ": " (status_in_words(&status)) }
-        @for (level, why) in stopped { p { "Level " (level) " ended early: " (why) "." } }
+        @for end in levels {
+            p { "Level " (end.level) " " (end.ending.in_words()) ": " (end.why) "." }
+        }
         (table(&head, &rows))
     })
 }

@@ -28,10 +28,19 @@ pub struct Optimization {
 /// How an optimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Ended {
-    /// Every level took all of its iterations.
+    /// The last level converged: no step gains more than was asked for.
+    #[serde(rename = "converged")]
+    Converged,
+    /// The last level took all of its iterations, and the last of them gained little.
     #[serde(rename = "iteration_limit")]
     IterationLimit,
-    /// A level ended before that, as `stopped` says.
+    /// The last level took all of its iterations while the objective still fell.
+    #[serde(rename = "still_falling")]
+    StillFalling,
+    /// The last level is jammed: its model promises more than the steps that are allowed give.
+    #[serde(rename = "jammed")]
+    Jammed,
+    /// The last level ended by `least_rate` or `time_limit`.
     #[serde(rename = "stopped_early")]
     StoppedEarly,
     /// Surfaces of the design under load have passed through each other.
@@ -45,6 +54,23 @@ pub enum Ended {
     NotEnoughSupports,
 }
 
+impl Ended {
+    /// What a level, or a design, has come to.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "took all of its iterations",
+            Self::StillFalling => "took all of its iterations while the objective still fell",
+            Self::Jammed => "is jammed",
+            Self::StoppedEarly => "was stopped",
+            Self::SurfacesCrossed => "has surfaces that passed through each other",
+            Self::NoEquilibrium => "has no equilibrium",
+            Self::NotEnoughSupports => "has not enough supports",
+        }
+    }
+}
+
 /// The design at the end, beside that at the start.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Designed {
@@ -54,8 +80,11 @@ pub struct Designed {
     pub inputs: Inputs,
     /// Values that `--set` gave.
     pub set: Vec<String>,
-    /// Number of each level that ended early, and why.
-    pub stopped: Vec<(usize, String)>,
+    /// How each level ended.
+    pub levels: Vec<LevelEnd>,
+    /// What the design keeps, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub constraints: BTreeMap<String, Kept>,
     /// What is minimised, at the start.
     pub objective_before: Option<f64>,
     /// What is minimised, at the end.
@@ -103,6 +132,30 @@ pub struct Designed {
     pub wall_s_of_this_run: f64,
     /// Largest memory in use [MB], where the system tells it.
     pub peak_rss_mb: Option<f64>,
+}
+
+/// How a level ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct LevelEnd {
+    /// Its number, from 1 on.
+    pub level: usize,
+    /// How it ended: one of the endings of a design, or "stopped_early".
+    pub ending: Ended,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// A constraint at the end of a design.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Kept {
+    /// What is to be kept: a wall [m], or the sine of a draft [1].
+    pub least: f64,
+    /// The least there is, none where all of it is far from `least`.
+    pub found: Option<f64>,
+    /// By how much the objective would fall for a unit less of `least`, to first order: the multiplier.
+    pub worth: f64,
 }
 
 /// What a probe was and has become.

@@ -14,12 +14,10 @@ use crate::number;
 /// Part of a wanted value that counts as 1 in the objective.
 const SCALE: f64 = 0.05;
 
-/// Handles and iterations of the levels.
-const LEVELS: [(usize, usize); 4] = [(1, 4), (3, 6), (6, 8), (12, 10)];
-
-/// Weight of walls, times the fourth power of the thinnest one allowed [1]: that of our beam. The finger of `cad2fem new`
-/// came from 69° to 89.9° of 90° with it, to 84° where walls push from twice the thinnest on.
-const WALL: f64 = 1e-3;
+/// Iterations of the level in which the whole wall moves along its normals.
+const OFFSET: usize = 6;
+/// Handles and iterations of the levels after it.
+const LEVELS: [(usize, usize); 4] = [(1, 4), (3, 6), (6, 8), (12, 12)];
 
 /// Write a design problem from one line: values that probes of a scene shall have, and the chamber that may move
 ///
@@ -143,11 +141,15 @@ fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Res
          scene = {name}\n\n\
          [optimizer]\n\
          stagnation = 2e-3               # a level ends when an iteration gains less than this\n\n\
-         # What may move, with more handles in each level.\n\
-         [shape]\non = {moved}\n"
+         # What may move: first as a whole along its normals, then with more handles in each level.\n\
+         [shape]\non = {moved}\n\n\
+         [[shape.level]]\noffset = true\niterations = {OFFSET}\n"
     );
     for (handles, iterations) in LEVELS {
-        writeln!(text, "\n[[shape.level]]\nhandles = {handles}\niterations = {iterations}")?;
+        writeln!(
+            text,
+            "\n[[shape.level]]\nhandles = {handles}\nmotion = \"rigid-and-offset\"\niterations = {iterations}"
+        )?;
     }
     for Target { probe, value } in &arguments.probe {
         let unit = probe_of(scene, probe)?.kind().unit;
@@ -162,13 +164,11 @@ fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Res
     if against.is_empty() {
         log::warn!("no tag lies off the rim of {moved}: walls are not kept");
     } else {
-        let (wall, half) = (arguments.wall, arguments.wall / 2.0);
-        let (weight, against) = (WALL / wall.powi(4), toml::Value::Array(against));
+        let (wall, against) = (arguments.wall, toml::Value::Array(against));
         write!(
             text,
-            "\n# No wall thinner than `minimum`; walls of less than minimum + activation push.\n[[objective]]\n\
-             kind = \"wall-thickness\"\nname = \"wall\"\nweight = {weight:.1e}    # [1/m^4]\n\
-             on = {moved}\nagainst = {against}\nminimum = {wall:?}    # [m]\nactivation = {half:?}    # [m]\n"
+            "\n# No wall is thinner.\n[[constraint]]\nkind = \"wall\"\nname = \"wall\"\n\
+             on = {moved}\nagainst = {against}\nleast = {wall:?}    # [m]\n"
         )?;
     }
     write!(

@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use measure::constraint::Constraint;
 use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, KeyPath, Settings, Unusable};
-use reports::{Designed, DesignedProbe, Ended, Inputs, Iteration, Numbers, Optimization};
+use reports::{
+    Designed, DesignedProbe, Ended, Inputs, Iteration, Kept, LevelEnd, Numbers, Optimization,
+};
 use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, ProbeConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
 use serde::Deserialize;
@@ -83,8 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     designed.crossing = crossing.as_ref().map(Crossing::report);
     let status = match crossing {
         Some(_) => Ended::SurfacesCrossed,
-        None if finished.stopped.is_empty() => Ended::IterationLimit,
-        None => Ended::StoppedEarly,
+        None => found.ended(),
     };
     let report = Optimization {
         status,
@@ -353,7 +355,8 @@ impl Found<'_> {
             program: scene::PROGRAM.to_owned(),
             inputs,
             set,
-            stopped: self.finished.stopped.clone(),
+            levels: self.finished.endings.clone(),
+            constraints: self.kept(),
             objective_before: first.objective,
             objective_after: last.objective,
             gains: gains(&lines),
@@ -398,6 +401,26 @@ impl Found<'_> {
         };
         let probes = &self.scene.config.probe;
         (!probes.is_empty()).then(|| probes.iter().map(one).collect())
+    }
+
+    /// How the last level with iterations ended.
+    fn ended(&self) -> Ended {
+        let levels = self.design.levels();
+        let worked = |end: &&LevelEnd| levels[end.level - 1].iterations > 0;
+        self.finished.endings.iter().rev().find(worked).map_or(Ended::IterationLimit, |e| e.ending)
+    }
+
+    /// What the design keeps, with what its constraints are worth.
+    fn kept(&self) -> BTreeMap<String, Kept> {
+        let (level, at) = &self.finished.last;
+        let worth = self.finished.multipliers.iter().copied().chain(std::iter::repeat(0.0));
+        let one = |(kept, worth): (&Constraint, f64)| {
+            let near = kept.near(&at.rest, level.map().mean_edge()).into_iter();
+            let least = near.map(|c| c.value).reduce(f64::min);
+            let found = least.map(|value| kept.least() + value);
+            (kept.name.clone(), Kept { least: kept.least(), found, worth })
+        };
+        level.constraints().iter().zip(worth).map(one).collect()
     }
 
     /// Weights of the terms by their names, those that shares came to among them.

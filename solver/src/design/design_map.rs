@@ -226,6 +226,30 @@ impl DesignMap {
         gradient
     }
 
+    /// Derivatives by the variables of a number that depends on a few vertices of the surface, from those by their
+    /// positions; variables without any are left out.
+    #[must_use]
+    pub fn by_surface(&self, theta: &[f64], by: &[(usize, Vec3)]) -> Vec<(usize, f64)> {
+        let (mut all, mut first) = (Vec::new(), 0);
+        for (patch, own) in self.each_patch(theta) {
+            let vertices = patch.vertices();
+            let mut bar = vec![Vec3::zeros(); vertices.len()];
+            let mut moves = false;
+            for (v, d) in by {
+                if let Ok(i) = vertices.binary_search(v) {
+                    bar[i] += d;
+                    moves = true;
+                }
+            }
+            if moves {
+                let parts = patch.vjp(own, &self.rest, &bar).into_iter().enumerate();
+                all.extend(parts.filter(|(_, d)| *d != 0.0).map(|(i, d)| (first + i, d)));
+            }
+            first += patch.variables();
+        }
+        all
+    }
+
     /// dJ/dX of the boundary when the interior follows it, three components per
     /// vertex, zero inside; as it is where nothing moves.
     #[must_use]

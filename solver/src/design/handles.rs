@@ -13,7 +13,8 @@
 //!       vertex must not spin with its variables [m]
 //!
 //! The variables of a handle are (θ₁, θ₂, θ₃, t_x, t_y, t_z), or t alone where handles do not
-//! rotate, all in metres: a
+//! rotate, and perhaps o, by which the surface at it moves along its normals: to T_j v is added o d(v), with d the move
+//! per distance out of the silicone ([`shifts`]). All are in metres: a
 //! rotation variable is the path of a vertex at distance r_j, so that equal
 //! changes of any variable move the surface about equally far. θ = 0 is the
 //! shape as it is. The rim does not move, whatever the variables.
@@ -33,6 +34,7 @@
 use std::sync::Arc;
 
 use mesh::measure::mean_edge;
+use mesh::offset::shifts;
 use mesh::{SurfaceMesh, Vec3, topology};
 use scene::config::{HandleMotion, Spread};
 
@@ -70,6 +72,8 @@ pub struct Handles {
     /// Indices in `vertices` of those that lie in planes, with orthonormal directions in which they
     /// do not move.
     in_planes: Vec<(usize, Vec<Vec3>)>,
+    /// d of each vertex.
+    normals: Vec<Vec3>,
     motion: HandleMotion,
 }
 
@@ -110,7 +114,8 @@ pub fn sample_handles(
         .map(|(c, w)| radius(&surface.vertices, c, w).max(edge))
         .collect();
     let motion = HandleMotion::default();
-    Ok(Handles { vertices, centers, radii, weights, across, in_planes, motion })
+    let normals = shifts(rest, patch).into_values().collect();
+    Ok(Handles { vertices, centers, radii, weights, across, in_planes, normals, motion })
 }
 
 /// Weights of the handles for the component across a plane, zero at the `held` vertices in it;
@@ -152,6 +157,7 @@ impl Handles {
     fn variables_each(&self) -> usize {
         match self.motion {
             HandleMotion::Rigid => 6,
+            HandleMotion::RigidAndOffset => 7,
             HandleMotion::Translation => 3,
         }
     }
@@ -178,7 +184,8 @@ impl Handles {
             let turn = motion.rotation() - Mat3::identity();
             for (i, &v) in self.vertices.iter().enumerate() {
                 let arm = rest[v] - self.centers[j];
-                way[i] += self.weighted(j, i, &(turn * arm + motion.translation));
+                let moved = turn * arm + motion.translation + motion.offset * self.normals[i];
+                way[i] += self.weighted(j, i, &moved);
             }
         }
         self.project(&mut way);
@@ -194,17 +201,23 @@ impl Handles {
         let mut gradient = Vec::with_capacity(self.variables());
         for (j, motion) in self.motions(theta).iter().enumerate() {
             // the derivatives by the six variables need only Σ w v̄ and Σ w v̄ (v − c)ᵀ
-            let (mut force, mut moment) = (Vec3::zeros(), Mat3::zeros());
-            for (i, &v) in self.vertices.iter().enumerate() {
+            let (mut force, mut moment, mut outward) = (Vec3::zeros(), Mat3::zeros(), 0.0);
+            for (i, &v) in
+                self.vertices.iter().enumerate().filter(|(i, _)| bar[*i] != Vec3::zeros())
+            {
                 let pull = self.weighted(j, i, &bar[i]);
                 force += pull;
+                outward += pull.dot(&self.normals[i]);
                 moment += pull * (rest[v] - self.centers[j]).transpose();
             }
-            if self.motion == HandleMotion::Rigid {
+            if self.motion != HandleMotion::Translation {
                 let slopes = motion.rotation_slopes();
                 gradient.extend(slopes.map(|slope| slope.dot(&moment) / self.radii[j]));
             }
             gradient.extend([force.x, force.y, force.z]);
+            if self.motion == HandleMotion::RigidAndOffset {
+                gradient.push(outward);
+            }
         }
         gradient
     }
@@ -226,11 +239,16 @@ impl Handles {
 
     fn motions(&self, theta: &[f64]) -> Vec<Motion> {
         let motion = |(own, radius): (&[f64], &f64)| {
+            let (own, offset) = match self.motion {
+                HandleMotion::RigidAndOffset => own.split_at(own.len() - 1),
+                _ => (own, &[][..]),
+            };
             let (turn, translation) = own.split_at(own.len() - 3);
             let angle = |k: usize| turn.get(k).map_or(0.0, |path| path / radius);
             Motion {
                 angles: [0, 1, 2].map(angle),
                 translation: Vec3::from_column_slice(translation),
+                offset: offset.first().copied().unwrap_or(0.0),
             }
         };
         theta.chunks_exact(self.variables_each()).zip(&self.radii).map(motion).collect()
@@ -243,6 +261,8 @@ struct Motion {
     angles: [f64; 3],
     /// Translation [m].
     translation: Vec3,
+    /// o [m].
+    offset: f64,
 }
 
 impl Motion {
@@ -320,8 +340,11 @@ mod tests {
     /// A quarter turn about x, then y, then z: e_z → −e_y → −e_y → e_x.
     #[test]
     fn rotations_are_about_x_then_y_then_z() {
-        let motion =
-            Motion { angles: [std::f64::consts::FRAC_PI_2; 3], translation: Vec3::zeros() };
+        let motion = Motion {
+            angles: [std::f64::consts::FRAC_PI_2; 3],
+            translation: Vec3::zeros(),
+            offset: 0.0,
+        };
         assert!((motion.rotation() * Vec3::z() - Vec3::x()).norm() < 1e-15);
     }
 
@@ -335,6 +358,9 @@ mod tests {
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);
         check_vjp(&translated, x);
+        let swelling = translated.with(HandleMotion::RigidAndOffset);
+        assert_eq!(swelling.variables(), 21);
+        check_vjp(&swelling, x);
     }
 
     fn check_vjp(handles: &Handles, x: &[Vec3]) {

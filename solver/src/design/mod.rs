@@ -14,6 +14,7 @@ mod patch;
 mod pressure_curve;
 pub mod sampling;
 mod scalar;
+mod swelling;
 
 pub use carry::{Carried, carry, check_same_body};
 pub use design_map::DesignMap;

@@ -5,6 +5,7 @@ use scene::config::{Moves, Spread};
 
 use super::handles::{HandleError, Handles, sample_handles};
 use super::held::Held;
+use super::swelling::Swelling;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
@@ -13,6 +14,8 @@ pub enum Patch {
     Handles(Handles),
     /// The displacement of every vertex off the rim, but none across planes in which it lies.
     Vertices(FreeVertices),
+    /// How far all of it moves along its normals.
+    Offset(Swelling),
 }
 
 /// Vertices of a patch that move freely.
@@ -25,7 +28,7 @@ pub struct FreeVertices {
 }
 
 impl Patch {
-    /// A patch with handles, or with all vertices free.
+    /// A patch with handles, with all vertices free, or as a whole.
     ///
     /// # Errors
     /// [`HandleError`] if the patch has too few vertices or is degenerate.
@@ -39,6 +42,9 @@ impl Patch {
         if let Moves::Handles(count, motion) = moves {
             let handles = sample_handles(rest, facets, held, count, spread)?;
             return Ok(Self::Handles(handles.with(motion)));
+        }
+        if moves == Moves::Offset {
+            return Ok(Self::Offset(Swelling::new(rest, facets, held)));
         }
         let (surface, ids) = topology::submesh(rest, facets);
         let rim = held.rim(&surface, &ids);
@@ -58,6 +64,7 @@ impl Patch {
         match self {
             Self::Handles(handles) => handles.variables(),
             Self::Vertices(free) => free.ways.len(),
+            Self::Offset(_) => 1,
         }
     }
 
@@ -67,6 +74,7 @@ impl Patch {
         match self {
             Self::Handles(handles) => handles.vertices(),
             Self::Vertices(free) => &free.vertices,
+            Self::Offset(swelling) => &swelling.vertices,
         }
     }
 
@@ -76,6 +84,7 @@ impl Patch {
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
         match self {
             Self::Handles(handles) => handles.apply(theta, rest),
+            Self::Offset(swelling) => swelling.apply(theta[0], rest),
             Self::Vertices(free) => {
                 let mut moved: Vec<Vec3> = free.vertices.iter().map(|&v| rest[v]).collect();
                 free.ways.iter().zip(theta).for_each(|((i, way), d)| moved[*i] += *d * way);
@@ -89,6 +98,7 @@ impl Patch {
     pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
             Self::Handles(handles) => handles.vjp(theta, rest, bar),
+            Self::Offset(swelling) => vec![swelling.vjp(bar)],
             Self::Vertices(free) => free.ways.iter().map(|(i, way)| way.dot(&bar[*i])).collect(),
         }
     }
@@ -98,7 +108,7 @@ impl Patch {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use mechanics::math::random::Random;
-    use mechanics::testing::{cap, check_gradient};
+    use mechanics::testing::{cap, check_gradient, sphere};
     use scene::config::HandleMotion;
 
     use super::*;
@@ -111,7 +121,13 @@ mod tests {
         let x = &surface.vertices;
         let margin = 0.3;
         let distances = Geodesics::new(&surface).distances(&rim(&surface));
-        for moves in [Moves::Vertices, Moves::Handles(4, HandleMotion::Rigid)] {
+        let handles = |motion| Moves::Handles(4, motion);
+        for moves in [
+            Moves::Vertices,
+            Moves::Offset,
+            handles(HandleMotion::Rigid),
+            handles(HandleMotion::RigidAndOffset),
+        ] {
             let facets = &surface.triangles;
             let held = Held { margin, ..Held::default() };
             let patch = Patch::new(x, facets, held, moves, Spread::RePick).unwrap();
@@ -154,5 +170,25 @@ mod tests {
             .map(|(v, a)| Vec3::from_column_slice(a) + v)
             .collect();
         check_gradient(&theta, &patch.vjp(&theta, x, &bar), 1e-2, value);
+    }
+
+    /// A ball of radius 1 grows by the distance; facets in chords lie a little deeper.
+    #[test]
+    fn a_ball_that_is_offset_is_another_ball() {
+        let ball = sphere(3);
+        let x = &ball.vertices;
+        let held = Held::default();
+        let patch = Patch::new(x, &ball.triangles, held, Moves::Offset, Spread::RePick).unwrap();
+        assert_eq!((patch.variables(), patch.vertices().len()), (1, x.len()));
+        for moved in patch.apply(&[0.2], x) {
+            assert!((moved.norm() - 1.2).abs() < 2e-3, "{}", moved.norm());
+        }
+        let bar = Random::new(8).numbers(3 * x.len());
+        let bar: Vec<Vec3> = bar.chunks_exact(3).map(Vec3::from_column_slice).collect();
+        let value = |theta: f64| -> f64 {
+            patch.apply(&[theta], x).iter().zip(&bar).map(|(x, b)| x.dot(b)).sum()
+        };
+        let slope = patch.vjp(&[0.1], x, &bar)[0];
+        assert!((value(1.0) - value(0.0) - slope).abs() < 1e-12);
     }
 }

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use mesh::io::npy;
-use reports::Castable;
+use reports::{Castable, Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
+use super::cascade::{Rejections, at_the_last};
 use super::progress::LevelProgress;
 use super::scenario::{Margin, SavedMargin};
 use super::trust_region::TrustRegion;
@@ -71,10 +72,22 @@ pub struct Checkpoint {
     pub lines: String,
     /// SHA-256 of the files that the level reads and of the meshes of those before, by their names.
     pub files: BTreeMap<String, String>,
-    /// The level ended early, and why.
-    pub stopped: Option<String>,
-    /// Levels before this one that ended early, and why.
-    pub stopped_before: Vec<(usize, String)>,
+    /// How the level ended before its iterations did, and why.
+    pub ending: Option<(Ended, String)>,
+    /// How the levels before this one ended.
+    pub endings_before: Vec<LevelEnd>,
+    /// Iterations that gained little, one after the other, up to now.
+    #[serde(default)]
+    pub quiet: usize,
+    /// Part by which the last iteration lowered the objective [1].
+    #[serde(default)]
+    pub last_fall: f64,
+    /// What was tried in the level and not taken.
+    #[serde(default)]
+    pub rejections: Rejections,
+    /// What a unit of each constraint is worth, by their order: what the objective would fall by.
+    #[serde(default)]
+    pub multipliers: Vec<f64>,
     /// What `fab plan` says of the shape at θ, where it is asked.
     #[serde(default)]
     pub mold: Option<Castable>,
@@ -110,8 +123,12 @@ impl Checkpoint {
             history: 0,
             lines: String::new(),
             files: BTreeMap::new(),
-            stopped: None,
-            stopped_before: Vec::new(),
+            ending: None,
+            endings_before: Vec::new(),
+            quiet: 0,
+            last_fall: 0.0,
+            rejections: Rejections::default(),
+            multipliers: Vec::new(),
             mold: None,
             margins: Vec::new(),
         }
@@ -120,7 +137,7 @@ impl Checkpoint {
     /// Before the first solve of the level after this one.
     #[must_use]
     pub fn next_level(self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
-        let stopped_before = self.all_stopped();
+        let endings_before = self.all_endings();
         let Self { level, total_s, history, lines, weights, mold, region, mut files, .. } = self;
         let level = level + 1;
         // The meshes of the levels before stay in the folder, as a part of the result.
@@ -133,7 +150,7 @@ impl Checkpoint {
             weights,
             files,
             loads,
-            stopped_before,
+            endings_before,
             mold,
             region: region.without_model(),
             ..Self::new(self.inputs, lbfgs)
@@ -156,11 +173,24 @@ impl Checkpoint {
         }
     }
 
-    /// Levels up to this one that ended early, and why.
+    /// How this level ended, at the latest.
     #[must_use]
-    pub fn all_stopped(&self) -> Vec<(usize, String)> {
-        let own = self.stopped.iter().map(|reason| (self.level + 1, reason.clone()));
-        self.stopped_before.iter().cloned().chain(own).collect()
+    pub fn end(&self) -> LevelEnd {
+        let level = self.level + 1;
+        let mut end = match &self.ending {
+            Some((ending, why)) => LevelEnd { level, ending: *ending, why: why.clone() },
+            None => at_the_last(level, self.last_fall),
+        };
+        if let (Some(said), false) = (self.rejections.describe(), end.ending == Ended::Converged) {
+            end.why = format!("{}; {said}", end.why);
+        }
+        end
+    }
+
+    /// How the levels up to this one ended.
+    #[must_use]
+    pub fn all_endings(&self) -> Vec<LevelEnd> {
+        self.endings_before.iter().cloned().chain([self.end()]).collect()
     }
 
     /// Whether the shape is another than that of the mesh.

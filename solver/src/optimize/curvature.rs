@@ -13,6 +13,9 @@ use super::{Evaluation, Level, Rejected};
 /// Motion of the surface by which runs are varied, over its mean edge [1].
 const VARIATION: f64 = 1e-5;
 
+/// Variables beyond which the first-order changes of all take too much time and memory.
+pub const MOST_VARIABLES: usize = 400;
+
 /// Second derivatives of the objective, and the first-order changes of the runs that they are along.
 pub struct Curvature {
     /// The matrix.
@@ -76,6 +79,12 @@ impl Level {
             scenario.foreseen(run, &neighbours, loads, &shape).map(Arc::new)
         };
         self.scenarios.iter().zip(&at.runs).zip(&curvature.states).map(one).collect()
+    }
+
+    /// Whether it has so few variables that their curvature is within reach.
+    #[must_use]
+    pub fn is_small(&self) -> bool {
+        self.variables() <= MOST_VARIABLES
     }
 
     /// Mean square of the motion of the moving surface as a quadratic form in a step from θ; the variables of loads

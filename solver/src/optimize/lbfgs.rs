@@ -1,19 +1,22 @@
-//! Limited-memory BFGS (L-BFGS), a quasi-Newton method: a descent direction from the last
-//! few steps.
+//! Limited-memory BFGS (L-BFGS): a model of the objective from the gradients of the last few steps.
 //!
-//! p = −H g,   H ≈ (∂²J/∂θ²)⁻¹ by the two-loop recursion over pairs
-//! s = θ₊ − θ,  y = g₊ − g,   started from H₀ = (s·y / y·y) I of the last pair
+//! B = θ I − W K Wᵀ,  W = [Y  θS],  K = [−D  Lᵀ; L  θSᵀS]⁻¹,  θ = y·y / s·y of the last pair
 //!
-//! Only the memory is held here; line search and evaluations are the caller's.
-//! The state is plain data, so that an optimisation can be stopped and continued
-//! with the same numbers.
+//! S, Y   steps s = θ₊ − θ and changes y = g₊ − g of the gradient, oldest first, as columns
+//! D, L   diagonal and strict lower triangle of SᵀY
 //!
-//! Source: Nocedal and Wright 2006, "Numerical Optimization", algorithm 7.4.
+//! Only the memory is held here, as plain data, so that an optimisation can be stopped and continued with the same
+//! numbers.
+//!
+//! Source: Nocedal and Wright 2006, "Numerical Optimization", section 7.2.
 
 use std::collections::VecDeque;
 
 use mechanics::math::linear::{dot, norm};
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+
+use super::quadratic::Model;
 
 /// cos of the angle between s and y below which a pair is left out: its
 /// curvature is not positive, or drowned in rounding [1].
@@ -42,37 +45,18 @@ impl Lbfgs {
         Self { memory, pairs: VecDeque::new() }
     }
 
-    /// Whether there is no pair, so that the direction is −g and its length
-    /// says nothing.
+    /// Whether there is no pair, so that nothing is known of the curvature.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
 
-    /// The pairs, oldest first.
-    pub(super) fn pairs(&self) -> impl Iterator<Item = &Pair> {
-        self.pairs.iter()
-    }
-
-    /// The descent direction −H g.
+    /// B; none without pairs.
     #[must_use]
-    pub fn direction(&self, gradient: &[f64]) -> Vec<f64> {
-        let mut p: Vec<f64> = gradient.iter().map(|g| -g).collect();
-        let mut alphas = Vec::with_capacity(self.pairs.len());
-        for Pair { s, y } in self.pairs.iter().rev() {
-            let alpha = dot(s, &p) / dot(s, y);
-            add(&mut p, -alpha, y);
-            alphas.push(alpha);
-        }
-        if let Some(Pair { s, y }) = self.pairs.back() {
-            let scale = dot(s, y) / dot(y, y);
-            p.iter_mut().for_each(|x| *x *= scale);
-        }
-        for (Pair { s, y }, alpha) in self.pairs.iter().zip(alphas.into_iter().rev()) {
-            let beta = dot(y, &p) / dot(s, y);
-            add(&mut p, alpha - beta, s);
-        }
-        p
+    pub fn model(&self) -> Option<Model> {
+        let pairs: Vec<&Pair> = self.pairs.iter().collect();
+        // the oldest pair is dropped where the small matrix is singular in rounding
+        (0..pairs.len()).find_map(|first| of_pairs(&pairs[first..]))
     }
 
     /// Takes in an accepted step and the change of the gradient, unless the
@@ -87,32 +71,72 @@ impl Lbfgs {
     }
 }
 
-/// x += a y.
-fn add(x: &mut [f64], a: f64, y: &[f64]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        *x += a * y;
-    }
+fn of_pairs(pairs: &[&Pair]) -> Option<Model> {
+    let last = pairs.last()?;
+    let (m, n) = (pairs.len(), last.s.len());
+    let theta = dot(&last.y, &last.y) / dot(&last.s, &last.y);
+    let w =
+        DMatrix::from_fn(
+            n,
+            2 * m,
+            |i, k| {
+                if k < m { pairs[k].y[i] } else { theta * pairs[k - m].s[i] }
+            },
+        );
+    let inner = DMatrix::from_fn(2 * m, 2 * m, |i, j| match (i < m, j < m) {
+        (true, true) if i == j => -dot(&pairs[i].s, &pairs[i].y),
+        (true, true) => 0.0,
+        (false, false) => theta * dot(&pairs[i - m].s, &pairs[j - m].s),
+        (is_upper, _) => {
+            // L_ij = s_i · y_j for i > j
+            let (i, j) = if is_upper { (j - m, i) } else { (i - m, j) };
+            if i > j { dot(&pairs[i].s, &pairs[j].y) } else { 0.0 }
+        }
+    });
+    // rows and columns of one size, as steps may differ by orders
+    let scale = DVector::from_fn(2 * m, |i, _| inner[(i, i)].abs().sqrt().recip());
+    let scaled = DMatrix::from_fn(2 * m, 2 * m, |i, j| scale[i] * inner[(i, j)] * scale[j]);
+    let inverse = scaled.try_inverse()?;
+    let middle = DMatrix::from_fn(2 * m, 2 * m, |i, j| scale[i] * inverse[(i, j)] * scale[j]);
+    let model = Model::limited(theta, &w, &middle);
+    (middle.iter().all(|v| v.is_finite()) && model.is_positive()).then_some(model)
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
 
-    type Value = fn(&[f64]) -> f64;
-    type Gradient = fn(&[f64]) -> Vec<f64>;
+    use crate::optimize::quadratic::Problem;
 
-    /// One iteration with halving until the value falls enough.
-    fn iterate(lbfgs: &mut Lbfgs, x: &[f64], value: Value, gradient: Gradient) -> Vec<f64> {
-        let g = gradient(x);
-        let p = lbfgs.direction(&g);
+    /// The direction to the minimum of the model.
+    fn direction(lbfgs: &Lbfgs, gradient: &[f64]) -> Vec<f64> {
+        let n = gradient.len();
+        let (model, metric) =
+            (lbfgs.model().unwrap_or(Model::round(n, 1.0)), DMatrix::identity(n, n));
+        let problem = Problem {
+            model: &model,
+            gradient,
+            metric: &metric,
+            rows: &[],
+            length: 1.0,
+            held: RefCell::default(),
+        };
+        problem.minimum(0.0).unwrap().d
+    }
+
+    /// One iteration with halving until Rosenbrock's function falls enough.
+    fn iterate(lbfgs: &mut Lbfgs, x: &[f64]) -> Vec<f64> {
+        let g = rosenbrock_gradient(x);
+        let p = direction(lbfgs, &g);
         let slope = dot(&g, &p);
         assert!(slope < 0.0);
         let mut alpha = if lbfgs.is_empty() { 1e-3 } else { 1.0 };
         loop {
             let next: Vec<f64> = x.iter().zip(&p).map(|(x, p)| x + alpha * p).collect();
-            if value(&next) <= value(x) + 1e-4 * alpha * slope {
-                let y = gradient(&next).iter().zip(&g).map(|(a, b)| a - b).collect();
+            if rosenbrock(&next) <= rosenbrock(x) + 1e-4 * alpha * slope {
+                let y = rosenbrock_gradient(&next).iter().zip(&g).map(|(a, b)| a - b).collect();
                 lbfgs.update(p.iter().map(|p| alpha * p).collect(), y);
                 return next;
             }
@@ -134,7 +158,7 @@ mod tests {
         let (mut lbfgs, mut x) = (Lbfgs::new(6), vec![-1.2, 1.0]);
         let mut iterations = 0;
         while norm(&rosenbrock_gradient(&x)) > 1e-8 {
-            x = iterate(&mut lbfgs, &x, rosenbrock, rosenbrock_gradient);
+            x = iterate(&mut lbfgs, &x);
             iterations += 1;
             assert!(iterations < 60);
         }
@@ -152,14 +176,14 @@ mod tests {
         let (mut lbfgs, mut x) = (Lbfgs::new(6), vec![0.0; 5]);
         for _ in 0..5 {
             let g = gradient(&x);
-            let p = lbfgs.direction(&g);
+            let p = direction(&lbfgs, &g);
             let bend: f64 = p.iter().zip(&curvature).map(|(p, c)| c * p * p).sum();
             let alpha = -dot(&g, &p) / bend;
-            add(&mut x, alpha, &p);
+            x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
             let y = p.iter().zip(&curvature).map(|(p, c)| alpha * c * p).collect();
             lbfgs.update(p.iter().map(|p| alpha * p).collect(), y);
         }
-        assert!(norm(&gradient(&x)) < 1e-9, "{x:?}");
+        assert!(norm(&gradient(&x)) < 1e-8, "{x:?}");
     }
 
     #[test]
@@ -170,20 +194,20 @@ mod tests {
         lbfgs.update(vec![0.0, 0.0], vec![0.0, 0.0]);
         lbfgs.update(vec![1.0, 0.0], vec![f64::NAN, 0.0]);
         assert!(lbfgs.is_empty());
-        assert_eq!(lbfgs.direction(&[3.0, -2.0]), vec![-3.0, 2.0]);
+        assert_eq!(direction(&lbfgs, &[3.0, -2.0]), vec![-3.0, 2.0]);
     }
 
     #[test]
     fn a_stored_state_goes_on_with_the_same_bits() {
         let (mut a, mut x) = (Lbfgs::new(6), vec![-1.2, 1.0]);
         for _ in 0..10 {
-            x = iterate(&mut a, &x, rosenbrock, rosenbrock_gradient);
+            x = iterate(&mut a, &x);
         }
         let text = serde_json::to_string(&(&a, &x)).unwrap();
         let (mut b, mut z): (Lbfgs, Vec<f64>) = serde_json::from_str(&text).unwrap();
         for _ in 0..10 {
-            x = iterate(&mut a, &x, rosenbrock, rosenbrock_gradient);
-            z = iterate(&mut b, &z, rosenbrock, rosenbrock_gradient);
+            x = iterate(&mut a, &x);
+            z = iterate(&mut b, &z);
         }
         assert_eq!(x, z);
     }

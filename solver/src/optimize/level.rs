@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use measure::constraint::Constraint;
 use mechanics::adjoint::{Gradient, Wanted};
 use mechanics::body::Body;
 use mechanics::forward::Trajectory;
@@ -78,6 +79,7 @@ pub struct Level {
     path: RestPath,
     pub(super) scenarios: Vec<Scenario>,
     pub(super) robust: Robust,
+    pub(super) constraints: Vec<Constraint>,
 }
 
 impl Level {
@@ -106,13 +108,22 @@ impl Level {
         check_memory(&scenarios)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
-        Ok(Self { body, map, path, robust: Robust::new(&configs, design.robust), scenarios })
+        let constraints = design.constraint.iter().map(|kept| kept.build(&body));
+        let constraints = constraints.collect::<Result<_>>()?;
+        let robust = Robust::new(&configs, design.robust);
+        Ok(Self { body, map, path, robust, scenarios, constraints })
     }
 
     /// Number of design variables.
     #[must_use]
     pub fn variables(&self) -> usize {
         self.map.variables()
+    }
+
+    /// What the rest shape keeps to.
+    #[must_use]
+    pub fn constraints(&self) -> &[Constraint] {
+        &self.constraints
     }
 
     /// From variables to rest shape and loads.

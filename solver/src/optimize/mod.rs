@@ -1,24 +1,24 @@
-//! The outer loop: shape optimisation in a cascade of levels, by a quasi-Newton method (L-BFGS, within bounds
-//! L-BFGS-B) with a backtracking line search, or by the Gauss–Newton method within a trust region.
+//! The outer loop: shape optimisation in a cascade of levels by sequential quadratic programming within a trust region,
+//! with the model of Gauss and Newton or one from gradients (L-BFGS).
 
 mod cascade;
 mod checkpoint;
 mod curvature;
 mod history;
+mod kept;
 mod lbfgs;
-mod lbfgsb;
 mod level;
 mod meshes;
 mod molding;
 mod offset;
 mod parameter;
 mod progress;
+mod quadratic;
 mod remesh;
 mod rest_path;
 mod robust;
 mod scenario;
 mod shares;
-mod trial_step;
 mod trust_region;
 pub mod validity;
 
@@ -26,7 +26,6 @@ pub use cascade::{Cascade, Finished, LATEST};
 pub use checkpoint::Checkpoint;
 pub use history::History;
 pub use lbfgs::Lbfgs;
-pub use lbfgsb::projected_gradient_norm;
 pub use level::{Evaluation, Level, Start};
 pub use meshes::Meshes;
 pub use molding::Molding;

@@ -29,7 +29,6 @@ use program::{KeyPath, Misfit, unknown};
 use crate::quantity::{Kind, List};
 
 pub use contact_proxy::PartsTouch;
-pub use wall_thickness::SidesTouch;
 
 /// All kinds, in the order in which they are listed.
 pub const KINDS: &[Kind] = &[

@@ -26,14 +26,11 @@
 //! Source: Gjoka et al. 2024, equations (14) and (15); the published scenes have
 //! the rest shape.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use anyhow::{Result, ensure};
-use mechanics::contact::candidates::{close_between, closest_between};
 use mechanics::contact::density::{Density, Repulsion};
-use mechanics::contact::images::Mirrored;
-use mechanics::contact::pairs::{Features, Pair};
+use mechanics::contact::pairs::Pair;
 use mechanics::contact::rest_potential;
 use mechanics::element::at;
 use mechanics::symmetry::Plane;
@@ -43,7 +40,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{
-    Equilibrium, Kind, List, Measure, Partials, Quantity, Site, Specification, positive,
+    Equilibrium, Kind, List, Measure, Partials, Quantity, SidesTouch, Site, Specification, Walls,
+    positive,
 };
 use crate::written::{DensitySchema, Names};
 
@@ -107,27 +105,12 @@ impl Specification for Keys {
     }
 }
 
-/// Two parts have vertices in common.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the two sides of the wall share {count} vertices, the first is {first}: no thickness is \
-     defined there; leave the surface that joins them (the seat) out of both sides"
-)]
-pub struct SidesTouch {
-    /// Number of shared vertices.
-    pub count: usize,
-    /// The smallest shared vertex id.
-    pub first: usize,
-}
-
 /// Penalty on thin walls.
 pub struct WallThickness {
     /// How thin walls may be: β with d₀ and d̂.
     limits: Repulsion,
     measure: Measure,
-    whole: Mirrored,
-    /// Parts, each with what it is compared with.
-    sides: Vec<[Features; 2]>,
+    walls: Walls,
 }
 
 impl WallThickness {
@@ -141,42 +124,27 @@ impl WallThickness {
         limits: Repulsion,
         measure: Measure,
     ) -> Result<Self, SidesTouch> {
-        let (whole, mirrored) = Mirrored::new(planes, parts);
-        let mut sides = Vec::new();
-        for i in 1..parts.len() {
-            check_apart(&parts[i - 1], &parts[i..].concat())?;
-            sides.push([mirrored[i - 1].as_slice(), &mirrored[i..].concat()].map(Features::new));
-        }
-        Ok(Self { limits, measure, whole, sides })
+        Ok(Self { limits, measure, walls: Walls::new(planes, parts)? })
     }
 
     /// J at positions of the vertices.
     #[must_use]
     pub fn value_at(&self, x: &[Vec3]) -> f64 {
-        let x = self.whole.positions(x);
-        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.limits)
+        let x = self.walls.whole.positions(x);
+        self.walls.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.limits)
     }
 
     /// Adds `weight` ∂J/∂x, three components per vertex; J must be finite.
     pub fn add_gradient_at(&self, x: &[Vec3], weight: f64, out: &mut [f64]) {
-        let x = self.whole.positions(x);
-        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
+        let x = self.walls.whole.positions(x);
+        let (weight, mut by_x) = (weight * self.walls.whole.share(), vec![0.0; 3 * x.len()]);
         rest_potential::add_gradient(&self.pairs(&x), &x, &self.limits, weight, &mut by_x);
-        self.whole.add_to_vertices(&by_x, out);
-    }
-
-    /// Smallest distance between two parts [m]; infinite if there are none.
-    #[must_use]
-    pub fn min_distance(&self, x: &[Vec3]) -> f64 {
-        let x = self.whole.positions(x);
-        let least = |sides| closest_between(sides, &x).map_or(f64::INFINITY, |c| c.1.d2.sqrt());
-        self.sides.iter().map(least).fold(f64::INFINITY, f64::min)
+        self.walls.whole.add_to_vertices(&by_x, out);
     }
 
     /// Pairs at positions of the whole.
     fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
-        let between = |[a, b]: &[Features; 2]| close_between(a, b, x, self.limits.range());
-        self.sides.iter().flat_map(between).collect()
+        self.walls.pairs(x, self.limits.range())
     }
 
     /// Positions of the vertices in the shape that is measured [m].
@@ -190,20 +158,12 @@ impl WallThickness {
     }
 }
 
-/// Refuses two sets of facets with a common vertex.
-fn check_apart(inner: &[[usize; 3]], outer: &[[usize; 3]]) -> Result<(), SidesTouch> {
-    let [inner, outer] = [inner, outer].map(|s| s.iter().flatten().collect::<BTreeSet<_>>());
-    let mut shared = inner.intersection(&outer);
-    let count = shared.clone().count();
-    shared.next().map_or(Ok(()), |&&first| Err(SidesTouch { count, first }))
-}
-
 impl Quantity for WallThickness {
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
         if !self.limits.density.is_barrier() || self.measure == Measure::Deformed {
             return Ok(());
         }
-        let (found, minimum) = (self.min_distance(rest), self.limits.minimum);
+        let (found, minimum) = (self.walls.min_distance(rest), self.limits.minimum);
         if found > minimum {
             return Ok(());
         }
@@ -306,7 +266,7 @@ mod tests {
         let outer: Vec<_> = ball.triangles.iter().map(|t| t.map(|v| v + offset)).collect();
         let wall = rest(&ball.triangles, &outer, QUADRATIC).unwrap();
         // facets of the outer sphere sag by h²/8 at most, h < 0.22
-        let gap = wall.min_distance(&x);
+        let gap = wall.walls.min_distance(&x);
         assert!(gap < 0.3 && gap > 0.3 - 0.22_f64.powi(2) / 8.0 * 1.4, "{gap}");
     }
 

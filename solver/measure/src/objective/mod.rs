@@ -108,6 +108,14 @@ impl ObjectiveConfig {
         self.common.weight()
     }
 
+    /// Whether it is minimised and no linear function of what it looks at, which has no curvature.
+    #[must_use]
+    pub fn is_square(&self) -> bool {
+        let may_be_maximised = self.kind().may_be_maximised && self.own.may_be_maximised();
+        let (Weight::Factor(size) | Weight::Share(size)) = self.weight();
+        !may_be_maximised && size >= 0.0
+    }
+
     /// What it is summed over.
     #[must_use]
     pub fn over(&self) -> &TimeIntegral {

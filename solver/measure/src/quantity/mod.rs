@@ -15,6 +15,7 @@ pub mod surface_integral;
 mod targets;
 #[cfg(test)]
 pub(crate) mod tests;
+mod walls;
 
 use mesh::Vec3;
 use schemars::JsonSchema;
@@ -32,6 +33,7 @@ pub use rest_term::RestTerm;
 pub use site::{Law, Site};
 pub use surface_integral::Patch;
 pub use targets::Targets;
+pub use walls::{SidesTouch, Walls};
 
 /// Which shape areas, volumes and distances are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

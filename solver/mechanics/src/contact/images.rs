@@ -66,6 +66,13 @@ impl Mirrored {
         self.images.iter().map(|i| x[i.of].component_mul(&i.signs) + i.shift).collect()
     }
 
+    /// The vertex of the body that a vertex of the whole is an image of, with a cotangent there turned into its own.
+    #[must_use]
+    pub fn to_vertex(&self, of_whole: usize, bar: Vec3) -> (usize, Vec3) {
+        let image = &self.images[of_whole];
+        (image.of, image.signs.component_mul(&bar))
+    }
+
     /// Adds the transpose of the derivative of [`Self::positions`] times `bar`, both three
     /// components per vertex.
     pub fn add_to_vertices(&self, bar: &[f64], out: &mut [f64]) {

@@ -97,12 +97,18 @@ struct Last {
     solid: Option<Arc<Solid>>,
     lists: Vec<Arc<Neighbours>>,
     swept: Option<Arc<Swept>>,
+    /// All rest shapes that are asked for hardly differ from this one.
+    held: bool,
 }
 
 impl Last {
+    fn is_of(&self, rest: &[Vec3]) -> bool {
+        self.held || self.rest == rest
+    }
+
     /// Forgets what is of another rest shape.
     fn be_of(&mut self, rest: &[Vec3]) {
-        if self.rest != rest {
+        if !self.is_of(rest) {
             *self = Self { rest: rest.to_vec(), ..Self::default() };
         }
     }
@@ -120,12 +126,33 @@ impl Last {
     }
 }
 
+/// While it lives, what is known of the last rest shape is taken for all others.
+pub struct Held<'a>(&'a NeighbourList);
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.0.set_held(false);
+    }
+}
+
 impl NeighbourList {
+    /// Takes rest shapes that hardly differ from the last one for it, as a derivative by the rest shape does: no pair
+    /// begins or ceases to be through the solid there.
+    #[must_use]
+    pub fn hold(&self) -> Held<'_> {
+        self.set_held(true);
+        Held(self)
+    }
+
+    fn set_held(&self, held: bool) {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner).held = held;
+    }
+
     /// One of the last lists, if it holds for this rest shape at all these positions.
     #[must_use]
     pub fn last_at(&self, rest: &[Vec3], positions: &[&[Vec3]]) -> Option<Arc<Neighbours>> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut lists = last.lists.iter().filter(|_| last.rest == rest);
+        let mut lists = last.lists.iter().filter(|_| last.is_of(rest));
         lists.find(|list| positions.iter().all(|x| list.holds(x))).map(Arc::clone)
     }
 
@@ -176,7 +203,7 @@ impl NeighbourList {
 
     fn last_swept(&self, rest: &[Vec3]) -> Option<Arc<Swept>> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.swept.as_ref().filter(|_| last.rest == rest).map(Arc::clone)
+        last.swept.as_ref().filter(|_| last.is_of(rest)).map(Arc::clone)
     }
 
     /// Pairs that may repel each other, and those through the solid of a body at rest, both in

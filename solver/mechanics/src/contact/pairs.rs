@@ -33,7 +33,7 @@ impl Features {
 }
 
 /// A pair of features by the ids of its four corners.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pair {
     /// A vertex, then the corners of a triangle.
     PointTriangle([usize; 4]),

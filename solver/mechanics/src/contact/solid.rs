@@ -22,8 +22,9 @@
 //! All of this is decided by the rest shape alone. So nothing changes while a state is
 //! searched for, and the energy has no jumps; a design changes a pair where its shapes do.
 
+use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
@@ -46,6 +47,9 @@ const STEEP: f64 = 0.5;
 /// files. So does one whose middle is so near the surface, in D.
 const ALONG: f64 = 1e-3;
 
+/// Pairs that are remembered, at most: 80 MB.
+const MOST_KNOWN: usize = 1_500_000;
+
 /// Shares of a segment near its ends where nothing is crossed: rounding of closest points.
 const ENDS: f64 = 1e-6;
 
@@ -58,6 +62,8 @@ pub struct Solid {
     facets: Vec<[usize; 3]>,
     facets_at: Vec<Vec<usize>>,
     search: OnceLock<(SurfaceBvh, WindingNumber)>,
+    /// Pairs that were asked for before, as the same come with every step of a search.
+    known: Mutex<HashMap<Pair, bool>>,
 }
 
 impl Solid {
@@ -72,22 +78,27 @@ impl Solid {
             facet.iter().for_each(|&v| facets_at[v].push(f));
         }
         let (surface, rest, search) = (Arc::clone(surface), rest.to_vec(), OnceLock::new());
-        Self { surface, rest, range, facets, facets_at, search }
+        Self { surface, rest, range, facets, facets_at, search, known: Mutex::default() }
     }
 
     /// The pairs that are not through the solid, and those that are, both in their order.
     #[must_use]
     pub fn partition(&self, pairs: Vec<Pair>) -> [Vec<Pair>; 2] {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let new: Vec<Pair> =
+            pairs.iter().filter(|pair| !known.contains_key(pair)).copied().collect();
+        if known.len() + new.len() > MOST_KNOWN {
+            known.clear();
+        }
+        let asked = if known.is_empty() { &pairs } else { &new };
         let part = |range: Range<usize>| -> Vec<bool> {
-            pairs[range].iter().map(|pair| self.is_between(pair)).collect()
+            asked[range].iter().map(|pair| self.is_between(pair)).collect()
         };
-        let mut parts = [Vec::new(), Vec::new()];
-        map_merge(pairs.len(), part, |range, through| {
-            for (pair, through) in pairs[range].iter().zip(through) {
-                parts[usize::from(through)].push(*pair);
-            }
+        map_merge(asked.len(), part, |range, through| {
+            known.extend(asked[range].iter().copied().zip(through));
         });
-        parts
+        let (through, others) = pairs.into_iter().partition(|pair| known[pair]);
+        [others, through]
     }
 
     /// Whether there is the solid of their body between the features of a pair.

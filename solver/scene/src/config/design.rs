@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::meaning::meaning;
 
 use super::{
-    ChamberDesign, LevelConfig, LimitGoal, ObjectiveConfig, RobustConfig, ScenarioConfig,
-    refuse_outside_of_chambers, scenario,
+    ChamberDesign, ConstraintConfig, LevelConfig, LimitGoal, ObjectiveConfig, RobustConfig,
+    ScenarioConfig, refuse_outside_of_chambers, scenario,
 };
 
 const KEYS: Keys =
@@ -55,6 +55,9 @@ pub struct DesignConfig {
     /// How to go down.
     #[serde(default)]
     pub optimizer: OptimizerConfig,
+    /// What the rest shape keeps to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constraint: Vec<ConstraintConfig>,
     /// Weighted terms of the objective.
     pub objective: Vec<ObjectiveConfig>,
 }
@@ -74,8 +77,9 @@ pub struct MoldConfig {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OptimizerConfig {
-    /// How steps are found.
-    pub method: OptimizerMethod,
+    /// The model of the objective that steps minimise; chosen by its terms if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<OptimizerMethod>,
     /// Accepted iterations of a design without levels, which have their own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<usize>,
@@ -106,7 +110,7 @@ pub struct OptimizerConfig {
 impl Default for OptimizerConfig {
     fn default() -> Self {
         Self {
-            method: OptimizerMethod::LBfgs,
+            method: None,
             iterations: None,
             first_step: 0.5,
             largest_step: 3.0,
@@ -119,15 +123,14 @@ impl Default for OptimizerConfig {
     }
 }
 
-/// How an optimiser finds its steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+/// The quadratic model of the objective that a step minimises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OptimizerMethod {
-    /// From the gradients of the last iterations.
-    #[default]
+    /// From the gradients of the last iterations, for any objective and any number of variables.
     LBfgs,
-    /// From the curvature of the terms, by the first-order change of the run for each variable. For targets and
-    /// probes with a target, which are squares, and up to some hundred variables.
+    /// From the curvature of the terms, by the first-order change of the run for each variable: the default where all
+    /// terms are squares and a level has up to some hundred variables.
     GaussNewton,
 }
 
@@ -311,6 +314,13 @@ impl DesignConfig {
         self.scenario.clone()
     }
 
+    /// Whether every term is a square or another that has curvature of its own, so that the method of Gauss and Newton
+    /// knows that of the objective.
+    #[must_use]
+    pub fn is_of_squares(&self) -> bool {
+        self.limit.is_none() && self.objective.iter().all(ObjectiveConfig::is_square)
+    }
+
     /// The settings of a level in place of the design's.
     #[must_use]
     pub fn optimizer_of(&self, level: &LevelConfig) -> OptimizerConfig {
@@ -380,6 +390,11 @@ impl DesignConfig {
             objectives.extend(limit.goals().iter().map(|(name, _)| *name));
         }
         check_shares(&self.objective)?;
+        self.constraint.iter().try_for_each(ConstraintConfig::check)?;
+        ensure!(
+            self.constraint.is_empty() || self.shape.is_some(),
+            misfit!(KeyPath::list("constraint"), " without [shape]: no shape changes")
+        );
         let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
         scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
         ensure!(

@@ -23,6 +23,9 @@ pub struct LevelConfig {
     /// What vertices off the rims move freely.
     #[serde(default)]
     pub vertices: VerticesConfig,
+    /// Each tag as a whole moves along its normals: one variable a tag, in place of handles and vertices.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub offset: bool,
     /// How a handle moves.
     #[serde(default)]
     pub motion: HandleMotion,
@@ -126,6 +129,8 @@ pub enum HandleMotion {
     Rigid,
     /// Translation alone: three variables.
     Translation,
+    /// Translation, rotation and how far the surface moves along its normals, so that a chamber grows: seven variables.
+    RigidAndOffset,
 }
 
 /// What moves on a tag.
@@ -135,12 +140,17 @@ pub enum Moves {
     Handles(usize, HandleMotion),
     /// Every vertex off the rim.
     Vertices,
+    /// All along the normals, by one distance.
+    Offset,
 }
 
 impl LevelConfig {
     /// What moves on a tag in this level, if anything does.
     #[must_use]
     pub fn moves(&self, tag: &str) -> Option<Moves> {
+        if self.offset {
+            return Some(Moves::Offset);
+        }
         if self.frees(tag) {
             return Some(Moves::Vertices);
         }
@@ -193,6 +203,12 @@ impl LevelConfig {
             VerticesConfig::Tags(tags) => tags.all(),
         };
         match (&self.handles, &self.vertices) {
+            (None, VerticesConfig::All(false)) if self.offset => {}
+            _ if self.offset => bail!(misfit!(
+                title,
+                ": offset = true beside handles or vertices; expected it alone, or motion = \"rigid-and-offset\" \
+                 for an offset of each handle"
+            )),
             (None, VerticesConfig::All(true)) => {}
             (None, VerticesConfig::Tags(_)) if !freed.is_empty() => {}
             (Some(handles), VerticesConfig::All(false) | VerticesConfig::Tags(_)) => {
@@ -203,7 +219,10 @@ impl LevelConfig {
                 ": handles beside vertices = true; expected one of them, or vertices = [\"TAG\"] for the \
                  tags without handles"
             )),
-            (None, _) => bail!(misfit!(title, ": expected one handle or more, or vertices = true")),
+            (None, _) => bail!(misfit!(
+                title,
+                ": expected one handle or more, vertices = true, or offset = true"
+            )),
         }
         for tag in freed {
             let known = on.contains(tag);
@@ -220,10 +239,11 @@ impl LevelConfig {
         ensure!(
             self.handles.is_none()
                 && self.vertices == VerticesConfig::All(false)
+                && !self.offset
                 && self.motion == HandleMotion::Rigid,
             misfit!(
                 KeyPath::list("level"),
-                ": handles, vertices or motion without [shape] on: no shape may change"
+                ": handles, vertices, offset or motion without [shape] on: no shape may change"
             )
         );
         self.check_problem(objectives).context(KeyPath::list("level"))
@@ -258,6 +278,9 @@ impl LevelConfig {
             count => format!("{count} handles"),
         };
         let mut said = Vec::new();
+        if self.offset {
+            said.push("an offset".to_owned());
+        }
         match &self.handles {
             Some(HandlesConfig::Each(count)) => said.push(handles(*count)),
             Some(HandlesConfig::Growing(growing)) => said.push(handles(growing.first)),
@@ -401,6 +424,7 @@ mod tests {
     fn contradictions_are_refused() {
         for (text, expected) in [
             ("", "expected one handle or more"),
+            ("handles = 2\noffset = true", "offset = true beside handles"),
             ("handles = 0", "handles = 0"),
             ("handles = 2\nvertices = true", "handles beside vertices"),
             ("handles = { right = 2 }", "expected some of left, skin"),

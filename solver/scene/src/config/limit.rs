@@ -134,7 +134,7 @@ impl LimitGoal {
             );
         }
         ensure!(
-            optimizer.method == OptimizerMethod::LBfgs,
+            optimizer.method != Some(OptimizerMethod::GaussNewton),
             misfit!(
                 table,
                 " does not go with method = \"gauss-newton\": a limit is no square whose curvature is known; \

@@ -38,6 +38,7 @@ pub use fibre::{FibreConfig, Source};
 pub use limit::{BURST, LIMIT, Least, LimitConfig, LimitGoal, SLOPE};
 pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
+pub use measure::constraint::ConstraintConfig;
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
 pub use membrane::MembraneConfig;

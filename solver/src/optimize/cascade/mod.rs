@@ -1,33 +1,36 @@
 //! The cascade: levels with more and more handles, the body re-meshed in
 //! between, every accepted iteration on disk.
 //!
-//! Source: Gjoka et al. 2024, section 4.5; L-BFGS: Nocedal and Wright,
-//! "Numerical Optimization", chapter 7.
+//! Source: Gjoka et al. 2024, section 4.5.
 
 mod begin;
+mod ending;
 mod say;
+mod step;
 mod trial;
-mod trust_region_step;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
-use mechanics::math::linear::{dot, norm};
+use mechanics::math::linear::norm;
 use program::Unusable;
-use reports::{Ended, Iteration, NoStart, Optimization, Status, numbers};
+use reports::{Ended, Iteration, LevelEnd, NoStart, Optimization, Status, numbers};
 use scene::config::{DesignConfig, OptimizerConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
+use self::ending::End;
+use self::ending::in_words;
+pub use self::ending::{Rejections, at_the_last};
 use self::say::{say_gain, time_left, variables};
-use self::trial::{ahead, lower};
+use self::step::projected_norm;
 use super::checkpoint::Checkpoint;
+use super::curvature::MOST_VARIABLES;
 use super::history::{History, handles, probes, scenarios, spread};
 use super::molding::{self, Molding};
 use super::remesh::write_bodies;
 use super::shares;
-use super::trial_step::{projected_norm, trial_step};
 use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Start};
 use crate::report::failure::Diagnosis;
 use crate::report::results;
@@ -36,6 +39,8 @@ use crate::report::results;
 const MEMORY: usize = 6;
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
+/// Iterations that gain little, one after the other, before the level ends.
+const QUIET: usize = 2;
 /// Trials of a step before the level ends.
 const TRIALS: usize = 10;
 /// Trials that flat elements may cost in an iteration before the body is re-meshed.
@@ -69,8 +74,10 @@ pub struct Finished {
     pub last: (Level, Evaluation),
     /// The variables.
     pub theta: Vec<f64>,
-    /// Why each level that ended early did.
-    pub stopped: Vec<(usize, String)>,
+    /// How each level ended.
+    pub endings: Vec<LevelEnd>,
+    /// What a unit of each constraint is worth at the end, in its order.
+    pub multipliers: Vec<f64>,
 }
 
 /// A trial step that was accepted.
@@ -79,24 +86,17 @@ struct Step {
     evaluation: Evaluation,
     gradient: Vec<f64>,
     motion: f64,
+    /// By how much the model said that the objective falls.
+    predicted: f64,
     trials: usize,
     /// Flat elements have made it short.
     flat: bool,
+    /// What was tried and not taken before it.
+    rejections: Rejections,
+    /// Nothing was known of the curvature.
+    blind: bool,
     forward_s: f64,
     gradient_s: f64,
-}
-
-/// Why there is no step.
-struct End {
-    reason: String,
-    /// Flat elements are among the reasons.
-    flat: bool,
-}
-
-impl End {
-    fn because(reason: &str) -> Self {
-        Self { reason: reason.to_owned(), flat: false }
-    }
 }
 
 impl Cascade<'_> {
@@ -136,9 +136,10 @@ impl Cascade<'_> {
             let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
             let next = if checkpoint.flat { checkpoint.level } else { checkpoint.level + 1 };
             if next == self.design.levels().len() {
-                let (stopped, theta) = (checkpoint.all_stopped(), checkpoint.theta);
-                let body = level.shape(&evaluation);
-                return Ok(Finished { body, last: (level, evaluation), theta, stopped });
+                let Checkpoint { theta, multipliers, .. } = checkpoint.clone();
+                let (endings, body) = (checkpoint.all_endings(), level.shape(&evaluation));
+                let last = (level, evaluation);
+                return Ok(Finished { body, last, theta, endings, multipliers });
             }
             checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
         }
@@ -154,43 +155,41 @@ impl Cascade<'_> {
         let optimizer = self.design.optimizer_of(settings);
         let scene = self.scene.with_fidelity(settings)?;
         let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
-        if optimizer.method == OptimizerMethod::GaussNewton {
-            trust_region_step::check_variables(&level)
-                .with_context(|| format!("level {}", checkpoint.level + 1))?;
-        }
+        ensure!(
+            level.is_small() || optimizer.method != Some(OptimizerMethod::GaussNewton),
+            "level {}: {} variables, of which method = \"gauss-newton\" takes at most {MOST_VARIABLES}: expected fewer \
+             handles, or no method in [optimizer]",
+            checkpoint.level + 1,
+            level.variables()
+        );
         if !checkpoint.weights.is_empty() {
             level.set_weights(&checkpoint.weights);
         }
         let mut current = self.enter_level(&mut level, checkpoint)?;
         while checkpoint.iteration < settings.iterations
-            && checkpoint.stopped.is_none()
+            && checkpoint.ending.is_none()
             && !checkpoint.flat
         {
-            let step = match optimizer.method {
-                OptimizerMethod::LBfgs => {
-                    self.iterate(&mut level, checkpoint, &current, &optimizer)?
-                }
-                OptimizerMethod::GaussNewton => {
-                    self.iterate_in_region(&mut level, checkpoint, &current, &optimizer)?
-                }
-            };
-            match step {
+            match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
                 Ok(step) => {
                     current = step.evaluation.clone();
                     self.accept(&mut level, checkpoint, step, &optimizer)?;
                 }
-                Err(End { flat: true, .. }) if checkpoint.has_moved() => {
+                Err(End { rejections, .. })
+                    if rejections.flat >= FLAT_TRIALS && checkpoint.has_moved() =>
+                {
                     checkpoint.flat = true;
                     checkpoint.write(&self.folder)?;
                 }
-                Err(End { reason, .. }) => {
-                    checkpoint.stopped = Some(reason);
+                Err(End { ending, why, rejections }) => {
+                    checkpoint.rejections.merge(rejections);
+                    checkpoint.ending = Some((ending, why));
                     checkpoint.write(&self.folder)?;
                 }
             }
-            if let Some(reason) = &checkpoint.stopped {
-                log::info!("level {} ends: {reason}", checkpoint.level + 1);
-            }
+        }
+        if !checkpoint.flat && settings.iterations > 0 {
+            log::info!("{}", in_words(&checkpoint.end()));
         }
         if checkpoint.has_moved() && !checkpoint.flat {
             say_gain(checkpoint);
@@ -211,6 +210,10 @@ impl Cascade<'_> {
         let theta = level.map().start(&checkpoint.loads);
         let context = || format!("level {}", checkpoint.level + 1);
         level.admit(&level.body.mesh.vertices).with_context(context)?;
+        let theta = level.restored(&theta).with_context(context)?;
+        level.admit(&level.map().shape(&theta)).with_context(|| {
+            format!("level {}: moved to where its constraints are kept", checkpoint.level + 1)
+        })?;
         let mut evaluation = match self.solve_near(level, &theta, checkpoint)? {
             Some(evaluation) => evaluation,
             None => match level.evaluate(&theta, Start::Rest) {
@@ -231,8 +234,11 @@ impl Cascade<'_> {
             theta,
             gradient,
             motion: 0.0,
+            predicted: 0.0,
             trials: 1,
             flat: false,
+            rejections: Rejections::default(),
+            blind: true,
             forward_s: evaluation.forward_s,
             gradient_s: clock.elapsed().as_secs_f64(),
             evaluation: evaluation.clone(),
@@ -267,70 +273,6 @@ impl Cascade<'_> {
         results::write_report(&self.folder, &report)
     }
 
-    /// One step of L-BFGS with backtracking; the inner error is why there is
-    /// none.
-    fn iterate(
-        &self,
-        level: &mut Level,
-        checkpoint: &Checkpoint,
-        current: &Evaluation,
-        optimizer: &OptimizerConfig,
-    ) -> Result<Result<Step, End>> {
-        let gradient = &checkpoint.gradient;
-        if norm(gradient) == 0.0 {
-            return Ok(Err(End::because("the gradient is zero")));
-        }
-        let clock = Instant::now();
-        let step = trial_step(level, checkpoint, optimizer);
-        let slope = dot(gradient, &step);
-        if slope >= 0.0 {
-            let reason = "no step within the bounds decreases the objective";
-            return Ok(Err(End::because(reason)));
-        }
-        let at = |alpha: f64| -> Vec<f64> {
-            checkpoint.theta.iter().zip(&step).map(|(t, d)| t + alpha * d).collect()
-        };
-        let predicted = level.predict(&at(1.0), current);
-        let mut forward_s = clock.elapsed().as_secs_f64();
-        let mut alpha = 1.0;
-        let (mut reason, mut flat) = (String::new(), 0);
-        for trials in 1..=TRIALS {
-            let theta = at(alpha);
-            let start = ahead(current, predicted.as_deref(), alpha);
-            let wanted = checkpoint.objective + ARMIJO * alpha * slope;
-            let clock = Instant::now();
-            let outcome = lower(level, &theta, level.near(current, &start), wanted);
-            forward_s += clock.elapsed().as_secs_f64();
-            let clock = Instant::now();
-            let with_gradient = outcome.and_then(|e| Ok((level.gradient(&theta, &e)?, e)));
-            let refused = match with_gradient {
-                Ok((gradient, evaluation)) => {
-                    let motion = level.map().motion(&checkpoint.theta, &theta);
-                    let gradient_s = clock.elapsed().as_secs_f64();
-                    // a step as long as the first of a level is not held back
-                    let short = motion < optimizer.first_step * level.map().mean_edge();
-                    return Ok(Ok(Step {
-                        theta,
-                        evaluation,
-                        gradient,
-                        motion,
-                        trials,
-                        flat: short && flat >= FLAT_TRIALS,
-                        forward_s,
-                        gradient_s,
-                    }));
-                }
-                Err(refused) => refused,
-            };
-            flat += usize::from(level.is_flat(&theta));
-            log::info!("trial {trials} rejected: {}", refused.reason);
-            alpha *= refused.shorter(checkpoint.objective, alpha * slope);
-            reason = refused.reason;
-        }
-        let reason = format!("no step was accepted in {TRIALS} trials, the last because: {reason}");
-        Ok(Err(End { reason, flat: flat >= FLAT_TRIALS }))
-    }
-
     /// Takes a step over into the optimiser's memory and onto disk.
     fn accept(
         &self,
@@ -352,30 +294,44 @@ impl Cascade<'_> {
         // once again right after a new mesh, it is not the mesh
         let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
         // down the gradient, before anything is known of the curvature
-        let blind = optimizer.method == OptimizerMethod::LBfgs && checkpoint.iteration == 1;
-        if fall < optimizer.stagnation && !held_back && !blind {
-            checkpoint.stopped = Some(format!("the objective fell by only {fall:.1e}"));
+        let is_quiet = fall < optimizer.stagnation && !held_back && !step.blind;
+        checkpoint.quiet = if is_quiet { checkpoint.quiet + 1 } else { 0 };
+        checkpoint.last_fall = fall;
+        checkpoint.rejections.merge(step.rejections.clone());
+        let mut ended = None;
+        if checkpoint.quiet >= QUIET {
+            // the model promises no more than it gave
+            let ending = match step.predicted < 2.0 * optimizer.stagnation * before.abs() {
+                true => Ended::Converged,
+                false => Ended::Jammed,
+            };
+            let why =
+                format!("the objective fell by only {fall:.1e} in each of {QUIET} iterations");
+            ended = Some((ending, why));
         }
         let mut progress = checkpoint.progress.clone();
         progress.push(step.evaluation.objective, step.evaluation.newton_iterations);
         if let Some(rate) =
             progress.rate().filter(|rate| *rate < optimizer.least_rate && !held_back)
         {
-            checkpoint.stopped = Some(format!(
+            let why = format!(
                 "a Newton iteration gains {:.1} % of what it gained on average in this level",
                 100.0 * rate
-            ));
+            );
+            ended = Some((Ended::StoppedEarly, why));
         }
         let left = projected_norm(level, &step.theta, &step.gradient) / checkpoint.first_gradient;
         if left < optimizer.gradient_tolerance {
-            checkpoint.stopped = Some(format!("the gradient fell to {left:.1e} of its first"));
+            ended =
+                Some((Ended::Converged, format!("the gradient fell to {left:.1e} of its first")));
         }
         let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
         if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
-            checkpoint.stopped = Some(format!("{spent:.0} s were spent on the level"));
+            ended = Some((Ended::StoppedEarly, format!("{spent:.0} s were spent on the level")));
         }
         let left = self.design.levels()[checkpoint.level].iterations - checkpoint.iteration;
-        checkpoint.flat = held_back && checkpoint.stopped.is_none() && left > 0;
+        checkpoint.flat = held_back && ended.is_none() && left > 0;
+        checkpoint.ending = ended;
         self.record(level, checkpoint, step)
     }
 

@@ -41,6 +41,11 @@ impl From<Rejected> for Refused {
 }
 
 impl Refused {
+    /// Whether it had an equilibrium and a value.
+    pub fn has_value(&self) -> bool {
+        self.objective.is_some()
+    }
+
     /// Length of the next trial over that of this one, along which the objective had a slope at its start: where a
     /// parabola through what is known has its minimum, or a half (Nocedal and Wright, section 3.5).
     pub fn shorter(&self, before: f64, slope: f64) -> f64 {

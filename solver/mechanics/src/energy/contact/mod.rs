@@ -29,7 +29,7 @@ use crate::contact::candidates::coming_within;
 use crate::contact::ccd;
 use crate::contact::certificate::{Intersection, certify};
 use crate::contact::friction::{LaggedContact, LaggedContactCotangent};
-use crate::contact::neighbours::NeighbourList;
+use crate::contact::neighbours::{Held, NeighbourList};
 use crate::contact::pairs::Pair;
 use crate::contact::potential::{Contacts, Partners, Potential};
 use crate::contact::rest_offset::Close;
@@ -72,6 +72,12 @@ impl Contact {
     #[must_use]
     pub fn certified(self) -> Self {
         Self { certify: true, ..self }
+    }
+
+    /// Takes rest shapes that hardly differ from the last one for it ([`NeighbourList::hold`]).
+    #[must_use]
+    pub fn hold(&self) -> Held<'_> {
+        self.neighbours.hold()
     }
 
     /// The barrier.

@@ -1,0 +1,321 @@
+//! `[[constraint]]`: what a design keeps, as inequalities c_k(X) ≥ 0 on the rest shape.
+//!
+//! wall    c = d_k − least                                   [m]
+//! draft   c = n_f·p − sin(least)                            [1]
+//!
+//! d_k   distance of a vertex or edge of one part from the other part [m]
+//! n_f   unit normal of a facet, out of the silicone [1]
+//! p     unit vector along which what lies on the facets is pulled [1]
+//!
+//! An inequality has no weight. It is met at the end to its tolerance, a thousandth of `least` or of a right angle.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result, ensure};
+use mechanics::body::{Body, TagError};
+use mechanics::contact::pairs::Pair;
+use mesh::Vec3;
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Walls, positive};
+use crate::written::Names;
+
+/// Tolerance of a constraint over its size.
+const TOLERANCE: f64 = 1e-3;
+
+/// An inequality on the rest shape.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum ConstraintConfig {
+    /// No wall between two parts of the surface is thinner.
+    Wall(WallConfig),
+    /// No facet holds back the core, or the piece of the mold, that is pulled off it.
+    Draft(DraftConfig),
+}
+
+/// `kind = "wall"`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WallConfig {
+    /// As reports call it.
+    name: String,
+    /// Tag, body, or list of them.
+    on: Names,
+    /// Tags of the other side, which have no vertex in common with `on`; without them, each two of `on`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    against: Vec<String>,
+    /// The thinnest wall allowed [m].
+    least: f64,
+}
+
+/// `kind = "draft"`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DraftConfig {
+    /// As reports call it.
+    name: String,
+    /// Tag, body, or list of them.
+    on: Names,
+    /// The way in which the core, or a piece of the mold, is pulled off them.
+    pull: [f64; 3],
+    /// The least angle by which they lean away from it [deg].
+    least: f64,
+}
+
+impl ConstraintConfig {
+    /// What reports call it.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Wall(wall) => &wall.name,
+            Self::Draft(draft) => &draft.name,
+        }
+    }
+
+    /// The unit of its numbers.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Wall(_) => "m",
+            Self::Draft(_) => "1",
+        }
+    }
+
+    /// What messages call it.
+    #[must_use]
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("constraint").named(self.name())
+    }
+
+    /// Checks what can be checked without a body.
+    ///
+    /// # Errors
+    /// With what was found and what is needed.
+    pub fn check(&self) -> Result<()> {
+        self.check_keys().with_context(|| self.title())
+    }
+
+    fn check_keys(&self) -> Result<()> {
+        match self {
+            Self::Wall(WallConfig { on, against, least, .. }) => {
+                positive("least", *least)?;
+                ensure!(
+                    !against.is_empty() || on.all().len() > 1,
+                    misfit!(
+                        KeyPath::of("on"),
+                        " = {:?}: one side of a wall; name the other by against = [...], or two tags or more in on",
+                        on.all()
+                    )
+                );
+            }
+            Self::Draft(DraftConfig { pull, least, .. }) => {
+                let length = Vec3::from(*pull).norm();
+                ensure!(
+                    length.is_finite() && length > 0.0,
+                    misfit!(KeyPath::of("pull"), " = {pull:?}: must have a direction")
+                );
+                ensure!(
+                    (0.0..90.0).contains(least),
+                    misfit!(KeyPath::of("least"), " = {least}: must be from 0° to less than 90°")
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The inequalities on a body.
+    ///
+    /// # Errors
+    /// When a tag is missing or the sides of a wall touch.
+    pub fn build(&self, body: &Body) -> Result<Constraint> {
+        let built = match self {
+            Self::Wall(wall) => wall.build(body),
+            Self::Draft(draft) => draft.build(body),
+        };
+        let form = built.with_context(|| self.title())?;
+        Ok(Constraint { name: self.name().to_owned(), unit: self.unit(), form })
+    }
+}
+
+impl WallConfig {
+    fn build(&self, body: &Body) -> Result<Form> {
+        let each = |names: &[String]| -> Result<Vec<_>, TagError> {
+            names.iter().map(|name| body.facets(name)).collect()
+        };
+        let own = each(self.on.all())?;
+        let parts = match &self.against[..] {
+            [] => own,
+            against => vec![own.concat(), each(against)?.concat()],
+        };
+        Ok(Form::Wall { walls: Walls::new(&body.planes, &parts)?, least: self.least })
+    }
+}
+
+impl DraftConfig {
+    fn build(&self, body: &Body) -> Result<Form> {
+        let facets: Result<Vec<_>, _> = self.on.all().iter().map(|on| body.facets(on)).collect();
+        let sine = self.least.to_radians().sin();
+        Ok(Form::Draft { facets: facets?.concat(), pull: Vec3::from(self.pull).normalize(), sine })
+    }
+}
+
+/// One of the inequalities at a rest shape.
+#[derive(Clone, Debug)]
+pub struct Inequality {
+    /// c.
+    pub value: f64,
+    /// ∂c/∂X of the vertices that it depends on.
+    pub by: Vec<(usize, Vec3)>,
+    /// Where it is [m].
+    pub at: Vec3,
+}
+
+/// The inequalities of one entry, on a body.
+pub struct Constraint {
+    /// As reports call it.
+    pub name: String,
+    /// Unit of c.
+    pub unit: &'static str,
+    form: Form,
+}
+
+enum Form {
+    Wall { walls: Walls, least: f64 },
+    Draft { facets: Vec<[usize; 3]>, pull: Vec3, sine: f64 },
+}
+
+impl Constraint {
+    /// What c is less than the measured number: the least wall [m] or the sine of the least draft.
+    #[must_use]
+    pub fn least(&self) -> f64 {
+        match &self.form {
+            Form::Wall { least, .. } => *least,
+            Form::Draft { sine, .. } => *sine,
+        }
+    }
+
+    /// How far c may be below 0 at the end.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        match &self.form {
+            Form::Wall { least, .. } => TOLERANCE * least,
+            Form::Draft { .. } => TOLERANCE,
+        }
+    }
+
+    /// The inequalities that may be violated once every vertex has moved by at most `motion` [m].
+    #[must_use]
+    pub fn near(&self, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
+        match &self.form {
+            Form::Wall { walls, least } => near_walls(walls, *least, rest, motion),
+            Form::Draft { facets, pull, sine } => {
+                let all = facets.iter().map(|&facet| draft_of(rest, facet, pull, *sine));
+                all.filter(|(c, slope)| c.value < 2.0 * motion * slope).map(|(c, _)| c).collect()
+            }
+        }
+    }
+}
+
+/// For each vertex and edge of a side its closest partner, where that is near.
+fn near_walls(walls: &Walls, least: f64, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
+    let x = walls.whole.positions(rest);
+    let mut closest: BTreeMap<[usize; 2], (f64, Pair)> = BTreeMap::new();
+    for pair in walls.pairs(&x, least + 2.0 * motion) {
+        let corners = pair.corners();
+        let first = [corners[0], corners[pair.corners_of_first() - 1]];
+        let distance = pair.closest(&pair.gather(&x)).d2.sqrt();
+        let best = closest.entry(first).or_insert((distance, pair));
+        if distance < best.0 {
+            *best = (distance, pair);
+        }
+    }
+    let one = |(distance, pair): (f64, Pair)| {
+        let corners = pair.gather(&x);
+        let by_corner = pair.closest(&corners).d2_gradient();
+        let by = pair.corners().into_iter().zip(by_corner);
+        let by = by.map(|(v, d2)| walls.whole.to_vertex(v, d2 / (2.0 * distance)));
+        Inequality { value: distance - least, by: by.collect(), at: corners[0] }
+    };
+    closest.into_values().filter(|(distance, _)| *distance > 0.0).map(one).collect()
+}
+
+/// The draft of a facet, and by how much it changes for a motion of its corners at most [1/m].
+fn draft_of(rest: &[Vec3], facet: [usize; 3], pull: &Vec3, sine: f64) -> (Inequality, f64) {
+    let [a, b, c] = facet.map(|v| rest[v]);
+    let area = 0.5 * (b - a).cross(&(c - a));
+    let size = area.norm().max(f64::MIN_POSITIVE);
+    let n = area / size;
+    let by_area = (pull - n.dot(pull) * n) / size;
+    let corner = |k: usize| {
+        // a = ½ Σ X_k × X_{k+1}
+        let opposite = rest[facet[(k + 1) % 3]] - rest[facet[(k + 2) % 3]];
+        (facet[k], 0.5 * opposite.cross(&by_area))
+    };
+    let by: Vec<_> = (0..3).map(corner).collect();
+    let slope = by.iter().map(|(_, d)| d.norm()).sum();
+    (Inequality { value: n.dot(pull) - sine, by, at: (a + b + c) / 3.0 }, slope)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use mechanics::testing::{check_gradient, cube, flat, points};
+    use mesh::{Tags, topology};
+
+    use super::*;
+
+    /// A cube whose bottom and top are two parts, with bumps.
+    fn body() -> (Body, [Vec<[usize; 3]>; 2]) {
+        let mesh = cube(3, 0.15);
+        let facets = topology::boundary(&mesh).facets;
+        let level = |z: f64| {
+            let on = |f: &&[usize; 3]| f.iter().all(|&v| (mesh.vertices[v].z - z).abs() < 1e-9);
+            facets.iter().filter(on).copied().collect()
+        };
+        let sides = [level(0.0), level(1.0)];
+        (Body::new(mesh, Tags::default()), sides)
+    }
+
+    fn sum_and_gradient(constraint: &Constraint, rest: &[Vec3], motion: f64) -> (f64, Vec<f64>) {
+        let mut gradient = vec![0.0; 3 * rest.len()];
+        let mut sum = 0.0;
+        for (k, inequality) in constraint.near(rest, motion).into_iter().enumerate() {
+            let factor = 1.0 + 0.1 * k as f64;
+            sum += factor * inequality.value.powi(2);
+            for (v, d) in inequality.by {
+                (0..3).for_each(|i| gradient[3 * v + i] += 2.0 * factor * inequality.value * d[i]);
+            }
+        }
+        (sum, gradient)
+    }
+
+    #[test]
+    fn derivatives_belong_to_the_values() {
+        let (body, sides) = body();
+        let mut rest = body.mesh.vertices.clone();
+        let bump = |x: &Vec3| 0.03 * (3.0 * x.x + 2.0 * x.y).sin() * x.z;
+        rest.iter_mut().for_each(|x| x.z += bump(x));
+        let walls = Walls::new(&[], &sides).unwrap();
+        let wall = Form::Wall { walls, least: 0.9 };
+        let draft = Form::Draft { facets: sides[1].clone(), pull: Vec3::z(), sine: 0.05 };
+        for form in [wall, draft] {
+            let constraint = Constraint { name: String::new(), unit: "", form };
+            let (_, gradient) = sum_and_gradient(&constraint, &rest, 1.0);
+            let value = |y: &[f64]| sum_and_gradient(&constraint, &points(y), 1.0).0;
+            check_gradient(&flat(&rest), &gradient, 1e-5, value);
+        }
+    }
+
+    #[test]
+    fn what_is_too_far_for_the_motion_is_left_out() {
+        let (body, sides) = body();
+        let walls = Walls::new(&[], &sides).unwrap();
+        let wall =
+            Constraint { name: String::new(), unit: "m", form: Form::Wall { walls, least: 0.8 } };
+        assert!(wall.near(&body.mesh.vertices, 0.05).is_empty());
+        let near = wall.near(&body.mesh.vertices, 0.11);
+        assert!(!near.is_empty() && near.iter().all(|c| c.value > 0.19), "{near:?}");
+    }
+}

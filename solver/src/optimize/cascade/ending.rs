@@ -1,0 +1,102 @@
+//! How a level ends, and what was tried and not taken on the way.
+
+use reports::{Ended, LevelEnd};
+use serde::{Deserialize, Serialize};
+
+use super::trial::Refused;
+use crate::optimize::Rejected;
+
+/// A fall of the objective in the last iteration above which it still falls [1].
+const STILL_FALLING: f64 = 1e-3;
+
+/// The end of a level in words.
+#[must_use]
+pub fn in_words(end: &LevelEnd) -> String {
+    format!("level {} {}: {}", end.level, end.ending.in_words(), end.why)
+}
+
+/// The end of a level that took all of its iterations, whose last one lowered the objective by a part of it.
+#[must_use]
+pub fn at_the_last(level: usize, last_fall: f64) -> LevelEnd {
+    let is_falling = last_fall > STILL_FALLING;
+    let ending = if is_falling { Ended::StillFalling } else { Ended::IterationLimit };
+    let why = format!("the last iteration lowered it by {:.2} %", 100.0 * last_fall);
+    LevelEnd { level, ending, why }
+}
+
+/// Why there is no step.
+pub(super) struct End {
+    pub ending: Ended,
+    pub why: String,
+    pub rejections: Rejections,
+}
+
+impl End {
+    pub fn converged(why: &str) -> Self {
+        let rejections = Rejections::default();
+        Self { ending: Ended::Converged, why: why.to_owned(), rejections }
+    }
+
+    pub fn jammed(why: String, rejections: Rejections) -> Self {
+        Self { ending: Ended::Jammed, why, rejections }
+    }
+}
+
+/// What was tried and not taken, by its reason.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Rejections {
+    /// Shapes with flat elements.
+    pub flat: usize,
+    /// Other shapes that are not valid, or keep a constraint not.
+    pub shape: usize,
+    /// Runs without an equilibrium.
+    pub run: usize,
+    /// Runs that did not lower the objective enough.
+    pub high: usize,
+    /// The last reason.
+    pub last: String,
+}
+
+impl Rejections {
+    /// Counts a trial.
+    pub(super) fn add(&mut self, refused: &Refused) {
+        *if refused.has_value() { &mut self.high } else { &mut self.run } += 1;
+        self.last.clone_from(&refused.reason);
+    }
+
+    /// Counts a shape that was not simulated.
+    pub(super) fn add_shape(&mut self, flat: bool, Rejected(why): &Rejected) {
+        *if flat { &mut self.flat } else { &mut self.shape } += 1;
+        self.last.clone_from(why);
+        log::debug!("a shape is not tried: {why}");
+    }
+
+    /// Adds those of another iteration.
+    pub fn merge(&mut self, other: Self) {
+        self.flat += other.flat;
+        self.shape += other.shape;
+        self.run += other.run;
+        self.high += other.high;
+        if !other.last.is_empty() {
+            self.last = other.last;
+        }
+    }
+
+    /// In words; none where nothing was rejected.
+    #[must_use]
+    pub fn describe(&self) -> Option<String> {
+        let all = self.flat + self.shape + self.run + self.high;
+        let kinds = [
+            (self.flat, "had flat elements"),
+            (self.shape, "were no valid shapes"),
+            (self.run, "had no equilibrium"),
+            (self.high, "did not lower the objective"),
+        ];
+        let said: Vec<String> = kinds
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        (all > 0).then(|| format!("of {all} rejected trials {}", said.join(", ")))
+    }
+}

@@ -1,0 +1,302 @@
+//! An iteration: the step that minimises a quadratic model under what a design keeps, within a trust region (sequential
+//! quadratic programming).
+//!
+//! Every accepted shape keeps all constraints: a trial that violates one in the second order is moved back first, which
+//! costs no run.
+
+use std::cell::RefCell;
+use std::time::Instant;
+
+use anyhow::Result;
+use mechanics::math::linear::norm;
+use nalgebra::DMatrix;
+use scene::config::{OptimizerConfig, OptimizerMethod};
+
+use super::trial::{ahead, lower};
+use super::{ARMIJO, Cascade, End, FLAT_TRIALS, Rejections, Step, TRIALS};
+use crate::optimize::checkpoint::Checkpoint;
+use crate::optimize::curvature::Curvature;
+use crate::optimize::kept::KeptRow;
+use crate::optimize::level::Start;
+use crate::optimize::quadratic::{Model, Problem, Row};
+use crate::optimize::trust_region::{TrustRegion, step_within};
+use crate::optimize::{Evaluation, Level, Rejected};
+
+/// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
+const VARIABLES_PER_STEP: usize = 16;
+/// Radii that are tried until a rest shape is valid.
+const RADII: usize = 12;
+/// How much longer than the region the step of a model of which nothing is known would be.
+const UNKNOWN: f64 = 1e3;
+
+/// A step that the model proposes, with a valid rest shape.
+struct Proposal {
+    d: Vec<f64>,
+    motion: f64,
+    /// What the model says that the objective changes by.
+    change: f64,
+    /// What a unit of each constraint is worth, by its index.
+    multipliers: Vec<f64>,
+}
+
+/// The model of an iteration.
+struct Known {
+    model: Model,
+    /// The curvature that it was renewed with.
+    curvature: Option<Curvature>,
+    /// It is that of Gauss and Newton.
+    from_terms: bool,
+}
+
+impl Cascade<'_> {
+    /// One step within the trust region, and the model after it; the inner error is why there is none.
+    pub(super) fn iterate(
+        &self,
+        level: &mut Level,
+        checkpoint: &mut Checkpoint,
+        current: &Evaluation,
+        optimizer: &OptimizerConfig,
+    ) -> Result<Result<Step, End>> {
+        let (theta, gradient) = (checkpoint.theta.clone(), checkpoint.gradient.clone());
+        if norm(&gradient) == 0.0 {
+            return Ok(Err(End::converged("the gradient is zero")));
+        }
+        let clock = Instant::now();
+        let edge = level.map().mean_edge();
+        let mut region = checkpoint.region.clone();
+        let Known { model, curvature, from_terms } =
+            match self.known(level, checkpoint, &mut region, current, optimizer) {
+                Ok(known) => known,
+                Err(Rejected(why)) => return Ok(Err(End::jammed(why, Rejections::default()))),
+            };
+        let mut forward_s = clock.elapsed().as_secs_f64();
+        let mut rejections = Rejections::default();
+        for trials in 1..=TRIALS {
+            let clock = Instant::now();
+            let proposal =
+                propose(level, &model, region.radius, &theta, &gradient, &mut rejections);
+            let Some(Proposal { d, motion, change, multipliers }) = proposal else {
+                let why = "no shape next to this one is valid and keeps the constraints";
+                return Ok(Err(End::jammed(why.to_owned(), rejections)));
+            };
+            if change.is_nan() || change >= 0.0 {
+                return Ok(Err(End::converged("no step lowers the model of the objective")));
+            }
+            let there = moved(&theta, &d);
+            let wanted = checkpoint.objective + ARMIJO * change;
+            let outcome = match curvature.as_ref().filter(|_| level.is_transient()) {
+                Some(curvature) => {
+                    let foreseen = level.foreseen(&theta, &d, current, curvature)?;
+                    lower(level, &there, Start::Foreseen(&foreseen), wanted)
+                }
+                None => {
+                    let predicted = level.predict(&there, current);
+                    let start = ahead(current, predicted.as_deref(), 1.0);
+                    lower(level, &there, level.near(current, &start), wanted)
+                }
+            };
+            forward_s += clock.elapsed().as_secs_f64();
+            let clock = Instant::now();
+            let refused = match outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e))) {
+                Ok((new, evaluation)) => {
+                    let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
+                    region.judge((evaluation.objective - checkpoint.objective) / change, motion);
+                    region.radius = region.radius.min(optimizer.largest_step * edge);
+                    if from_terms {
+                        region.update(&d, &y);
+                    }
+                    checkpoint.region = region;
+                    checkpoint.multipliers = multipliers;
+                    // a step as long as the first of a level is not held back
+                    let short = motion < optimizer.first_step * edge;
+                    return Ok(Ok(Step {
+                        theta: there,
+                        evaluation,
+                        gradient: new,
+                        motion,
+                        predicted: -change,
+                        trials,
+                        flat: short && rejections.flat >= FLAT_TRIALS,
+                        rejections,
+                        blind: !from_terms && checkpoint.lbfgs.is_empty(),
+                        forward_s,
+                        gradient_s: clock.elapsed().as_secs_f64(),
+                    }));
+                }
+                Err(refused) => refused,
+            };
+            log::info!("trial {trials} rejected: {}", refused.reason);
+            rejections.add(&refused);
+            let slope = gradient.iter().zip(&d).map(|(g, d)| g * d).sum();
+            region.radius = motion * refused.shorter(checkpoint.objective, slope);
+        }
+        let why = format!(
+            "no step was accepted in {TRIALS} trials, the last because: {}",
+            rejections.last
+        );
+        Ok(Err(End::jammed(why, rejections)))
+    }
+
+    /// The model of the objective at the state that was accepted last, and how far it is trusted.
+    fn known(
+        &self,
+        level: &mut Level,
+        checkpoint: &Checkpoint,
+        region: &mut TrustRegion,
+        current: &Evaluation,
+        optimizer: &OptimizerConfig,
+    ) -> Result<Known, Rejected> {
+        let first = optimizer.first_step * level.map().mean_edge();
+        let wants_terms = match optimizer.method {
+            Some(method) => method == OptimizerMethod::GaussNewton,
+            None => level.is_small() && self.design.is_of_squares(),
+        };
+        if wants_terms {
+            if region.is_empty() {
+                region.radius = region.radius.max(first);
+            }
+            let curvature = renew(region, level, &checkpoint.theta, current)?;
+            if !region.is_empty() {
+                let model = Model::full(region.matrix());
+                return Ok(Known { model, curvature, from_terms: true });
+            }
+            log::info!("the tangent cannot be factored here: the model is from gradients alone");
+        }
+        let model = checkpoint.lbfgs.model();
+        if model.is_none() {
+            region.radius = first;
+        }
+        let unknown = || {
+            let gradient = &checkpoint.gradient;
+            Model::round(gradient.len(), norm(gradient) / (UNKNOWN * region.radius))
+        };
+        let model = model.unwrap_or_else(unknown);
+        Ok(Known { model, curvature: None, from_terms: false })
+    }
+}
+
+/// The curvature of the objective, where the model has none or an old one.
+fn renew(
+    region: &mut TrustRegion,
+    level: &mut Level,
+    theta: &[f64],
+    current: &Evaluation,
+) -> Result<Option<Curvature>, Rejected> {
+    if region.is_good_for(theta.len() / VARIABLES_PER_STEP) {
+        return Ok(None);
+    }
+    let found = level.curvature(theta, current)?;
+    // changes of the first order grow without end where a motion does not forget its start
+    let curvature = found.filter(|found| found.matrix.iter().all(|entry| entry.is_finite()));
+    match &curvature {
+        Some(curvature) => region.renew(&curvature.matrix),
+        None => log::debug!("the curvature of before is kept, as the tangent has no use"),
+    }
+    Ok(curvature)
+}
+
+/// The step of the model within the region, which shrinks until the rest shape is valid.
+fn propose(
+    level: &Level,
+    model: &Model,
+    mut radius: f64,
+    theta: &[f64],
+    gradient: &[f64],
+    rejections: &mut Rejections,
+) -> Option<Proposal> {
+    let metric = match model.is_full() {
+        true => level.metric(theta),
+        false => DMatrix::zeros(0, 0),
+    };
+    let kept = level.kept_rows(theta, radius);
+    let rows = rows(level, theta, &kept);
+    let motion = |d: &[f64]| level.map().motion(theta, &moved(theta, d));
+    for _ in 0..RADII {
+        let problem = Problem {
+            model,
+            gradient,
+            metric: &metric,
+            rows: &rows,
+            length: radius,
+            held: RefCell::default(),
+        };
+        let found = step_within(&problem, radius, motion)?;
+        let change = problem.change(&found.d);
+        let trial = level.restored(&within_bounds(level, theta, &found.d)).and_then(|there| {
+            let d: Vec<f64> = there.iter().zip(theta).map(|(a, b)| a - b).collect();
+            if level.free_fraction(theta, &d) < 1.0 {
+                return Err(Rejected("the surface would pass through itself".to_owned()));
+            }
+            level.admit(&level.map().shape(&there))?;
+            Ok(d)
+        });
+        match trial {
+            Ok(d) => {
+                let mut multipliers = vec![0.0; level.constraints().len()];
+                for (k, multiplier) in &found.multipliers {
+                    if let Some(kept) = kept.get(*k) {
+                        multipliers[kept.constraint] += multiplier;
+                    }
+                }
+                return Some(Proposal { motion: motion(&d), d, change, multipliers });
+            }
+            Err(refused) => {
+                let flat = level.is_flat(&moved(theta, &found.d));
+                rejections.add_shape(flat, &refused);
+                radius = 0.5 * motion(&found.d).min(radius);
+            }
+        }
+    }
+    None
+}
+
+/// The inequalities of a step: those of the constraints, then the bounds of variables.
+fn rows(level: &Level, theta: &[f64], kept: &[KeptRow]) -> Vec<Row> {
+    let mut rows: Vec<Row> =
+        kept.iter().map(|kept| Row { a: kept.row.a.clone(), c: kept.row.c.max(0.0) }).collect();
+    if let Some((low, high)) = level.map().bounds(theta) {
+        for (i, value) in theta.iter().enumerate() {
+            for (sign, left) in [(1.0, value - low[i]), (-1.0, high[i] - value)] {
+                if left.is_finite() {
+                    rows.push(Row { a: vec![(i, sign)], c: left.max(0.0) });
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// θ + d without what rounding has left beyond the bounds.
+fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
+    let mut there = moved(theta, d);
+    if let Some((low, high)) = level.map().bounds(theta) {
+        there.iter_mut().enumerate().for_each(|(i, value)| *value = value.clamp(low[i], high[i]));
+    }
+    there
+}
+
+/// The largest component of the step down the gradient that the constraints and bounds leave.
+#[must_use]
+pub(super) fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> f64 {
+    let mut kept = level.kept_rows(theta, 0.0);
+    let tolerance = |kept: &KeptRow| level.constraints()[kept.constraint].tolerance();
+    kept.retain(|kept| kept.row.c <= tolerance(kept));
+    let length = norm(gradient);
+    let mut all = rows(level, theta, &kept);
+    all.iter_mut().take(kept.len()).for_each(|row| row.c = 0.0);
+    let (model, metric) = (Model::round(gradient.len(), 1.0), DMatrix::zeros(0, 0));
+    let problem = Problem {
+        model: &model,
+        gradient,
+        metric: &metric,
+        rows: &all,
+        length,
+        held: RefCell::default(),
+    };
+    let step = problem.minimum(0.0).map_or_else(|| gradient.to_vec(), |found| found.d);
+    step.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()))
+}
+
+fn moved(theta: &[f64], d: &[f64]) -> Vec<f64> {
+    theta.iter().zip(d).map(|(t, d)| t + d).collect()
+}

@@ -1,0 +1,154 @@
+//! What a level keeps: its constraints as linear inequalities in the variables, and the way back to them.
+//!
+//! A shape that violates some of them is moved as little as possible, in the mean square of the motion of the surface:
+//!
+//! d = M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ v      v what the violated ones lack, A their derivatives
+//!
+//! again and again, as distances are not linear in the variables. No run is simulated for that.
+
+use measure::constraint::Constraint;
+use mesh::Vec3;
+use nalgebra::{DMatrix, DVector};
+
+use super::quadratic::Row;
+use super::{Level, Rejected};
+
+/// Steps on the way back.
+const STEPS: usize = 30;
+/// Longest of these, over the mean edge.
+const LONGEST: f64 = 0.5;
+/// What is aimed at beyond the constraint, over its tolerance.
+const AIM: f64 = 0.5;
+/// Inequalities that are restored at once.
+const AT_ONCE: usize = 300;
+/// Regularisation where inequalities contradict each other, over the mean diagonal.
+const CONTRADICTIONS: f64 = 1e-8;
+
+/// One inequality of a constraint in the variables of a level.
+pub struct KeptRow {
+    /// Index of the constraint.
+    pub constraint: usize,
+    /// c and its derivatives by the variables; c is as it is.
+    pub row: Row,
+    /// Where it is [m].
+    pub at: Vec3,
+}
+
+impl Level {
+    /// The inequalities that a step that moves the surface by at most `motion` [m] may violate.
+    #[must_use]
+    pub fn kept_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
+        if self.constraints.is_empty() {
+            return Vec::new();
+        }
+        let rest = self.map().surface(theta);
+        let of_one = |(constraint, kept): (usize, &Constraint)| {
+            let near = kept.near(&rest, motion).into_iter();
+            let rows = near.map(move |c| {
+                let a = self.map().by_surface(theta, &c.by);
+                KeptRow { constraint, row: Row { a, c: c.value }, at: c.at }
+            });
+            // what the level does not move is as it is
+            rows.filter(|kept| !kept.row.a.is_empty()).collect::<Vec<_>>()
+        };
+        self.constraints.iter().enumerate().flat_map(of_one).collect()
+    }
+
+    /// The worst inequality of each constraint at a rest shape, over its tolerance: those below −1 are violated.
+    fn worst(&self, rest: &[Vec3]) -> Vec<(f64, f64, Vec3)> {
+        let of_one = |kept: &Constraint| {
+            let near = kept.near(rest, 0.0).into_iter();
+            let worst = near.min_by(|a, b| a.value.total_cmp(&b.value));
+            worst.map_or((0.0, 0.0, Vec3::zeros()), |c| (c.value / kept.tolerance(), c.value, c.at))
+        };
+        self.constraints.iter().map(of_one).collect()
+    }
+
+    /// Whether a rest shape keeps all constraints, to their tolerances.
+    ///
+    /// # Errors
+    /// With the constraints that it does not keep, by how much and where.
+    pub fn check_kept(&self, rest: &[Vec3]) -> Result<(), Rejected> {
+        let violated = self.constraints.iter().zip(self.worst(rest));
+        let violated = violated.filter(|(_, (relative, _, _))| *relative < -1.0);
+        let said: Vec<String> = violated
+            .map(|(kept, (_, by, at))| {
+                let (found, least, unit) = (kept.least() + by, kept.least(), kept.unit);
+                format!(
+                    "[[constraint]] \"{}\": {found:.4e} {unit} at ({:.5}, {:.5}, {:.5}) m, and at least {least:.4e} \
+                     {unit} is to be kept",
+                    kept.name, at.x, at.y, at.z
+                )
+            })
+            .collect();
+        if said.is_empty() { Ok(()) } else { Err(Rejected(said.join("; "))) }
+    }
+
+    /// The variables next to these at which all constraints are kept.
+    ///
+    /// # Errors
+    /// When there are none nearby, with the constraints that cannot be kept together.
+    pub fn restored(&self, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
+        let mut theta = theta.to_vec();
+        if self.constraints.is_empty() || self.map().shape_variables() == 0 {
+            return Ok(theta);
+        }
+        let mut inverse = None;
+        for _ in 0..STEPS {
+            let mut rows = self.kept_rows(&theta, 0.0);
+            let tolerance = |kept: &KeptRow| self.constraints[kept.constraint].tolerance();
+            rows.retain(|kept| kept.row.c < 0.0);
+            if rows.iter().all(|kept| kept.row.c >= -AIM * tolerance(kept)) {
+                break;
+            }
+            rows.sort_by(|a, b| (a.row.c / tolerance(a)).total_cmp(&(b.row.c / tolerance(b))));
+            rows.truncate(AT_ONCE);
+            let lacks: Vec<f64> =
+                rows.iter().map(|kept| AIM * tolerance(kept) - kept.row.c).collect();
+            let inverse = inverse.get_or_insert_with(|| self.inverse_metric(&theta));
+            let Some(d) = least_motion(&rows, &lacks, inverse.as_ref(), theta.len()) else { break };
+            let motion = self.map().motion(&theta, &added(&theta, &d, 1.0));
+            let part = (LONGEST * self.map().mean_edge() / motion).min(1.0);
+            theta = added(&theta, &d, part);
+        }
+        self.check_kept(&self.map().surface(&theta))?;
+        Ok(theta)
+    }
+
+    /// M⁻¹; none where M is that of free vertices, the same in all directions.
+    fn inverse_metric(&self, theta: &[f64]) -> Option<DMatrix<f64>> {
+        if !self.is_small() {
+            return None;
+        }
+        let metric = self.metric(theta);
+        let n = metric.nrows();
+        let least = 1e-9 * metric.trace() / n as f64;
+        (metric + least * DMatrix::identity(n, n)).try_inverse()
+    }
+}
+
+fn added(theta: &[f64], d: &[f64], part: f64) -> Vec<f64> {
+    theta.iter().zip(d).map(|(t, d)| t + part * d).collect()
+}
+
+/// The shortest step along which rows gain what they lack, to first order.
+fn least_motion(
+    rows: &[KeptRow],
+    lacks: &[f64],
+    inverse: Option<&DMatrix<f64>>,
+    variables: usize,
+) -> Option<Vec<f64>> {
+    let mut a = DMatrix::zeros(rows.len(), variables);
+    for (k, kept) in rows.iter().enumerate() {
+        kept.row.a.iter().for_each(|(i, by)| a[(k, *i)] = *by);
+    }
+    let along = match inverse {
+        Some(inverse) => &a * inverse,
+        None => a.clone(),
+    };
+    let mut inner = &along * a.transpose();
+    let least = CONTRADICTIONS * inner.trace() / rows.len() as f64;
+    (0..rows.len()).for_each(|k| inner[(k, k)] += least);
+    let pulls = inner.cholesky()?.solve(&DVector::from_column_slice(lacks));
+    Some(along.tr_mul(&pulls).as_slice().to_vec())
+}
