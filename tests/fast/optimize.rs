@@ -34,7 +34,7 @@ fn the_history_has_one_line_per_accepted_iteration() {
         assert!(number(&pair[1]["objective"]) < number(&pair[0]["objective"]), "{pair:?}");
     }
     let report = dir.json("out/report.json");
-    assert_eq!(report["status"], "iteration_limit");
+    assert_eq!(report["status"], "still_falling");
     assert_eq!(report["objective_before"], lines[0]["objective"]);
     assert_eq!(report["objective_after"], lines[7]["objective"]);
     let fall = 1.0 - number(&lines[7]["objective"]) / number(&lines[0]["objective"]);

@@ -181,7 +181,7 @@ mod tests {
         let patch = Patch::new(x, &ball.triangles, held, Moves::Offset, Spread::RePick).unwrap();
         assert_eq!((patch.variables(), patch.vertices().len()), (1, x.len()));
         for moved in patch.apply(&[0.2], x) {
-            assert!((moved.norm() - 1.2).abs() < 2e-3, "{}", moved.norm());
+            assert!((moved.norm() - 1.2).abs() < 4e-3, "{}", moved.norm());
         }
         let bar = Random::new(8).numbers(3 * x.len());
         let bar: Vec<Vec3> = bar.chunks_exact(3).map(Vec3::from_column_slice).collect();

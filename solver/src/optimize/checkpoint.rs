@@ -10,7 +10,7 @@ use mesh::io::npy;
 use reports::{Castable, Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
-use super::cascade::{Rejections, at_the_last};
+use super::ending::{Rejections, at_the_last};
 use super::progress::LevelProgress;
 use super::scenario::{Margin, SavedMargin};
 use super::trust_region::TrustRegion;

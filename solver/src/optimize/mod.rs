@@ -4,6 +4,7 @@
 mod cascade;
 mod checkpoint;
 mod curvature;
+mod ending;
 mod history;
 mod kept;
 mod lbfgs;

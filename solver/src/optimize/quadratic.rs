@@ -110,12 +110,15 @@ impl Model {
         Self { basis: self.basis.clone(), within, beyond: self.beyond + shift }
     }
 
-    /// −B⁻¹ g.
-    fn free_minimum(&self, gradient: &[f64]) -> Option<DVector<f64>> {
-        let (y, z) = self.split(&DVector::from_column_slice(gradient));
+    /// B⁻¹ of vectors side by side.
+    fn solve(&self, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let Some(q) = &self.basis else {
+            return Some(self.within.clone().cholesky()?.solve(right));
+        };
+        let y = q.tr_mul(right);
+        let z = (right - q * &y) / self.beyond;
         let y = if y.is_empty() { y } else { self.within.clone().cholesky()?.solve(&y) };
-        let z = if z.is_empty() { z } else { z / self.beyond };
-        Some(-self.join(&y, &z))
+        Some(q * y + z)
     }
 
     /// A mean of its eigenvalues over those of M.
@@ -188,7 +191,8 @@ impl Problem<'_> {
     #[must_use]
     pub fn minimum(&self, shift: f64) -> Option<Minimum> {
         let model = self.model.shifted(shift, self.metric);
-        let free = model.free_minimum(self.gradient)?;
+        let gradient = DMatrix::from_column_slice(self.gradient.len(), 1, self.gradient);
+        let free = -model.solve(&gradient)?.column(0);
         let mut found = Minimum { d: free.as_slice().to_vec(), multipliers: Vec::new() };
         let mut taken: Vec<usize> = Vec::new();
         for round in 0..ROUNDS {
@@ -209,7 +213,34 @@ impl Problem<'_> {
         if !found.multipliers.is_empty() {
             self.held.replace(found.multipliers.iter().map(|(k, _)| *k).collect());
         }
-        Some(found)
+        Some(self.polished(&model, &free, &found).unwrap_or(found))
+    }
+
+    /// The minimum with the inequalities that hold it back as equations, to rounding; none where one of them does not hold
+    /// it back so, or another is violated.
+    fn polished(&self, model: &Model, free: &DVector<f64>, found: &Minimum) -> Option<Minimum> {
+        let rows: Vec<&Row> = found.multipliers.iter().map(|(k, _)| &self.rows[*k]).collect();
+        if rows.is_empty() {
+            return None;
+        }
+        let mut a = DMatrix::zeros(self.gradient.len(), rows.len());
+        for (k, row) in rows.iter().enumerate() {
+            row.a.iter().for_each(|(i, by)| a[(*i, k)] = *by / row.size());
+        }
+        let through = model.solve(&a)?;
+        let lack = DVector::from_fn(rows.len(), |k, _| {
+            -(rows[k].c + rows[k].times(free.as_slice())) / rows[k].size()
+        });
+        let pulls = a.tr_mul(&through).cholesky()?.solve(&lack);
+        let d = free + &through * &pulls;
+        let is_kept =
+            |row: &Row| row.c + row.times(d.as_slice()) >= -ROUNDING * self.length * row.size();
+        if pulls.min() < 0.0 || !self.rows.iter().all(is_kept) {
+            return None;
+        }
+        let multipliers = found.multipliers.iter().zip(pulls.iter()).zip(&rows);
+        let multipliers = multipliers.map(|(((k, _), pull), row)| (*k, pull / row.size()));
+        Some(Minimum { multipliers: multipliers.collect(), d: d.as_slice().to_vec() })
     }
 
     /// The inequalities that d violates most, of those that are not taken in.

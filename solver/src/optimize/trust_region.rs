@@ -26,6 +26,8 @@ const NEARLY_ALL: f64 = 0.999;
 const MUCH_SHORTER: f64 = 0.9;
 /// Most values of λ that are tried.
 const SHIFTS: usize = 60;
+/// Agreement of a model that is as good as exact: its region grows at once.
+const EXACT: std::ops::Range<f64> = 0.9..1.1;
 /// Agreement with a decrease above which a region grows, ...
 const GOOD: f64 = 0.75;
 /// ... and below which it shrinks.
@@ -72,9 +74,12 @@ impl TrustRegion {
     /// Takes in how the decrease along an accepted step agreed with the model, and how far it moved the surface [m].
     pub fn judge(&mut self, agreement: f64, motion: f64) {
         self.agreement = agreement;
+        let is_held_back = motion > HELD_BACK * self.radius;
         if agreement < POOR {
             self.radius = 0.5 * motion;
-        } else if agreement > GOOD && motion > HELD_BACK * self.radius {
+        } else if is_held_back && EXACT.contains(&agreement) {
+            self.radius *= 4.0;
+        } else if is_held_back && agreement > GOOD {
             self.radius *= 2.0;
         }
     }

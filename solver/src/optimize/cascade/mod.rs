@@ -4,7 +4,6 @@
 //! Source: Gjoka et al. 2024, section 4.5.
 
 mod begin;
-mod ending;
 mod say;
 mod step;
 mod trial;
@@ -20,13 +19,11 @@ use reports::{Ended, Iteration, LevelEnd, NoStart, Optimization, Status, numbers
 use scene::config::{DesignConfig, OptimizerConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
-use self::ending::End;
-use self::ending::in_words;
-pub use self::ending::{Rejections, at_the_last};
 use self::say::{say_gain, time_left, variables};
 use self::step::projected_norm;
 use super::checkpoint::Checkpoint;
 use super::curvature::MOST_VARIABLES;
+use super::ending::{End, Rejections, in_words};
 use super::history::{History, handles, probes, scenarios, spread};
 use super::molding::{self, Molding};
 use super::remesh::write_bodies;
@@ -158,7 +155,7 @@ impl Cascade<'_> {
         ensure!(
             level.is_small() || optimizer.method != Some(OptimizerMethod::GaussNewton),
             "level {}: {} variables, of which method = \"gauss-newton\" takes at most {MOST_VARIABLES}: expected fewer \
-             handles, or no method in [optimizer]",
+             handles, or method = \"l-bfgs\"",
             checkpoint.level + 1,
             level.variables()
         );

@@ -13,9 +13,10 @@ use nalgebra::DMatrix;
 use scene::config::{OptimizerConfig, OptimizerMethod};
 
 use super::trial::{ahead, lower};
-use super::{ARMIJO, Cascade, End, FLAT_TRIALS, Rejections, Step, TRIALS};
+use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS};
 use crate::optimize::checkpoint::Checkpoint;
 use crate::optimize::curvature::Curvature;
+use crate::optimize::ending::{End, Rejections};
 use crate::optimize::kept::KeptRow;
 use crate::optimize::level::Start;
 use crate::optimize::quadratic::{Model, Problem, Row};
@@ -101,7 +102,10 @@ impl Cascade<'_> {
                 Ok((new, evaluation)) => {
                     let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
                     region.judge((evaluation.objective - checkpoint.objective) / change, motion);
-                    region.radius = region.radius.min(optimizer.largest_step * edge);
+                    if level.map().shape_variables() > 0 {
+                        // variables of loads have bounds of their own
+                        region.radius = region.radius.min(optimizer.largest_step * edge);
+                    }
                     if from_terms {
                         region.update(&d, &y);
                     }
@@ -126,7 +130,7 @@ impl Cascade<'_> {
                 Err(refused) => refused,
             };
             log::info!("trial {trials} rejected: {}", refused.reason);
-            rejections.add(&refused);
+            rejections.add(refused.has_value(), &refused.reason);
             let slope = gradient.iter().zip(&d).map(|(g, d)| g * d).sum();
             region.radius = motion * refused.shorter(checkpoint.objective, slope);
         }

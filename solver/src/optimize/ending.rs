@@ -3,8 +3,7 @@
 use reports::{Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
-use super::trial::Refused;
-use crate::optimize::Rejected;
+use super::Rejected;
 
 /// A fall of the objective in the last iteration above which it still falls [1].
 const STILL_FALLING: f64 = 1e-3;
@@ -25,7 +24,7 @@ pub fn at_the_last(level: usize, last_fall: f64) -> LevelEnd {
 }
 
 /// Why there is no step.
-pub(super) struct End {
+pub struct End {
     pub ending: Ended,
     pub why: String,
     pub rejections: Rejections,
@@ -58,14 +57,14 @@ pub struct Rejections {
 }
 
 impl Rejections {
-    /// Counts a trial.
-    pub(super) fn add(&mut self, refused: &Refused) {
-        *if refused.has_value() { &mut self.high } else { &mut self.run } += 1;
-        self.last.clone_from(&refused.reason);
+    /// Counts a trial that had a value, or had no run.
+    pub fn add(&mut self, has_value: bool, why: &str) {
+        *if has_value { &mut self.high } else { &mut self.run } += 1;
+        why.clone_into(&mut self.last);
     }
 
     /// Counts a shape that was not simulated.
-    pub(super) fn add_shape(&mut self, flat: bool, Rejected(why): &Rejected) {
+    pub fn add_shape(&mut self, flat: bool, Rejected(why): &Rejected) {
         *if flat { &mut self.flat } else { &mut self.shape } += 1;
         self.last.clone_from(why);
         log::debug!("a shape is not tried: {why}");
