@@ -218,25 +218,35 @@ impl Constraint {
     }
 }
 
-/// For each vertex and edge of a side its closest partner, where that is near.
 fn near_walls(walls: &Walls, least: f64, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
     let x = walls.whole.positions(rest);
+    let mut near = distances(walls.pairs(&x, least + 2.0 * motion), &x);
+    for wall in &mut near {
+        wall.value -= least;
+        wall.by.iter_mut().for_each(|(v, by)| (*v, *by) = walls.whole.to_vertex(*v, *by));
+    }
+    near
+}
+
+/// The distance of each vertex and edge that comes first in pairs from its closest partner, where they do not touch.
+#[must_use]
+pub fn distances(pairs: Vec<Pair>, x: &[Vec3]) -> Vec<Inequality> {
     let mut closest: BTreeMap<[usize; 2], (f64, Pair)> = BTreeMap::new();
-    for pair in walls.pairs(&x, least + 2.0 * motion) {
+    for pair in pairs {
         let corners = pair.corners();
         let first = [corners[0], corners[pair.corners_of_first() - 1]];
-        let distance = pair.closest(&pair.gather(&x)).d2.sqrt();
+        let distance = pair.closest(&pair.gather(x)).d2.sqrt();
         let best = closest.entry(first).or_insert((distance, pair));
         if distance < best.0 {
             *best = (distance, pair);
         }
     }
     let one = |(distance, pair): (f64, Pair)| {
-        let corners = pair.gather(&x);
+        let corners = pair.gather(x);
         let by_corner = pair.closest(&corners).d2_gradient();
         let by = pair.corners().into_iter().zip(by_corner);
-        let by = by.map(|(v, d2)| walls.whole.to_vertex(v, d2 / (2.0 * distance)));
-        Inequality { value: distance - least, by: by.collect(), at: corners[0] }
+        let by = by.map(|(v, d2)| (v, d2 / (2.0 * distance))).collect();
+        Inequality { value: distance, by, at: corners[0] }
     };
     closest.into_values().filter(|(distance, _)| *distance > 0.0).map(one).collect()
 }

@@ -9,7 +9,8 @@ use measure::constraint::Constraint;
 use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, KeyPath, Settings, Unusable};
 use reports::{
-    Designed, DesignedProbe, Ended, Inputs, Iteration, Kept, LevelEnd, Numbers, Optimization,
+    Castable, Designed, DesignedProbe, Ended, Inputs, Iteration, Kept, LevelEnd, Numbers,
+    Optimization,
 };
 use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, ProbeConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
@@ -17,7 +18,8 @@ use serde::Deserialize;
 
 use crate::number;
 use crate::optimize::{
-    Cascade, Checkpoint, Finished, History, LATEST, Meshes, Molding, mesh_file, write_bodies,
+    CASTABLE, Cascade, Checkpoint, Finished, History, LATEST, Meshes, Molding, mesh_file,
+    write_bodies,
 };
 use crate::report::crossing::Crossing;
 use crate::report::{results, summary};
@@ -107,6 +109,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
     } else {
         log::info!("{}", summary::of_design(designed.probes.as_ref(), fall));
+    }
+    for (name, kept) in &designed.constraints {
+        if let Some(said) = summary::of_constraint(name, kept) {
+            log::info!("{said}");
+        }
+    }
+    if let Some(end) = designed.levels.iter().rev().find(|end| end.ending == status)
+        && matches!(status, Ended::StillFalling | Ended::Jammed)
+    {
+        log::warn!("level {} {}: {}", end.level, end.ending.in_words(), end.why);
     }
     if let Some(crossing) = crossing {
         let design = arguments.design.display();
@@ -233,8 +245,9 @@ fn forget(folder: &Path) -> Result<()> {
     remove(folder, &names)?;
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        let design =
-            ["design.", "latest.", "remeshed-"].iter().any(|first| name.starts_with(first));
+        let design = ["design.", "latest.", "castable.", "remeshed-"]
+            .iter()
+            .any(|first| name.starts_with(first));
         let design = design && name.ends_with(".msh");
         if design || (name.starts_with("run-") && name.ends_with(".npy")) {
             remove(folder, &[&name])?;
@@ -273,8 +286,22 @@ fn named_files(file: &Settings, design: &DesignConfig) -> [BTreeSet<PathBuf>; 2]
 
 fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
     write_bodies(folder, "design", scene, &finished.body)?;
+    let is_refused = matches!(
+        History::new(folder).read()?.last(),
+        Some(Iteration { mold: Some(Castable::Refused { .. }), .. })
+    );
     for part in &scene.body.parts {
-        remove(folder, &[&mesh_file(LATEST, part.name.as_deref())])?;
+        let name = part.name.as_deref();
+        remove(folder, &[&mesh_file(LATEST, name)])?;
+        let castable = mesh_file(CASTABLE, name);
+        if !is_refused {
+            remove(folder, &[&castable])?;
+        } else if folder.join(&castable).exists() {
+            log::warn!(
+                "the design cannot be cast; the last shape that can is {}",
+                folder.join(&castable).display()
+            );
+        }
     }
     let (level, evaluation) = &finished.last;
     vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;

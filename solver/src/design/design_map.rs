@@ -205,7 +205,13 @@ impl DesignMap {
     /// [`Self::vertex_motion`], or the equivalent in a variable of a load if that is larger [m].
     #[must_use]
     pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
-        let largest = self.vertex_motion(a, b);
+        self.scaled_motion(a, b, 1.0)
+    }
+
+    /// [`Self::motion`] where the motion of vertices counts so many times.
+    #[must_use]
+    pub fn scaled_motion(&self, a: &[f64], b: &[f64], of_vertices: f64) -> f64 {
+        let largest = of_vertices * self.vertex_motion(a, b);
         let from = self.shape_variables();
         let loads = a[from..].iter().zip(&b[from..]).map(|(a, b)| (a - b).abs());
         loads.fold(largest, f64::max)

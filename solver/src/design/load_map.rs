@@ -176,7 +176,7 @@ impl LoadMap {
         start: f64,
         edge: f64,
     ) -> Result<()> {
-        let ParameterDesign { name, bounds, change } = design;
+        let ParameterDesign { name, bounds, change, .. } = design;
         let title = KeyPath::list("parameter").named(name);
         ensure!(
             bounds[0] <= start && start <= bounds[1],

@@ -54,8 +54,9 @@ impl Level {
             sum += by * matrix;
             states.push(of);
         }
-        let matrix =
+        let of_runs =
             DMatrix::from_fn(theta.len(), theta.len(), |i, j| sum[(i, j)] / (sizes[i] * sizes[j]));
+        let matrix = of_runs + self.own_curvature(theta, at)?;
         Ok(Some(Curvature { matrix, sizes, states }))
     }
 

@@ -6,13 +6,15 @@
 //!
 //! again and again, as distances are not linear in the variables. No run is simulated for that.
 
-use measure::constraint::Constraint;
+use measure::constraint::{Constraint, Inequality};
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::quadratic::Row;
 use super::{Level, Rejected};
 
+/// Part of a gap by which it may close in a step, to first order.
+const MOST_CLOSED: f64 = 0.8;
 /// Steps on the way back.
 const STEPS: usize = 30;
 /// Longest of these, over the mean edge.
@@ -26,32 +28,49 @@ const CONTRADICTIONS: f64 = 1e-8;
 
 /// One inequality of a constraint in the variables of a level.
 pub struct KeptRow {
-    /// Index of the constraint.
-    pub constraint: usize,
+    /// Index of the constraint; none of a gap that must not close.
+    pub constraint: Option<usize>,
     /// c and its derivatives by the variables; c is as it is.
     pub row: Row,
-    /// Where it is [m].
-    pub at: Vec3,
 }
 
 impl Level {
-    /// The inequalities that a step that moves the surface by at most `motion` [m] may violate.
+    /// The inequalities of the constraints that a step that moves the surface by at most `motion` [m] may violate.
     #[must_use]
     pub fn kept_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
         if self.constraints.is_empty() {
             return Vec::new();
         }
         let rest = self.map().surface(theta);
-        let of_one = |(constraint, kept): (usize, &Constraint)| {
-            let near = kept.near(&rest, motion).into_iter();
-            let rows = near.map(move |c| {
-                let a = self.map().by_surface(theta, &c.by);
-                KeptRow { constraint, row: Row { a, c: c.value }, at: c.at }
-            });
-            // what the level does not move is as it is
-            rows.filter(|kept| !kept.row.a.is_empty()).collect::<Vec<_>>()
+        let of_one = |(index, kept): (usize, &Constraint)| {
+            self.as_rows(theta, Some(index), kept.near(&rest, motion))
         };
         self.constraints.iter().enumerate().flat_map(of_one).collect()
+    }
+
+    /// Inequalities by which no gap of the surface closes by more than a part in one step.
+    #[must_use]
+    pub fn open_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
+        if self.map().moving().is_empty() {
+            return Vec::new();
+        }
+        let mut gaps = self.path().gaps(&self.map().surface(theta), motion);
+        gaps.iter_mut().for_each(|gap| gap.value *= MOST_CLOSED);
+        self.as_rows(theta, None, gaps)
+    }
+
+    /// Inequalities in the variables; what the level does not move is as it is.
+    fn as_rows(
+        &self,
+        theta: &[f64],
+        constraint: Option<usize>,
+        all: Vec<Inequality>,
+    ) -> Vec<KeptRow> {
+        let one = |c: Inequality| {
+            let a = self.map().by_surface(theta, &c.by);
+            KeptRow { constraint, row: Row { a, c: c.value } }
+        };
+        all.into_iter().map(one).filter(|kept| !kept.row.a.is_empty()).collect()
     }
 
     /// The worst inequality of each constraint at a rest shape, over its tolerance: those below −1 are violated.
@@ -62,6 +81,12 @@ impl Level {
             worst.map_or((0.0, 0.0, Vec3::zeros()), |c| (c.value / kept.tolerance(), c.value, c.at))
         };
         self.constraints.iter().map(of_one).collect()
+    }
+
+    /// How far one may be violated.
+    #[must_use]
+    pub fn tolerance(&self, kept: &KeptRow) -> f64 {
+        kept.constraint.map_or(0.0, |index| self.constraints[index].tolerance())
     }
 
     /// Whether a rest shape keeps all constraints, to their tolerances.
@@ -96,7 +121,7 @@ impl Level {
         let mut inverse = None;
         for _ in 0..STEPS {
             let mut rows = self.kept_rows(&theta, 0.0);
-            let tolerance = |kept: &KeptRow| self.constraints[kept.constraint].tolerance();
+            let tolerance = |kept: &KeptRow| self.tolerance(kept);
             rows.retain(|kept| kept.row.c < 0.0);
             if rows.iter().all(|kept| kept.row.c >= -AIM * tolerance(kept)) {
                 break;

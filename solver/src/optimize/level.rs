@@ -13,11 +13,15 @@ use mechanics::forward::Trajectory;
 use mechanics::math::linear::sum;
 use mechanics::memory::Need;
 use mesh::Vec3;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use scene::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
+use scene::config::{
+    BURST, DesignConfig, EXCESS, LIMIT, LevelConfig, ObjectiveConfig, SLOPE, Weight,
+};
 use scene::memory;
 use scene::{ObjectiveBuilder, Scene};
 
+use super::costs::Costs;
 use super::rest_path::RestPath;
 use super::robust::Robust;
 use super::scenario::{Margin, Near, Rejected, Run, SavedMargin, Scenario};
@@ -33,6 +37,8 @@ pub struct Evaluation {
     pub rest: Vec<Vec3>,
     /// Run of each scenario.
     pub runs: Vec<Run>,
+    /// Variables of the loads [m].
+    loads: Vec<f64>,
     /// What is minimised, the sum of the terms.
     pub objective: f64,
     /// Mean over the scenarios of each weighted term, by the user's name, and [`EXCESS`], where
@@ -80,6 +86,7 @@ pub struct Level {
     pub(super) scenarios: Vec<Scenario>,
     pub(super) robust: Robust,
     pub(super) constraints: Vec<Constraint>,
+    costs: Costs,
 }
 
 impl Level {
@@ -111,7 +118,8 @@ impl Level {
         let constraints = design.constraint.iter().map(|kept| kept.build(&body));
         let constraints = constraints.collect::<Result<_>>()?;
         let robust = Robust::new(&configs, design.robust);
-        Ok(Self { body, map, path, robust, scenarios, constraints })
+        let costs = Costs::new(&design.parameter, &map);
+        Ok(Self { body, map, path, robust, scenarios, constraints, costs })
     }
 
     /// Number of design variables.
@@ -124,6 +132,12 @@ impl Level {
     #[must_use]
     pub fn constraints(&self) -> &[Constraint] {
         &self.constraints
+    }
+
+    /// The surface on the way to another shape.
+    #[must_use]
+    pub fn path(&self) -> &RestPath {
+        &self.path
     }
 
     /// From variables to rest shape and loads.
@@ -190,7 +204,8 @@ impl Level {
         let loads = self.map.load_variables(theta);
         let runs = self.each(|i, scenario| scenario.run(loads, &rest, start.of(i)))?;
         let forward_s = clock.elapsed().as_secs_f64();
-        Ok(Evaluation { forward_s, ..self.evaluated(rest, runs) })
+        let loads = loads.to_vec();
+        Ok(Evaluation { forward_s, ..self.evaluated(rest, runs, loads) })
     }
 
     /// An evaluation as it was, from the displacements of all scenarios at the ends of time
@@ -217,7 +232,8 @@ impl Level {
             let found = at_edges.map_err(Into::into)?;
             runs.push(scenario.recall(loads, &rest, states.into_iter(), found)?);
         }
-        Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs) })
+        let loads = loads.to_vec();
+        Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs, loads) })
     }
 
     /// Factors of the terms, in the order of the design file.
@@ -251,13 +267,13 @@ impl Level {
         self.set_weights(&shares::weights(&wanted, &means)?);
         let rated = self.scenarios.iter_mut().zip(&at.runs);
         let runs = rated.map(|(scenario, run)| scenario.rated(run)).collect();
-        let Evaluation { rest, newton_iterations, forward_s, .. } = at;
-        Ok(Evaluation { newton_iterations, forward_s, ..self.evaluated(rest, runs) })
+        let Evaluation { rest, newton_iterations, forward_s, loads, .. } = at;
+        Ok(Evaluation { newton_iterations, forward_s, ..self.evaluated(rest, runs, loads) })
     }
 
-    fn evaluated(&self, rest: Vec<Vec3>, runs: Vec<Run>) -> Evaluation {
+    fn evaluated(&self, rest: Vec<Vec3>, runs: Vec<Run>, loads: Vec<f64>) -> Evaluation {
         let objectives: Vec<f64> = runs.iter().map(|run| run.objective).collect();
-        let objective = self.robust.value(&objectives);
+        let mut objective = self.robust.value(&objectives);
         let mut terms = BTreeMap::new();
         for (run, weight) in runs.iter().zip(self.robust.weights()) {
             for (name, value) in &run.terms {
@@ -267,8 +283,12 @@ impl Level {
         if !self.robust.is_mean() {
             terms.insert(EXCESS.to_owned(), objective - self.robust.mean(&objectives));
         }
+        for (name, cost) in self.costs.values(&loads) {
+            objective += cost;
+            terms.insert(name, cost);
+        }
         let newton_iterations = runs.iter().map(|run| run.newton_iterations).sum();
-        Evaluation { rest, runs, objective, terms, newton_iterations, forward_s: 0.0 }
+        Evaluation { rest, runs, loads, objective, terms, newton_iterations, forward_s: 0.0 }
     }
 
     /// What a trial looks for next to an evaluation: the displacements that were predicted for
@@ -356,7 +376,38 @@ impl Level {
             _ => Wanted::All,
         };
         let swept = self.sweep_for(at, wanted, None)?;
-        Ok(self.vjp(theta, &swept))
+        let mut gradient = self.vjp(theta, &swept);
+        for (i, slope) in self.costs.slopes(&at.loads) {
+            gradient[shape + i] += slope;
+        }
+        Ok(gradient)
+    }
+
+    /// Second derivatives of the objective that no run is needed for: of what keeps parameters small, and of the edges of
+    /// a run, whose terms are squares.
+    ///
+    /// # Errors
+    /// When an adjoint system has no accurate solution.
+    pub fn own_curvature(
+        &mut self,
+        theta: &[f64],
+        at: &Evaluation,
+    ) -> Result<DMatrix<f64>, Rejected> {
+        let mut matrix = DMatrix::zeros(theta.len(), theta.len());
+        let shape = self.map.shape_variables();
+        for (i, bend) in self.costs.bends() {
+            matrix[(shape + i, shape + i)] += bend;
+        }
+        for edge in [LIMIT, BURST, SLOPE] {
+            let value = at.terms.get(edge).copied().unwrap_or(0.0);
+            if value > 0.0 && value.is_finite() {
+                // of w r² the gradient is g = 2 w r ∇r, and 2 w ∇r ∇rᵀ = g gᵀ / (2 w r²)
+                let swept = self.sweep_for(at, Wanted::All, Some(edge))?;
+                let slope = DVector::from_vec(self.vjp(theta, &swept));
+                matrix += &slope * slope.transpose() / (2.0 * value);
+            }
+        }
+        Ok(matrix)
     }
 
     /// dJ of the objective, or of its terms of a name, by all that the run of each scenario

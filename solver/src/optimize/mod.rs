@@ -3,6 +3,7 @@
 
 mod cascade;
 mod checkpoint;
+mod costs;
 mod curvature;
 mod ending;
 mod history;
@@ -23,7 +24,7 @@ mod shares;
 mod trust_region;
 pub mod validity;
 
-pub use cascade::{Cascade, Finished, LATEST};
+pub use cascade::{CASTABLE, Cascade, Finished, LATEST};
 pub use checkpoint::Checkpoint;
 pub use history::History;
 pub use lbfgs::Lbfgs;

@@ -11,9 +11,12 @@ use program::{KeyPath, Process, misfit};
 use reports::Castable;
 use scene::config::{DesignConfig, beside};
 use serde::Deserialize;
+use tempfile::TempDir;
 
 use crate::report::mirror::mirror_body;
 
+/// Name of the mesh as modelled.
+const MODELLED: &str = "modelled.msh";
 /// Exit code of a plan whose file is wrong, or asks for what the body does not have.
 const WRONG: i32 = 2;
 
@@ -22,6 +25,10 @@ pub struct Molding {
     config: PathBuf,
     /// The part of the body that is cast.
     part: usize,
+    /// Whether shapes that cannot be cast are rejected.
+    pub required: bool,
+    /// The surface that the mesh was made from, and a folder with the mesh as modelled.
+    modelled: Option<(PathBuf, TempDir)>,
 }
 
 impl Molding {
@@ -48,10 +55,31 @@ impl Molding {
                 key("body").told(what)
             })?,
         };
-        let molding = Self { config, part };
-        if let Err((said, Some(WRONG))) = molding.plan(body)? {
+        let required = match mold.required {
+            Some(required) => required,
+            None => names_a_method(&config)?,
+        };
+        let mut molding = Self { config, part, required, modelled: None };
+        if let Some(model) = &mold.model {
+            let (folder, model) = (tempfile::tempdir()?, beside(path, model));
+            ensure!(
+                model.exists(),
+                key("model").told(format!("[mold] model: {}: no such file", model.display()))
+            );
+            let (mesh, tags) = molding.whole(body)?;
+            mesh::io::write_tets(&folder.path().join(MODELLED), &mesh, &tags)?;
+            molding.modelled = Some((model, folder));
+        }
+        if let Err((said, code)) = molding.plan(body)?
+            && (code == Some(WRONG) || required)
+        {
             let config = molding.config.display();
-            bail!(key("config").told(format!("[mold] config: fab plan --config {config}: {said}")));
+            let what =
+                if code == Some(WRONG) { "" } else { "the shape at the start cannot be cast: " };
+            bail!(
+                key("config")
+                    .told(format!("[mold] config: fab plan --config {config}: {what}{said}"))
+            );
         }
         Ok(Some(molding))
     }
@@ -73,6 +101,9 @@ impl Molding {
         let plan = folder.path().join("plan");
         let mut command = Command::new(program::beside("fab"));
         command.arg("-q").arg("plan").arg(&file).arg("--config").arg(&self.config);
+        if let Some((model, folder)) = &self.modelled {
+            command.arg("--model").arg(model).arg("--from").arg(folder.path().join(MODELLED));
+        }
         command
             .arg("--no-pictures")
             .arg("--output")
@@ -107,6 +138,13 @@ impl Molding {
         }
         Ok((mesh, tags))
     }
+}
+
+/// Whether a mold's file names the method, so that others are not wanted.
+fn names_a_method(config: &Path) -> Result<bool> {
+    let text = mesh::io::read_own_text(config)?;
+    let table: toml::Table = toml::from_str(&text).with_context(|| config.display().to_string())?;
+    Ok(table.contains_key("method"))
 }
 
 /// What is read of a plan.

@@ -5,6 +5,7 @@
 //! detection. What is left between chord and curve is small beside an edge, and the
 //! end of a trial is checked exactly by [`validity`](super::validity).
 
+use measure::constraint::{Inequality, distances};
 use mechanics::contact::candidates;
 use mechanics::contact::ccd;
 use mechanics::contact::pairs::Features;
@@ -56,6 +57,16 @@ impl RestPath {
             }
         }
         1.0
+    }
+
+    /// Distances between parts of the surface without a common vertex, where a motion of at most `motion` [m] may close
+    /// them and they are within half an edge.
+    #[must_use]
+    pub fn gaps(&self, x: &[Vec3], motion: f64) -> Vec<Inequality> {
+        let mut pairs =
+            candidates::close_within(&self.features, x, (2.0 * motion).min(0.5 * self.mean_edge));
+        pairs.retain(|pair| pair.corners().iter().any(|&v| self.moves[v]));
+        distances(pairs, x)
     }
 
     fn is_straight(&self, from: &[Vec3], middle: &[Vec3], to: &[Vec3]) -> bool {

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use reports::{DesignedProbe, End, Inflated, Inflation, StretchRange};
+use reports::{DesignedProbe, End, Inflated, Inflation, Kept, StretchRange};
 
 /// Units of reports that people read better in another: factor and its name.
 const READABLE: &[(&str, f64, &str)] =
@@ -30,6 +30,20 @@ pub fn in_words(found: &End) -> String {
         parts.push(format!("{name} {}", quantity(probe.value.unwrap_or(f64::NAN), &probe.unit)));
     }
     parts.join(", ")
+}
+
+/// What a constraint that holds a design back is worth: what the objective would fall by for a tenth less of it.
+#[must_use]
+pub fn of_constraint(name: &str, kept: &Kept) -> Option<String> {
+    let Kept { least, found, worth } = *kept;
+    let fall = 0.1 * least * worth;
+    (fall > 0.0).then(|| {
+        let found = found.map_or_else(String::new, |found| format!(" {found:.4e}"));
+        format!(
+            "\"{name}\"{found} of at least {least:.4e} holds the design back: with a tenth less the objective would be \
+             lower by about {fall:.2e}"
+        )
+    })
 }
 
 /// Each chamber's first inflation, and its tenth or, of fewer, the last: volume and probes at half of the

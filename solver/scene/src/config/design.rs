@@ -18,8 +18,11 @@ use super::{
     ScenarioConfig, refuse_outside_of_chambers, scenario,
 };
 
-const KEYS: Keys =
-    Keys { paths: &["scene", "target", "config", "mesh"], named: &[], meaning: Some(meaning) };
+const KEYS: Keys = Keys {
+    paths: &["scene", "target", "config", "mesh", "model"],
+    named: &[],
+    meaning: Some(meaning),
+};
 
 /// A design problem: the design variables of a scene and the objective function.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -71,6 +74,13 @@ pub struct MoldConfig {
     /// The body that is cast, of a scene with several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
+    /// Surface that the scene's mesh was made from (`model.stl`): it is cast where the design moves nothing, as by
+    /// `fab mold --model --from`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<PathBuf>,
+    /// Whether shapes that cannot be cast are rejected; if not given, where the mold's file names a method.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub required: Option<bool>,
 }
 
 /// How to go down, and when to stop.
@@ -258,6 +268,48 @@ pub struct ParameterDesign {
     /// Largest change in one iteration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change: Option<f64>,
+    /// Keeps it small: `small × (value / scale)²` is a term of the objective with its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub small: Option<f64>,
+    /// The value that counts as `small`; the larger of the bounds if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+}
+
+impl ParameterDesign {
+    /// Its value at which the term that keeps it small is 1, if it has one: scale / √small.
+    #[must_use]
+    pub fn unit_cost(&self) -> Option<f64> {
+        let largest = self.bounds.iter().fold(0.0, |most: f64, bound| most.max(bound.abs()));
+        Some(self.scale.unwrap_or(largest) / self.small?.sqrt())
+    }
+
+    fn check(&self) -> Result<()> {
+        let Self { name, bounds: [low, high], change, small, scale } = self;
+        let title = KeyPath::list("parameter").named(name);
+        ensure!(
+            low < high && low.is_finite() && high.is_finite(),
+            misfit!(
+                title.key("bounds"),
+                " = [{low}, {high}]; expected two numbers, the smaller first"
+            )
+        );
+        for (key, value) in [("change", change), ("small", small), ("scale", scale)] {
+            ensure!(
+                value.is_none_or(|value| value.is_finite() && value > 0.0),
+                misfit!(
+                    title.clone().key(key),
+                    " = {:?} must be positive",
+                    value.unwrap_or(f64::NAN)
+                )
+            );
+        }
+        ensure!(
+            scale.is_none() || small.is_some(),
+            misfit!(title.key("scale"), " without small: expected small = 1.0, its weight")
+        );
+        Ok(())
+    }
 }
 
 impl DesignConfig {
@@ -318,7 +370,7 @@ impl DesignConfig {
     /// knows that of the objective.
     #[must_use]
     pub fn is_of_squares(&self) -> bool {
-        self.limit.is_none() && self.objective.iter().all(ObjectiveConfig::is_square)
+        self.objective.iter().all(ObjectiveConfig::is_square)
     }
 
     /// The settings of a level in place of the design's.
@@ -386,7 +438,7 @@ impl DesignConfig {
         }
         let mut objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
         if let Some(limit) = &self.limit {
-            limit.check(&self.optimizer, &objectives)?;
+            limit.check(&objectives)?;
             objectives.extend(limit.goals().iter().map(|(name, _)| *name));
         }
         check_shares(&self.objective)?;
@@ -436,25 +488,7 @@ impl DesignConfig {
             self.optimizer_of(&level).check(&levels)?;
         }
         self.chamber.iter().try_for_each(ChamberDesign::check)?;
-        for parameter in &self.parameter {
-            let ParameterDesign { name, bounds: [low, high], change } = parameter;
-            let title = KeyPath::list("parameter").named(name);
-            ensure!(
-                low < high && low.is_finite() && high.is_finite(),
-                misfit!(
-                    title.key("bounds"),
-                    " = [{low}, {high}]; expected two numbers, the smaller first"
-                )
-            );
-            ensure!(
-                change.is_none_or(|c| c.is_finite() && c > 0.0),
-                misfit!(
-                    title.key("change"),
-                    " = {:?} must be positive",
-                    change.unwrap_or(f64::NAN)
-                )
-            );
-        }
+        self.parameter.iter().try_for_each(ParameterDesign::check)?;
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{OptimizerConfig, OptimizerMethod, SimConfig};
+use super::SimConfig;
 
 /// How much more pressure than the full load a body bears before it balloons, buckles or tears. Pressures grow together
 /// from the state at the end, while all other loads, volumes and supports are held.
@@ -104,7 +104,7 @@ impl LimitGoal {
     }
 
     /// Checks it alone.
-    pub(super) fn check(&self, optimizer: &OptimizerConfig, objectives: &[&str]) -> Result<()> {
+    pub(super) fn check(&self, objectives: &[&str]) -> Result<()> {
         let table = KeyPath::table("limit");
         ensure!(
             self.least.is_some() == self.weight.is_some(),
@@ -133,14 +133,6 @@ impl LimitGoal {
                 )
             );
         }
-        ensure!(
-            optimizer.method != Some(OptimizerMethod::GaussNewton),
-            misfit!(
-                table,
-                " does not go with method = \"gauss-newton\": a limit is no square whose curvature is known; \
-                 expected \"l-bfgs\""
-            )
-        );
         Ok(())
     }
 

@@ -15,8 +15,8 @@ use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::math::linear::norm;
 use program::Unusable;
-use reports::{Ended, Iteration, LevelEnd, NoStart, Optimization, Status, numbers};
-use scene::config::{DesignConfig, OptimizerConfig, OptimizerMethod};
+use reports::{Castable, Ended, Iteration, LevelEnd, NoStart, Optimization, Status, numbers};
+use scene::config::{DesignConfig, ObjectiveConfig, OptimizerConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
 use self::say::{say_gain, time_left, variables};
@@ -38,12 +38,17 @@ const MEMORY: usize = 6;
 const ARMIJO: f64 = 1e-4;
 /// Iterations that gain little, one after the other, before the level ends.
 const QUIET: usize = 2;
+/// How many times what ends a level a model promises that is taken for right, though the steps do not give it.
+const PROMISES: f64 = 10.0;
 /// Trials of a step before the level ends.
 const TRIALS: usize = 10;
 /// Trials that flat elements may cost in an iteration before the body is re-meshed.
 const FLAT_TRIALS: usize = 2;
 /// Name of the mesh of the shape that was accepted last, while a design is not finished.
 pub const LATEST: &str = "latest";
+
+/// Name of the mesh of the last shape that can be cast, where a design asks for that.
+pub const CASTABLE: &str = "castable";
 
 /// An optimisation in a folder.
 pub struct Cascade<'a> {
@@ -90,6 +95,8 @@ struct Step {
     flat: bool,
     /// What was tried and not taken before it.
     rejections: Rejections,
+    /// How the shape can be cast, where that is asked.
+    mold: Option<Castable>,
     /// Nothing was known of the curvature.
     blind: bool,
     forward_s: f64,
@@ -140,6 +147,17 @@ impl Cascade<'_> {
             }
             checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
         }
+    }
+
+    /// How the shape of an evaluation can be cast, where that is asked and a shape moves.
+    fn verdict(&self, level: &Level, at: &Evaluation) -> Result<Option<Castable>> {
+        let asked = self.molding.as_ref().filter(|_| !level.map().moving().is_empty());
+        asked.map(|molding| molding.ask(&level.shape(at))).transpose()
+    }
+
+    /// Whether a shape that cannot be cast is no step.
+    fn requires_mold(&self) -> bool {
+        self.molding.as_ref().is_some_and(|molding| molding.required)
     }
 
     fn history(&self) -> History {
@@ -227,6 +245,9 @@ impl Cascade<'_> {
         evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
+        if checkpoint.history == 0 {
+            self.say_what_is_not_felt(level, &theta, &evaluation)?;
+        }
         let step = Step {
             theta,
             gradient,
@@ -235,6 +256,7 @@ impl Cascade<'_> {
             trials: 1,
             flat: false,
             rejections: Rejections::default(),
+            mold: self.verdict(level, &evaluation)?,
             blind: true,
             forward_s: evaluation.forward_s,
             gradient_s: clock.elapsed().as_secs_f64(),
@@ -242,6 +264,28 @@ impl Cascade<'_> {
         };
         self.record(level, checkpoint, step)?;
         Ok(evaluation)
+    }
+
+    /// Warns of terms that look at contact or at a probe and do not change with any variable: nothing leads them.
+    fn say_what_is_not_felt(
+        &self,
+        level: &mut Level,
+        theta: &[f64],
+        at: &Evaluation,
+    ) -> Result<()> {
+        let asked = self.design.objective.iter();
+        let asked = asked.filter(|term| term.kind().needs_contact || term.probe().is_some());
+        for name in asked.map(ObjectiveConfig::name) {
+            let swept = level.sweep(at, Some(name))?;
+            if norm(&level.vjp(theta, &swept)) == 0.0 {
+                log::warn!(
+                    "objective \"{name}\" does not change with any variable at the start, so that the design cannot \
+                     improve it: if it is a force, nothing touches there; begin from a shape or a pressure with which \
+                     it does, or add an objective of kind \"distance\" or \"contact-proxy\" that leads there"
+                );
+            }
+        }
+        Ok(())
     }
 
     /// The error of a level whose body has no usable state. Where there is no
@@ -298,7 +342,7 @@ impl Cascade<'_> {
         let mut ended = None;
         if checkpoint.quiet >= QUIET {
             // the model promises no more than it gave
-            let ending = match step.predicted < 2.0 * optimizer.stagnation * before.abs() {
+            let ending = match step.predicted < PROMISES * optimizer.stagnation * before.abs() {
                 true => Ended::Converged,
                 false => Ended::Jammed,
             };
@@ -309,7 +353,7 @@ impl Cascade<'_> {
         let mut progress = checkpoint.progress.clone();
         progress.push(step.evaluation.objective, step.evaluation.newton_iterations);
         if let Some(rate) =
-            progress.rate().filter(|rate| *rate < optimizer.least_rate && !held_back)
+            progress.rate().filter(|rate| rate.max(0.0) < optimizer.least_rate && !held_back)
         {
             let why = format!(
                 "a Newton iteration gains {:.1} % of what it gained on average in this level",
@@ -398,12 +442,14 @@ impl Cascade<'_> {
         if !level.map().moving().is_empty() {
             let shape = level.shape(&step.evaluation);
             write_bodies(&self.folder, LATEST, self.scene, &shape)?;
-            if let Some(molding) = &self.molding {
-                let verdict = molding.ask(&shape)?;
-                molding::say(&verdict, checkpoint.mold.as_ref());
-                line.mold = Some(verdict);
-                checkpoint.mold.clone_from(&line.mold);
+            if let Some(verdict) = &step.mold {
+                molding::say(verdict, checkpoint.mold.as_ref());
+                if let Castable::Planned { .. } = verdict {
+                    write_bodies(&self.folder, CASTABLE, self.scene, &shape)?;
+                }
             }
+            line.mold.clone_from(&step.mold);
+            checkpoint.mold = step.mold;
         }
         let Evaluation { runs, terms, .. } = step.evaluation;
         checkpoint.terms = terms;

@@ -10,6 +10,7 @@ use std::time::Instant;
 use anyhow::Result;
 use mechanics::math::linear::norm;
 use nalgebra::DMatrix;
+use reports::Castable;
 use scene::config::{OptimizerConfig, OptimizerMethod};
 
 use super::trial::{ahead, lower};
@@ -33,6 +34,7 @@ const UNKNOWN: f64 = 1e3;
 /// A step that the model proposes, with a valid rest shape.
 struct Proposal {
     d: Vec<f64>,
+    /// In terms of the region.
     motion: f64,
     /// What the model says that the objective changes by.
     change: f64,
@@ -98,7 +100,18 @@ impl Cascade<'_> {
             };
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
-            let refused = match outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e))) {
+            let outcome = outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e)));
+            let mold = match &outcome {
+                Ok((_, evaluation)) => self.verdict(level, evaluation)?,
+                Err(_) => None,
+            };
+            let outcome = match (&mold, self.requires_mold()) {
+                (Some(Castable::Refused { refused }), true) => {
+                    Err(Rejected(format!("fab plan: it cannot be cast: {refused}")).into())
+                }
+                _ => outcome,
+            };
+            let refused = match outcome {
                 Ok((new, evaluation)) => {
                     let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
                     region.judge((evaluation.objective - checkpoint.objective) / change, motion);
@@ -111,6 +124,7 @@ impl Cascade<'_> {
                     }
                     checkpoint.region = region;
                     checkpoint.multipliers = multipliers;
+                    let motion = level.map().motion(&theta, &there);
                     // a step as long as the first of a level is not held back
                     let short = motion < optimizer.first_step * edge;
                     return Ok(Ok(Step {
@@ -122,6 +136,7 @@ impl Cascade<'_> {
                         trials,
                         flat: short && rejections.flat >= FLAT_TRIALS,
                         rejections,
+                        mold,
                         blind: !from_terms && checkpoint.lbfgs.is_empty(),
                         forward_s,
                         gradient_s: clock.elapsed().as_secs_f64(),
@@ -199,33 +214,32 @@ fn renew(
     Ok(curvature)
 }
 
-/// The step of the model within the region, which shrinks until the rest shape is valid.
+/// The step of the model within the region, in which the shape moves less and less far until it is valid; variables of
+/// loads are not held back by that.
 fn propose(
     level: &Level,
     model: &Model,
-    mut radius: f64,
+    radius: f64,
     theta: &[f64],
     gradient: &[f64],
     rejections: &mut Rejections,
 ) -> Option<Proposal> {
-    let metric = match model.is_full() {
+    let mut metric = match model.is_full() {
         true => level.metric(theta),
         false => DMatrix::zeros(0, 0),
     };
-    let kept = level.kept_rows(theta, radius);
+    let mut kept = level.kept_rows(theta, radius);
+    kept.extend(level.open_rows(theta, radius));
     let rows = rows(level, theta, &kept);
-    let motion = |d: &[f64]| level.map().motion(theta, &moved(theta, d));
+    let shape = level.map().shape_variables();
+    // how many times shorter than the region the motion of the shape is
+    let mut shorter = 1.0;
     for _ in 0..RADII {
-        let problem = Problem {
-            model,
-            gradient,
-            metric: &metric,
-            rows: &rows,
-            length: radius,
-            held: RefCell::default(),
-        };
+        let motion = |d: &[f64]| level.map().scaled_motion(theta, &moved(theta, d), shorter);
+        let length = radius;
+        let held = RefCell::default();
+        let problem = Problem { model, gradient, metric: &metric, rows: &rows, length, held };
         let found = step_within(&problem, radius, motion)?;
-        let change = problem.change(&found.d);
         let trial = level.restored(&within_bounds(level, theta, &found.d)).and_then(|there| {
             let d: Vec<f64> = there.iter().zip(theta).map(|(a, b)| a - b).collect();
             if level.free_fraction(theta, &d) < 1.0 {
@@ -238,16 +252,22 @@ fn propose(
             Ok(d) => {
                 let mut multipliers = vec![0.0; level.constraints().len()];
                 for (k, multiplier) in &found.multipliers {
-                    if let Some(kept) = kept.get(*k) {
-                        multipliers[kept.constraint] += multiplier;
+                    if let Some(index) = kept.get(*k).and_then(|kept| kept.constraint) {
+                        multipliers[index] += multiplier;
                     }
                 }
-                return Some(Proposal { motion: motion(&d), d, change, multipliers });
+                let (change, motion) = (problem.change(&found.d), motion(&d));
+                return Some(Proposal { motion, d, change, multipliers });
             }
             Err(refused) => {
-                let flat = level.is_flat(&moved(theta, &found.d));
-                rejections.add_shape(flat, &refused);
-                radius = 0.5 * motion(&found.d).min(radius);
+                rejections.add_shape(level.is_flat(&moved(theta, &found.d)), &refused);
+                let cut = (2.0 * radius / motion(&found.d)).clamp(2.0, 1e3);
+                shorter *= cut;
+                // the region of a full model is kept by its metric
+                let full = metric.nrows();
+                (0..shape.min(full)).for_each(|i| {
+                    (0..shape.min(full)).for_each(|j| metric[(i, j)] *= cut * cut);
+                });
             }
         }
     }
@@ -283,8 +303,7 @@ fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
 #[must_use]
 pub(super) fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> f64 {
     let mut kept = level.kept_rows(theta, 0.0);
-    let tolerance = |kept: &KeptRow| level.constraints()[kept.constraint].tolerance();
-    kept.retain(|kept| kept.row.c <= tolerance(kept));
+    kept.retain(|kept| kept.row.c <= level.tolerance(kept));
     let length = norm(gradient);
     let mut all = rows(level, theta, &kept);
     all.iter_mut().take(kept.len()).for_each(|row| row.c = 0.0);
