@@ -5,6 +5,8 @@
 mod bar;
 #[path = "design/cavity.rs"]
 mod cavity;
+#[path = "design/constraints.rs"]
+mod constraints;
 #[path = "design/grip.rs"]
 mod grip;
 #[path = "design/levels.rs"]

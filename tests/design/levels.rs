@@ -105,7 +105,9 @@ fn a_level_may_have_another_mesh() {
         format!("{head}{more}")
     };
     let levels = [level("mesh = 'body.msh'\n"), level(""), level("mesh = 'body.msh'\n")].concat();
-    let design = dir.text("design.toml");
+    // steps of Gauss and Newton go so far that each mesh has a shape of its own
+    let short = "method = \"l-bfgs\"\nfirst_step";
+    let design = dir.text("design.toml").replacen("first_step", short, 1);
     let (head, tail) = (design.find("[[shape").unwrap(), design.find("[[objective]]").unwrap());
     dir.write("design.toml", &format!("{}{levels}{}", &design[..head], &design[tail..]));
     dir.solver("-q optimize design.toml -o out").assert_good();

@@ -131,7 +131,6 @@ fn a_limit_that_a_design_cannot_have_is_refused() {
     refused("least = 3", "least = 1", &["least", "above 1"]);
     refused("least = 3", "least = 5", &["least", "most = 4"]);
     refused("weight = 100", "weight = -1", &["[limit]", "weight"]);
-    refused("[optimizer]", "[optimizer]\nmethod = \"gauss-newton\"", &["[limit]", "l-bfgs"]);
     let dir = chamber::near_its_limit();
     let slope = "slope = { least = 0.9, weight = 1 }\n";
     dir.write("design.toml", &(dir.text("design.toml") + slope));

@@ -344,7 +344,7 @@ fn shapes_and_mold(browser: &mut Chromium, dir: &Workdir) {
     assert_eq!(shown["parts"], json!(names));
     let wall = number(&dir.json("out/mold/plan.json")["wall"]["thickness"]);
     assert!((0.5..10.0).contains(&wall), "{wall} mm");
-    let text = format!("thinnest wall {wall:.1}");
+    let text = format!("thinnest wall {}", &format!("{wall:.3}")[..3]);
     let mark = shown["marks"][0].as_str().unwrap_or_else(|| panic!("no mark: {shown}"));
     assert!(mark.starts_with(&text), "{mark}, {text}");
     let tile = "[...document.querySelectorAll('.tiles div')].map((t) => t.textContent).join()";

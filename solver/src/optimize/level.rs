@@ -86,7 +86,7 @@ pub struct Level {
     pub(super) scenarios: Vec<Scenario>,
     pub(super) robust: Robust,
     pub(super) constraints: Vec<Constraint>,
-    costs: Costs,
+    pub(super) costs: Costs,
 }
 
 impl Level {
@@ -381,33 +381,6 @@ impl Level {
             gradient[shape + i] += slope;
         }
         Ok(gradient)
-    }
-
-    /// Second derivatives of the objective that no run is needed for: of what keeps parameters small, and of the edges of
-    /// a run, whose terms are squares.
-    ///
-    /// # Errors
-    /// When an adjoint system has no accurate solution.
-    pub fn own_curvature(
-        &mut self,
-        theta: &[f64],
-        at: &Evaluation,
-    ) -> Result<DMatrix<f64>, Rejected> {
-        let mut matrix = DMatrix::zeros(theta.len(), theta.len());
-        let shape = self.map.shape_variables();
-        for (i, bend) in self.costs.bends() {
-            matrix[(shape + i, shape + i)] += bend;
-        }
-        for edge in [LIMIT, BURST, SLOPE] {
-            let value = at.terms.get(edge).copied().unwrap_or(0.0);
-            if value > 0.0 && value.is_finite() {
-                // of w r² the gradient is g = 2 w r ∇r, and 2 w ∇r ∇rᵀ = g gᵀ / (2 w r²)
-                let swept = self.sweep_for(at, Wanted::All, Some(edge))?;
-                let slope = DVector::from_vec(self.vjp(theta, &swept));
-                matrix += &slope * slope.transpose() / (2.0 * value);
-            }
-        }
-        Ok(matrix)
     }
 
     /// dJ of the objective, or of its terms of a name, by all that the run of each scenario

@@ -14,6 +14,7 @@ mod line;
 mod material;
 mod membrane;
 mod mullins;
+mod parameter;
 mod profile;
 mod relaxation;
 mod rigid;
@@ -43,6 +44,7 @@ pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
 pub use membrane::MembraneConfig;
 pub use mullins::MullinsConfig;
+pub use parameter::ParameterDesign;
 pub use profile::{Along, ProfileConfig};
 pub use relaxation::RelaxationConfig;
 pub use rigid::RigidConfig;
@@ -51,8 +53,8 @@ pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use design::{
-    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod,
-    ParameterDesign, ShapeConfig, Spread,
+    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod, ShapeConfig,
+    Spread,
 };
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;

@@ -114,7 +114,10 @@ impl Cascade<'_> {
             let refused = match outcome {
                 Ok((new, evaluation)) => {
                     let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
-                    region.judge((evaluation.objective - checkpoint.objective) / change, motion);
+                    let agreement = (evaluation.objective - checkpoint.objective) / change;
+                    let is_blind = !from_terms && checkpoint.lbfgs.is_empty();
+                    // the length of a step of which nothing was known says nothing
+                    region.judge(if is_blind { 1.0 } else { agreement }, motion);
                     if level.map().shape_variables() > 0 {
                         // variables of loads have bounds of their own
                         region.radius = region.radius.min(optimizer.largest_step * edge);
@@ -137,7 +140,7 @@ impl Cascade<'_> {
                         flat: short && rejections.flat >= FLAT_TRIALS,
                         rejections,
                         mold,
-                        blind: !from_terms && checkpoint.lbfgs.is_empty(),
+                        blind: is_blind,
                         forward_s,
                         gradient_s: clock.elapsed().as_secs_f64(),
                     }));
