@@ -140,7 +140,7 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
     let with = objectives("out");
     // 0.05 mean edges are 0.4 mm of a wall of 20 mm
     assert!((with[2] / with[1] - 1.0).abs() < 0.1, "the same shape on another mesh: {with:?}");
-    assert_eq!(with.len(), 5);
+    assert_eq!(with.len(), 5, "{}", run.stderr);
 
     let run = dir.solver("optimize kept.toml -o kept");
     run.assert_good();

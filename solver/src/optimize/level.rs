@@ -13,11 +13,8 @@ use mechanics::forward::Trajectory;
 use mechanics::math::linear::sum;
 use mechanics::memory::Need;
 use mesh::Vec3;
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use scene::config::{
-    BURST, DesignConfig, EXCESS, LIMIT, LevelConfig, ObjectiveConfig, SLOPE, Weight,
-};
+use scene::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use scene::memory;
 use scene::{ObjectiveBuilder, Scene};
 

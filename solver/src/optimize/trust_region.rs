@@ -127,27 +127,27 @@ pub fn step_within(
     motion: impl Fn(&[f64]) -> f64,
 ) -> Option<Minimum> {
     let first = LEAST_SHIFT * problem.mean_curvature();
-    let (mut low, mut high, mut shifts) = (0.0, first, 0);
     let free = problem.minimum(0.0).filter(|found| motion(&found.d) <= radius);
     if let Some(found) = free {
-        return shorter(problem, found, first, motion);
+        return Some(shorter(problem, found, first, motion));
     }
-    let mut found = problem.minimum(high)?;
-    while motion(&found.d) > radius && shifts < SHIFTS {
+    // the first λ of which there is a minimum and that keeps it within the region
+    let (mut low, mut high, mut shifts) = (0.0, first, 0);
+    let mut found = problem.minimum(high);
+    while found.as_ref().is_none_or(|found| motion(&found.d) > radius) && shifts < SHIFTS {
         (low, high, shifts) = (high, 10.0 * high, shifts + 1);
-        found = problem.minimum(high)?;
+        found = problem.minimum(high);
     }
+    let mut found = found?;
     while low > 0.0 && motion(&found.d) < USED * radius && shifts < SHIFTS {
         let middle = (low * high).sqrt();
-        let tried = problem.minimum(middle)?;
-        if motion(&tried.d) > radius {
-            low = middle;
-        } else {
-            (high, found) = (middle, tried);
+        match problem.minimum(middle) {
+            Some(tried) if motion(&tried.d) <= radius => (high, found) = (middle, tried),
+            _ => low = middle,
         }
         shifts += 1;
     }
-    shorter(problem, found, 10.0 * high, motion)
+    Some(shorter(problem, found, 10.0 * high, motion))
 }
 
 /// Another step that gains nearly as much as this one and is much shorter, of the largest λ from one on; else this one.
@@ -157,23 +157,19 @@ fn shorter(
     found: Minimum,
     mut shift: f64,
     motion: impl Fn(&[f64]) -> f64,
-) -> Option<Minimum> {
+) -> Minimum {
     if !problem.model.is_full() {
-        return Some(found);
+        return found;
     }
     let enough = NEARLY_ALL * problem.change(&found.d);
-    let gains = |other: &Minimum| problem.change(&other.d) <= enough;
-    let mut shortest = problem.minimum(shift)?;
-    let mut shifts = 0;
-    while shifts < SHIFTS {
-        let next = problem.minimum(10.0 * shift)?;
-        if !gains(&next) {
-            break;
-        }
-        (shift, shortest, shifts) = (10.0 * shift, next, shifts + 1);
+    let at = |shift: f64| problem.minimum(shift).filter(|other| problem.change(&other.d) <= enough);
+    let Some(mut shortest) = at(shift) else { return found };
+    for _ in 0..SHIFTS {
+        shift *= 10.0;
+        let Some(next) = at(shift) else { break };
+        shortest = next;
     }
-    let is_better = gains(&shortest) && motion(&shortest.d) < MUCH_SHORTER * motion(&found.d);
-    Some(if is_better { shortest } else { found })
+    if motion(&shortest.d) < MUCH_SHORTER * motion(&found.d) { shortest } else { found }
 }
 
 #[cfg(test)]

@@ -28,6 +28,8 @@ use crate::optimize::{Evaluation, Level, Rejected};
 const VARIABLES_PER_STEP: usize = 16;
 /// Radii that are tried until a rest shape is valid.
 const RADII: usize = 12;
+/// Fall of the objective, over what it is or was at the start of the level, that is none.
+const ROUNDING: f64 = 1e-10;
 /// How much longer than the region the step of a model of which nothing is known would be.
 const UNKNOWN: f64 = 1e3;
 
@@ -82,7 +84,11 @@ impl Cascade<'_> {
                 let why = "no shape next to this one is valid and keeps the constraints";
                 return Ok(Err(End::jammed(why.to_owned(), rejections)));
             };
-            if change.is_nan() || change >= 0.0 {
+            checkpoint.multipliers = multipliers;
+            // less is rounding, of the objective at the start of the level as well
+            let least =
+                ROUNDING * checkpoint.objective.abs().max(checkpoint.progress.first().abs());
+            if change.is_nan() || -change <= least {
                 return Ok(Err(End::converged("no step lowers the model of the objective")));
             }
             let there = moved(&theta, &d);
@@ -126,7 +132,6 @@ impl Cascade<'_> {
                         region.update(&d, &y);
                     }
                     checkpoint.region = region;
-                    checkpoint.multipliers = multipliers;
                     let motion = level.map().motion(&theta, &there);
                     // a step as long as the first of a level is not held back
                     let short = motion < optimizer.first_step * edge;
