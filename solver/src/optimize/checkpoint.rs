@@ -73,8 +73,10 @@ pub struct Checkpoint {
     /// SHA-256 of the files that the level reads and of the meshes of those before, by their names.
     pub files: BTreeMap<String, String>,
     /// How the level ended before its iterations did, and why.
+    #[serde(default)]
     pub ending: Option<(Ended, String)>,
     /// How the levels before this one ended.
+    #[serde(default)]
     pub endings_before: Vec<LevelEnd>,
     /// Iterations that gained little, one after the other, up to now.
     #[serde(default)]
