@@ -2,13 +2,17 @@
 //!
 //! The thickness of a wall at a point of its surface is the length of the straight line through it
 //! to a facet that faces the other way, within 60°; where the surface across is tilted
-//! more, as near a sharp edge, there is no wall to measure. Nor is there one between facets with a common corner: they are
-//! the sides of a spike, which may stand on a thick wall, in a groove where lobes of an implicit body meet.
+//! more, as near a sharp edge, there is no wall to measure. Nor is there one where the surface leads from one side to the other
+//! close by: that is the edge of a body, which noise makes rough, or a spike, which may stand on a thick wall.
+
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
 use crate::bvh::SurfaceBvh;
 use crate::measure::{diagonal, triangle_area, triangle_normal};
+use crate::topology::edge_facets;
 use crate::{SurfaceMesh, Vec3};
 
 /// Cosine of the greatest angle between a wall's sides that counts as parallel (60°): beyond
@@ -23,11 +27,16 @@ const NEEDLE: f64 = 2e-6;
 /// judgement. The direction in which a wall is measured may be off by 60°.
 const THINNER: f64 = 0.5;
 
+/// Radius of the ball around the middle of a wall within which the surface must not lead around it, over the thickness.
+const AROUND: f64 = 2.5;
+
 /// Walls of a surface.
 struct Walls<'a> {
     surface: &'a SurfaceMesh,
     bvh: SurfaceBvh,
     normals: Vec<Vec3>,
+    /// Triangles beside each triangle.
+    beside: OnceLock<Vec<Vec<usize>>>,
 }
 
 impl<'a> Walls<'a> {
@@ -40,7 +49,7 @@ impl<'a> Walls<'a> {
             if is_needle { Vec3::zeros() } else { triangle_normal(a, b, c) }
         };
         let normals = (0..surface.triangles.len()).map(normal).collect();
-        Self { surface, bvh: SurfaceBvh::new(surface), normals }
+        Self { surface, bvh: SurfaceBvh::new(surface), normals, beside: OnceLock::new() }
     }
 
     /// How far a point on a triangle is from the surface across, and the triangle there: the first
@@ -69,17 +78,51 @@ impl<'a> Walls<'a> {
         self.opposite().map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
     }
 
-    /// Walls between triangles without a common corner: two triangles with one are the sides of a spike.
-    fn between(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
-        let corners = &self.surface.triangles;
-        let is_spike =
-            |t: usize, across: usize| corners[t].iter().any(|v| corners[across].contains(v));
-        let walls = self.opposite().filter(move |&(_, [t, across])| !is_spike(t, across));
-        walls.map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
+    /// Whether the surface leads from one triangle to the one across within a ball around the middle between them.
+    fn leads_around(&self, thickness: f64, [t, across]: [usize; 2]) -> bool {
+        let triangles = &self.surface.triangles;
+        let beside = self.beside.get_or_init(|| {
+            let mut beside = vec![Vec::new(); triangles.len()];
+            for facets in edge_facets(triangles).values() {
+                for &f in facets {
+                    beside[f].extend(facets.iter().copied().filter(|&g| g != f));
+                }
+            }
+            beside
+        });
+        let middle = self.surface.centroid(t) - 0.5 * thickness * self.normals[t];
+        let is_near = |t: usize| {
+            let corners = self.surface.corners(t);
+            corners.iter().any(|x| (x - middle).norm() <= AROUND * thickness)
+        };
+        let (mut seen, mut pending) = (BTreeSet::from([t]), vec![t]);
+        while let Some(t) = pending.pop() {
+            if t == across {
+                return true;
+            }
+            for &next in &beside[t] {
+                if (next == across || is_near(next)) && seen.insert(next) {
+                    pending.push(next);
+                }
+            }
+        }
+        false
+    }
+
+    /// The thinnest wall that counts.
+    fn thinnest_of(&self, counts: impl Fn(&Vec3) -> bool + Sync) -> Option<(f64, Vec3)> {
+        let mut all: Vec<_> = self.opposite().collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let walls = all
+            .into_iter()
+            .map(|(thickness, pair)| (thickness, self.surface.centroid(pair[0]), pair));
+        let mut walls = walls.filter(|(_, at, _)| counts(at));
+        let wall = walls.find(|&(thickness, _, pair)| !self.leads_around(thickness, pair));
+        wall.map(|(thickness, at, _)| (thickness, at))
     }
 
     fn thinnest(&self) -> Option<(f64, Vec3)> {
-        self.between().min_by(|a, b| a.0.total_cmp(&b.0))
+        self.thinnest_of(|_| true)
     }
 }
 
@@ -95,7 +138,7 @@ pub fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
 #[must_use]
 pub fn thinnest_along(surface: &SurfaceMesh, normals: &[Vec3]) -> Option<(f64, Vec3)> {
     let (bvh, normals) = (SurfaceBvh::new(surface), normals.to_vec());
-    Walls { surface, bvh, normals }.thinnest()
+    Walls { surface, bvh, normals, beside: OnceLock::new() }.thinnest()
 }
 
 /// The thinnest wall of `model` and of what `surface` has further than `reach` from it.
@@ -106,8 +149,7 @@ pub fn thinnest_with(
     reach: f64,
 ) -> Option<(f64, Vec3)> {
     let (walls, model) = (Walls::new(surface), Walls::new(model));
-    let beside = walls.between().filter(|(_, at)| model.bvh.closest(at).distance > reach);
-    let beside = beside.min_by(|a, b| a.0.total_cmp(&b.0));
+    let beside = walls.thinnest_of(|at| model.bvh.closest(at).distance > reach);
     [model.thinnest(), beside].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
 }
 

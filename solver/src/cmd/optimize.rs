@@ -433,7 +433,9 @@ impl Found<'_> {
     /// How the last level with iterations ended.
     fn ended(&self) -> Ended {
         let levels = self.design.levels();
-        let worked = |end: &&LevelEnd| levels[end.level - 1].iterations > 0;
+        let worked = |end: &&LevelEnd| {
+            levels[end.level - 1].iterations > 0 && end.ending != Ended::NoEquilibrium
+        };
         self.finished.endings.iter().rev().find(worked).map_or(Ended::IterationLimit, |e| e.ending)
     }
 

@@ -82,6 +82,15 @@ pub struct Finished {
     pub multipliers: Vec<f64>,
 }
 
+impl Finished {
+    /// What was reached before a level that could not begin.
+    fn without_level(mut self, level: usize, error: &anyhow::Error) -> Self {
+        log::warn!("{error:#}; the design of the level before is kept");
+        self.endings.push(LevelEnd { level, ending: Ended::NoEquilibrium, why: error.to_string() });
+        self
+    }
+}
+
 /// A trial step that was accepted.
 struct Step {
     theta: Vec<f64>,
@@ -135,17 +144,35 @@ impl Cascade<'_> {
                 self.begin_mesh(&self.scene.body, self.meshes.others(), start)?
             }
         };
+        let mut before: Option<Finished> = None;
         loop {
             let body = self.body_of(&checkpoint, None)?;
-            let (level, evaluation) = self.run_level(body, &mut checkpoint)?;
+            let outcome = self.run_level(body, &mut checkpoint);
+            let (level, evaluation) = match (outcome, before) {
+                (Ok(reached), _) => reached,
+                // nothing of what was reached is lost where a finer level cannot begin
+                (Err(error), Some(before)) if error.is::<Unusable>() => {
+                    return Ok(before.without_level(checkpoint.level + 1, &error));
+                }
+                (Err(error), _) => return Err(error),
+            };
             let next = if checkpoint.flat { checkpoint.level } else { checkpoint.level + 1 };
-            if next == self.design.levels().len() {
-                let Checkpoint { theta, multipliers, .. } = checkpoint.clone();
-                let (endings, body) = (checkpoint.all_endings(), level.shape(&evaluation));
-                let last = (level, evaluation);
-                return Ok(Finished { body, last, theta, endings, multipliers });
+            let reached = checkpoint.clone();
+            let is_last = next == self.design.levels().len();
+            if !is_last {
+                checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
             }
-            checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
+            let finished = Finished {
+                body: level.shape(&evaluation),
+                theta: reached.theta.clone(),
+                endings: reached.all_endings(),
+                multipliers: reached.multipliers,
+                last: (level, evaluation),
+            };
+            if is_last {
+                return Ok(finished);
+            }
+            before = Some(finished);
         }
     }
 
