@@ -5,7 +5,7 @@ become voxels. A piece of the mold that lies below silicone leaves it along a pu
 as much as the piece reaches under, over the width of the silicone there. That ratio is taken where it is least of four
 directions across the pull, for each voxel for itself, with the pieces and surfaces that suit that voxel. It is thus no
 more than what any mold needs, and "cannot be cast" is safe, as far as voxels show the body. `fab plan` adds up both
-sides and compares with the same limit.
+sides and compares with the same limit. Closed chambers, in which no core can be held, are counted by trimesh.
 """
 
 import itertools
@@ -25,6 +25,8 @@ PEEL = 0.5
 FINE, COARSE = 80, 30
 # So many voxels above the limit may be due to voxels.
 NOISE = 6
+# Least volume of a closed chamber that counts [mm³].
+POCKET = 0.1
 CUTS = 7
 AZIMUTHS = 4
 LOCKED = 1e9
@@ -259,10 +261,21 @@ def in_halves(voxels):
     return best
 
 
+def pockets(folder):
+    """Volumes of the closed chambers of a body from two files: no core can be held in them."""
+    import trimesh
+    bottom = trimesh.load(folder / "skin.stl").bounds[0][2]
+    parts = trimesh.load(folder / "cavity.stl").split(only_watertight=True)
+    closed = [part for part in parts if part.bounds[0][2] > bottom]
+    return sorted(float(part.volume) for part in closed if part.volume > POCKET)
+
+
 def cannot_be_cast(folder):
     """Whether no mold makes the body, and why."""
     folder = pathlib.Path(folder)
     step, skin = folder / "model.step", folder / "skin.stl"
+    if skin.exists() and (closed := pockets(folder)):
+        return True, f"{len(closed)} chambers are closed, the largest has {closed[-1]:.1f} mm³"
     voxels = of_step(step) if step.exists() else of_stl(folder) if skin.exists() else of_model(folder / "model.toml")
     whole = as_a_whole(voxels) if voxels.opens_below or not voxels.chamber.any() else LOCKED
     if whole <= PEEL:
