@@ -3,14 +3,15 @@
 //! The thickness of a wall at a point of its surface is the length of the straight line through it
 //! to a facet that faces the other way, within 60°; where the surface across is tilted
 //! more, as near a sharp edge, there is no wall to measure. Nor is there one where the surface leads from one side to the other
-//! close by: that is the edge of a body, which noise makes rough, or a spike, which may stand on a thick wall.
+//! close by: that is the edge of a body, which noise makes rough, or a spike, which may stand on a thick wall. What is thick
+//! beside the whole body, as a block is, is an edge only where facets have a common corner.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use crate::bvh::SurfaceBvh;
+use crate::bvh::{SurfaceBvh, closest_on_triangle};
 use crate::measure::{diagonal, triangle_area, triangle_normal};
 use crate::topology::edge_facets;
 use crate::{SurfaceMesh, Vec3};
@@ -29,6 +30,9 @@ const THINNER: f64 = 0.5;
 
 /// Radius of the ball around the middle of a wall within which the surface must not lead around it, over the thickness.
 const AROUND: f64 = 2.5;
+
+/// Thickness over the diagonal from which on a wall is thick.
+const THICK: f64 = 0.05;
 
 /// Walls of a surface.
 struct Walls<'a> {
@@ -92,8 +96,8 @@ impl<'a> Walls<'a> {
         });
         let middle = self.surface.centroid(t) - 0.5 * thickness * self.normals[t];
         let is_near = |t: usize| {
-            let corners = self.surface.corners(t);
-            corners.iter().any(|x| (x - middle).norm() <= AROUND * thickness)
+            let near = closest_on_triangle(&middle, &self.surface.corners(t));
+            (near - middle).norm() <= AROUND * thickness
         };
         let (mut seen, mut pending) = (BTreeSet::from([t]), vec![t]);
         while let Some(t) = pending.pop() {
@@ -113,12 +117,21 @@ impl<'a> Walls<'a> {
     fn thinnest_of(&self, counts: impl Fn(&Vec3) -> bool + Sync) -> Option<(f64, Vec3)> {
         let mut all: Vec<_> = self.opposite().collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let walls = all
-            .into_iter()
-            .map(|(thickness, pair)| (thickness, self.surface.centroid(pair[0]), pair));
-        let mut walls = walls.filter(|(_, at, _)| counts(at));
-        let wall = walls.find(|&(thickness, _, pair)| !self.leads_around(thickness, pair));
-        wall.map(|(thickness, at, _)| (thickness, at))
+        let at = |pair: [usize; 2]| self.surface.centroid(pair[0]);
+        all.retain(|&(_, pair)| counts(&at(pair)));
+        let thick = THICK * diagonal(&self.surface.vertices);
+        let is_edge = |thickness: f64, pair: [usize; 2]| match thickness < thick {
+            true => self.leads_around(thickness, pair),
+            false => self.have_a_corner(pair),
+        };
+        let wall = all.iter().find(|&&(thickness, pair)| !is_edge(thickness, pair));
+        wall.map(|&(thickness, pair)| (thickness, at(pair)))
+    }
+
+    /// Whether two triangles have a corner in common.
+    fn have_a_corner(&self, [t, across]: [usize; 2]) -> bool {
+        let corners = &self.surface.triangles;
+        corners[t].iter().any(|v| corners[across].contains(v))
     }
 
     fn thinnest(&self) -> Option<(f64, Vec3)> {
@@ -220,6 +233,23 @@ mod tests {
         assert!(Walls::new(&spiked).all().any(|(thickness, _)| thickness < 0.5));
         let (thickness, _) = thinnest(&spiked).unwrap();
         assert!((thickness - 2.0).abs() < 1e-9, "{thickness}");
+    }
+
+    /// A plate whose rim is a narrow ridge with a blunt top: the surface leads around it close by.
+    #[test]
+    fn a_blunt_edge_is_no_wall() {
+        let plate = Solid::cube(&Vec3::zeros(), &Vec3::new(40.0, 40.0, 4.0));
+        let slope = |x: f64| Vec3::new(x, 0.0, -0.45).normalize();
+        // the sides by 24° from the vertical, up to a top of 0.3 mm
+        let sides = [(slope(1.0), 18.0), (slope(-1.0), 22.0)];
+        let ridge = Solid::cube(&Vec3::new(15.0, 2.0, 3.9), &Vec3::new(25.0, 38.0, 7.5));
+        let ridge = sides.iter().fold(ridge, |ridge, (inward, x)| {
+            ridge.trim_by_plane(inward, inward.dot(&Vec3::new(*x, 0.0, 4.0)))
+        });
+        let body = plate.union(&ridge).to_surface();
+        assert!(Walls::new(&body).opposite().any(|(thickness, _)| thickness < 3.5));
+        let (thickness, at) = thinnest(&body).unwrap();
+        assert!((thickness - 4.0).abs() < 1e-9, "{thickness} at {at}");
     }
 
     #[test]
