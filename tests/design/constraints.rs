@@ -127,7 +127,7 @@ fn the_gradient_by_offsets_is_exact() {
     dir.solver("check design.toml --random 1").assert_good();
 }
 
-/// Of pressures that give the same, the least is taken: with w (p/s)² beside ((q − q*)/t)² and q about linear in p.
+/// The pressure p is where its term (p/s)² and the term ((q − q*)/t)² of the probe balance.
 #[test]
 fn a_parameter_is_kept_small() {
     let dir = chamber::workdir();

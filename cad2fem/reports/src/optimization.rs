@@ -138,7 +138,7 @@ pub struct Designed {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct LevelEnd {
-    /// Its number, from 1 on.
+    /// The number of the level, counted from 1.
     pub level: usize,
     /// How it ended: one of the endings of a design, or "stopped_early".
     pub ending: Ended,

@@ -7,7 +7,7 @@
 //! n_f   unit normal of a facet, out of the silicone [1]
 //! p     unit vector along which what lies on the facets is pulled [1]
 //!
-//! An inequality has no weight. It is met at the end to its tolerance, a thousandth of `least` or of a right angle.
+//! An inequality has no weight. It is met to its tolerance: a thousandth of a `least` wall, or 0.001 of the sine of a draft.
 
 use std::collections::BTreeMap;
 
@@ -187,7 +187,7 @@ enum Form {
 }
 
 impl Constraint {
-    /// What c is less than the measured number: the least wall [m] or the sine of the least draft.
+    /// The least wall [m], or the sine of the least draft [1]: c is what was measured less this.
     #[must_use]
     pub fn least(&self) -> f64 {
         match &self.form {

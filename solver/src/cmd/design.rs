@@ -140,7 +140,7 @@ fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Res
          # All keys: solver schema design --markdown\n\n\
          scene = {name}\n\n\
          [optimizer]\n\
-         stagnation = 2e-3               # a level ends when an iteration gains less than this\n\n\
+         stagnation = 2e-3               # a level ends when two iterations gain less than this\n\n\
          # What may move: first as a whole along its normals, then with more handles in each level.\n\
          [shape]\non = {moved}\n\n\
          [[shape.level]]\noffset = true\niterations = {OFFSET}\n"

@@ -64,6 +64,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         forget(folder)?;
     }
+    if is_kept_before_a_level(folder)? {
+        log::info!("{}: is finished, before a level that cannot begin", folder.display());
+        return Ok(());
+    }
     forget_failure(folder)?;
     let cascade = Cascade {
         scene: &scene,
@@ -208,6 +212,24 @@ fn failed(folder: &Path) -> Result<bool> {
     }
     let report = serde_json::from_str::<Usable>(&mesh::io::read_own_text(&path)?);
     Ok(!report.with_context(|| path.display().to_string())?.usable)
+}
+
+/// Whether the report in the folder is of a design whose next level could not begin: to try it again would lose it.
+fn is_kept_before_a_level(folder: &Path) -> Result<bool> {
+    let path = folder.join("report.json");
+    if !path.exists() || failed(folder)? {
+        return Ok(false);
+    }
+    let report = serde_json::from_str::<Levels>(&mesh::io::read_own_text(&path)?);
+    let levels = report.with_context(|| path.display().to_string())?.levels;
+    Ok(levels.last().is_some_and(|end| end.ending == Ended::NoEquilibrium))
+}
+
+/// What is read of a report for that; reports of programs before have no levels.
+#[derive(Deserialize)]
+struct Levels {
+    #[serde(default)]
+    levels: Vec<LevelEnd>,
 }
 
 /// Removes the report of a failure once the run continues.

@@ -26,7 +26,7 @@ pub struct Swelling {
 }
 
 impl Swelling {
-    /// That of a patch at rest positions.
+    /// Makes the map of a patch at rest positions.
     #[must_use]
     pub fn new(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
         let (surface, ids) = topology::submesh(rest, facets);

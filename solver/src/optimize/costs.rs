@@ -21,7 +21,7 @@ struct Cost {
 }
 
 impl Costs {
-    /// Those of the parameters of a design.
+    /// Collects the terms of the parameters of a design.
     #[must_use]
     pub fn new(parameters: &[ParameterDesign], map: &DesignMap) -> Self {
         let named = map.named_load_variables();

@@ -106,8 +106,6 @@ fn of_pairs(pairs: &[&Pair]) -> Option<Model> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use std::cell::RefCell;
-
     use crate::optimize::quadratic::Problem;
 
     /// The direction to the minimum of the model.
@@ -115,14 +113,7 @@ mod tests {
         let n = gradient.len();
         let (model, metric) =
             (lbfgs.model().unwrap_or(Model::round(n, 1.0)), DMatrix::identity(n, n));
-        let problem = Problem {
-            model: &model,
-            gradient,
-            metric: &metric,
-            rows: &[],
-            length: 1.0,
-            held: RefCell::default(),
-        };
+        let problem = Problem::new(&model, gradient, &metric, &[], 1.0);
         problem.minimum(0.0).unwrap().d
     }
 

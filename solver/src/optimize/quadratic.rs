@@ -171,10 +171,22 @@ pub struct Problem<'a> {
     /// How long steps are, about [m].
     pub length: f64,
     /// The inequalities that held the last minimum back: most hold the next one, too.
-    pub held: RefCell<Vec<usize>>,
+    held: RefCell<Vec<usize>>,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// A model with a gradient, M and inequalities, whose steps are about so long [m].
+    #[must_use]
+    pub fn new(
+        model: &'a Model,
+        gradient: &'a [f64],
+        metric: &'a DMatrix<f64>,
+        rows: &'a [Row],
+        length: f64,
+    ) -> Self {
+        Self { model, gradient, metric, rows, length, held: RefCell::default() }
+    }
+
     /// g·d + ½ dᵀ B d.
     #[must_use]
     pub fn change(&self, d: &[f64]) -> f64 {
@@ -382,14 +394,7 @@ mod tests {
             let b = positive(n, 1e6, &mut random);
             let (gradient, rows) = (random.numbers(n), rows(n, 60, &mut random));
             let (model, metric) = (Model::full(b.clone()), DMatrix::identity(n, n));
-            let problem = Problem {
-                model: &model,
-                gradient: &gradient,
-                metric: &metric,
-                rows: &rows,
-                length: 1.0,
-                held: RefCell::default(),
-            };
+            let problem = Problem::new(&model, &gradient, &metric, &rows, 1.0);
             check_minimum(&problem, |d| &b * d);
         }
     }
@@ -406,14 +411,7 @@ mod tests {
             let model = Model::limited(0.7, &w, &k);
             let (gradient, rows) = (random.numbers(n), rows(n, 30, &mut random));
             let metric = DMatrix::identity(n, n);
-            let problem = Problem {
-                model: &model,
-                gradient: &gradient,
-                metric: &metric,
-                rows: &rows,
-                length: 1.0,
-                held: RefCell::default(),
-            };
+            let problem = Problem::new(&model, &gradient, &metric, &rows, 1.0);
             let d = random.numbers(n);
             let through: DVector<f64> = &b * DVector::from_column_slice(&d);
             assert!((model.bend(&d) - dot(&d, through.as_slice())).abs() < 1e-12);
@@ -430,14 +428,7 @@ mod tests {
         let (gradient, metric) = (random.numbers(n), DMatrix::identity(n, n));
         let mut rows = rows(n, 30, &mut random);
         let least = |rows: &[Row]| {
-            let problem = Problem {
-                model: &model,
-                gradient: &gradient,
-                metric: &metric,
-                rows,
-                length: 1.0,
-                held: RefCell::default(),
-            };
+            let problem = Problem::new(&model, &gradient, &metric, rows, 1.0);
             let found = problem.minimum(0.0).unwrap();
             (problem.change(&found.d), found.multipliers)
         };

@@ -176,8 +176,6 @@ fn shorter(
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use std::cell::RefCell;
-
     use crate::optimize::quadratic::{Model, Row};
 
     fn largest(d: &[f64]) -> f64 {
@@ -194,14 +192,7 @@ mod tests {
     /// The step of a region, with the change that its model says.
     fn step(region: &TrustRegion, gradient: &[f64], rows: &[Row], radius: f64) -> (Vec<f64>, f64) {
         let (model, metric) = (Model::full(region.matrix()), DMatrix::identity(2, 2));
-        let problem = Problem {
-            model: &model,
-            gradient,
-            metric: &metric,
-            rows,
-            length: 1.0,
-            held: RefCell::default(),
-        };
+        let problem = Problem::new(&model, gradient, &metric, rows, 1.0);
         let d = step_within(&problem, radius, largest).unwrap().d;
         let change = problem.change(&d);
         (d, change)

@@ -99,8 +99,7 @@ pub struct OptimizerConfig {
     /// How far a later step may move a vertex, as a fraction of a mean edge [1]. Smaller where
     /// trials cost much and long ones find no equilibrium.
     pub largest_step: f64,
-    /// A level ends when the objective falls by less than this fraction in one
-    /// iteration, the first of L-BFGS excepted, which goes down the gradient [1].
+    /// A level ends when the objective falls by less than this fraction in each of two iterations, one after the other [1].
     pub stagnation: f64,
     /// A level ends when its last two iterations gain less per Newton iteration than this fraction
     /// of what the level gained [1].
@@ -387,7 +386,22 @@ impl DesignConfig {
             objectives.extend(limit.goals().iter().map(|(name, _)| *name));
         }
         check_shares(&self.objective)?;
-        self.constraint.iter().try_for_each(ConstraintConfig::check)?;
+        for (i, kept) in self.constraint.iter().enumerate() {
+            kept.check()?;
+            ensure!(
+                self.constraint[..i].iter().all(|other| other.name() != kept.name()),
+                misfit!(kept.title(), ": the name is used twice; expected another")
+            );
+        }
+        for small in self.parameter.iter().filter(|parameter| parameter.small.is_some()) {
+            ensure!(
+                !objectives.contains(&small.name.as_str()),
+                misfit!(
+                    KeyPath::list("parameter").named(&small.name).key("small"),
+                    " beside an objective of this name; expected another name of the objective"
+                )
+            );
+        }
         ensure!(
             self.constraint.is_empty() || self.shape.is_some(),
             misfit!(KeyPath::list("constraint"), " without [shape]: no shape changes")

@@ -25,7 +25,7 @@ pub struct ParameterDesign {
 }
 
 impl ParameterDesign {
-    /// Its value at which the term that keeps it small is 1, if it has one: scale / √small.
+    /// The value at which the term that keeps the parameter small is 1: scale / √small; none without `small`.
     #[must_use]
     pub fn unit_cost(&self) -> Option<f64> {
         let largest = self.bounds.iter().fold(0.0, |most: f64, bound| most.max(bound.abs()));

@@ -4,7 +4,6 @@
 //! Every accepted shape keeps all constraints: a trial that violates one in the second order is moved back first, which
 //! costs no run.
 
-use std::cell::RefCell;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -244,9 +243,7 @@ fn propose(
     let mut shorter = 1.0;
     for _ in 0..RADII {
         let motion = |d: &[f64]| level.map().scaled_motion(theta, &moved(theta, d), shorter);
-        let length = radius;
-        let held = RefCell::default();
-        let problem = Problem { model, gradient, metric: &metric, rows: &rows, length, held };
+        let problem = Problem::new(model, gradient, &metric, &rows, radius);
         let found = step_within(&problem, radius, motion)?;
         let trial = level.restored(&within_bounds(level, theta, &found.d)).and_then(|there| {
             let d: Vec<f64> = there.iter().zip(theta).map(|(a, b)| a - b).collect();
@@ -316,14 +313,7 @@ pub(super) fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> 
     let mut all = rows(level, theta, &kept);
     all.iter_mut().take(kept.len()).for_each(|row| row.c = 0.0);
     let (model, metric) = (Model::round(gradient.len(), 1.0), DMatrix::zeros(0, 0));
-    let problem = Problem {
-        model: &model,
-        gradient,
-        metric: &metric,
-        rows: &all,
-        length,
-        held: RefCell::default(),
-    };
+    let problem = Problem::new(&model, gradient, &metric, &all, length);
     let step = problem.minimum(0.0).map_or_else(|| gradient.to_vec(), |found| found.d);
     step.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()))
 }
