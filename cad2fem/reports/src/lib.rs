@@ -21,7 +21,7 @@ pub use measured::{
 pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};
 pub use optimization::{
-    Castable, Designed, DesignedProbe, Ended, Handles, Iteration, Kept, LevelEnd, NoStart,
+    Castable, Designed, DesignedProbe, Ended, Handles, Iteration, Kept, LevelEnd, NoStart, Remeshed,
     Optimization, ScenarioRun,
 };
 pub use simulation::{

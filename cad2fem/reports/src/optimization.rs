@@ -43,6 +43,9 @@ pub enum Ended {
     /// The last level ended by `least_rate` or `time_limit`.
     #[serde(rename = "stopped_early")]
     StoppedEarly,
+    /// The runs at the end violate a bound of a probe, or of the pressures.
+    #[serde(rename = "not_kept")]
+    NotKept,
     /// Surfaces of the design under load have passed through each other.
     #[serde(rename = "surfaces_crossed")]
     SurfacesCrossed,
@@ -64,6 +67,7 @@ impl Ended {
             Self::StillFalling => "took all of its iterations while the objective still fell",
             Self::Jammed => "is jammed",
             Self::StoppedEarly => "was stopped",
+            Self::NotKept => "does not keep what it is to keep",
             Self::SurfacesCrossed => "has surfaces that passed through each other",
             Self::NoEquilibrium => "has no equilibrium",
             Self::NotEnoughSupports => "has not enough supports",
@@ -122,6 +126,9 @@ pub struct Designed {
     /// Surfaces that have passed through each other in a scene without contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crossing: Option<Crossing>,
+    /// The design on a mesh whose interior is made anew, where a shape moves: another value says that elements are poor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remeshed: Option<Remeshed>,
     /// Lines of the history.
     pub iterations: usize,
     /// Time for shapes, their runs and the terms [s].
@@ -132,6 +139,16 @@ pub struct Designed {
     pub wall_s_of_this_run: f64,
     /// Largest memory in use [MB], where the system tells it.
     pub peak_rss_mb: Option<f64>,
+}
+
+/// A design on another mesh of the same shape.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Remeshed {
+    /// The objective.
+    pub objective: Option<f64>,
+    /// Probes of the scene, in the units of their kinds.
+    pub probes: Numbers,
 }
 
 /// How a level ended.
@@ -147,14 +164,20 @@ pub struct LevelEnd {
 }
 
 /// A constraint at the end of a design.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Kept {
-    /// What is to be kept: a wall [m], or the sine of a draft [1].
-    pub least: f64,
-    /// The least there is, none where all of it is far from `least`.
+    /// Unit of its numbers.
+    pub unit: String,
+    /// The least that is to be kept: of a wall, of the sine of a draft, of a probe, or of an edge of the pressures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least: Option<f64>,
+    /// The most, of a probe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub most: Option<f64>,
+    /// The number there is that is nearest to that or beyond, none where all of it is far from it.
     pub found: Option<f64>,
-    /// By how much the objective would fall for a unit less of `least`, to first order: the multiplier.
+    /// By how much the objective would fall for a unit less of `least`, or more of `most`, to first order: the multiplier.
     pub worth: f64,
 }
 

@@ -7,6 +7,8 @@
 //! n_f   unit normal of a facet, out of the silicone [1]
 //! p     unit vector along which what lies on the facets is pulled [1]
 //!
+//! Numbers at the end of a run are kept by [`crate::bound`].
+//!
 //! An inequality has no weight. It is met to its tolerance: a thousandth of a `least` wall, or 0.001 of the sine of a draft.
 
 use std::collections::BTreeMap;
@@ -19,6 +21,7 @@ use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::bound::ProbeBound;
 use crate::quantity::{Walls, positive};
 use crate::written::Names;
 
@@ -33,6 +36,8 @@ pub enum ConstraintConfig {
     Wall(WallConfig),
     /// No facet holds back the core, or the piece of the mold, that is pulled off it.
     Draft(DraftConfig),
+    /// A probe of the scene stays within bounds.
+    Probe(ProbeBound),
 }
 
 /// `kind = "wall"`.
@@ -71,15 +76,16 @@ impl ConstraintConfig {
         match self {
             Self::Wall(wall) => &wall.name,
             Self::Draft(draft) => &draft.name,
+            Self::Probe(bound) => &bound.name,
         }
     }
 
-    /// The unit of its numbers.
+    /// What it says of a probe; none of one on the rest shape.
     #[must_use]
-    pub fn unit(&self) -> &'static str {
+    pub fn bound(&self) -> Option<&ProbeBound> {
         match self {
-            Self::Wall(_) => "m",
-            Self::Draft(_) => "1",
+            Self::Probe(bound) => Some(bound),
+            _ => None,
         }
     }
 
@@ -121,21 +127,23 @@ impl ConstraintConfig {
                     misfit!(KeyPath::of("least"), " = {least}: must be from 0° to less than 90°")
                 );
             }
+            Self::Probe(bound) => bound.check()?,
         }
         Ok(())
     }
 
-    /// The inequalities on a body.
+    /// The inequalities on the rest shape of a body; none of a probe.
     ///
     /// # Errors
     /// When a tag is missing or the sides of a wall touch.
-    pub fn build(&self, body: &Body) -> Result<Constraint> {
-        let built = match self {
-            Self::Wall(wall) => wall.build(body),
-            Self::Draft(draft) => draft.build(body),
+    pub fn build(&self, body: &Body) -> Result<Option<Constraint>> {
+        let (built, unit) = match self {
+            Self::Wall(wall) => (wall.build(body), "m"),
+            Self::Draft(draft) => (draft.build(body), "1"),
+            Self::Probe(_) => return Ok(None),
         };
         let form = built.with_context(|| self.title())?;
-        Ok(Constraint { name: self.name().to_owned(), unit: self.unit(), form })
+        Ok(Some(Constraint { name: self.name().to_owned(), unit, form }))
     }
 }
 

@@ -267,6 +267,15 @@ impl DesignMap {
         bar.iter().flat_map(|b| [b.x, b.y, b.z]).collect()
     }
 
+    /// What pressures with bounds are away from these [Pa], each with its derivatives by the variables.
+    #[must_use]
+    pub fn pressures_within(&self, theta: &[f64]) -> Vec<(f64, Vec<(usize, f64)>)> {
+        let first = self.shape_variables();
+        let mut all = self.loads.pressures_within(&theta[first..]);
+        all.iter_mut().flat_map(|(_, by)| by).for_each(|(i, _)| *i += first);
+        all
+    }
+
     /// Smallest and largest value of each variable in an iteration from θ; none where
     /// nothing is bounded.
     #[must_use]

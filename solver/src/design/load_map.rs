@@ -36,6 +36,8 @@ struct Curve {
     on: String,
     chamber: ChamberId,
     curve: PressureCurve,
+    /// Smallest and largest pressure [Pa].
+    within: Option<[f64; 2]>,
     /// Largest change of a variable in one iteration.
     change: f64,
 }
@@ -145,8 +147,20 @@ impl LoadMap {
                 )
             );
         }
+        if let Some([low, high]) = design.bounds {
+            let outside = times.iter().zip(&values).skip(1).find(|(_, p)| **p < low || **p > high);
+            ensure!(
+                outside.is_none(),
+                misfit!(
+                    title,
+                    ": at t = {} s the scene's pressure is {:.4e} Pa, which bounds = [{low}, {high}] Pa do not allow",
+                    outside.map_or(0.0, |(t, _)| *t),
+                    outside.map_or(0.0, |(_, p)| *p)
+                )
+            );
+        }
         let change = design.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
-        self.curves.push(Curve { on, chamber: id, curve, change });
+        self.curves.push(Curve { on, chamber: id, curve, within: design.bounds, change });
         Ok(())
     }
 
@@ -349,6 +363,21 @@ impl LoadMap {
             gradient.push(scalar.vjp(bar));
         }
         gradient
+    }
+
+    /// What pressures with bounds are away from these [Pa], each with its derivatives by the variables.
+    #[must_use]
+    pub fn pressures_within(&self, theta: &[f64]) -> Vec<(f64, Vec<(usize, f64)>)> {
+        let (mut all, mut first) = (Vec::new(), 0);
+        for (curve, own) in self.each_curve(theta) {
+            let rows = curve.within.map(|within| curve.curve.within(own, within));
+            for (left, mut by) in rows.into_iter().flatten() {
+                by.iter_mut().for_each(|(i, _)| *i += first);
+                all.push((left, by));
+            }
+            first += own.len();
+        }
+        all
     }
 
     /// Smallest and largest value of each variable in an iteration from θ.

@@ -87,6 +87,20 @@ impl PressureCurve {
         self.unit
     }
 
+    /// What P_1, …, P_N are above the low and below the high one [Pa], each with its derivatives by the variables.
+    #[must_use]
+    pub fn within(&self, y: &[f64], [low, high]: [f64; 2]) -> Vec<(f64, Vec<(usize, f64)>)> {
+        let values = self.values(y);
+        let of_one = |n: usize| {
+            let by = |sign: f64| {
+                let each = self.times.windows(2).take(n).enumerate();
+                each.map(|(i, t)| (i, sign * self.unit * (t[1] - t[0]))).collect::<Vec<_>>()
+            };
+            [(values[n] - low, by(1.0)), (high - values[n], by(-1.0))]
+        };
+        (1..values.len()).flat_map(of_one).collect()
+    }
+
     /// A change of slopes [Pa/s] in variables [m].
     #[must_use]
     pub fn variable_change(&self, slope: f64) -> f64 {

@@ -10,6 +10,7 @@ use mesh::io::npy;
 use reports::{Castable, Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
+use super::bounds::BoundRow;
 use super::ending::{Rejections, at_the_last};
 use super::progress::LevelProgress;
 use super::scenario::{Margin, SavedMargin};
@@ -90,6 +91,18 @@ pub struct Checkpoint {
     /// What a unit of each constraint is worth, by their order: what the objective would fall by.
     #[serde(default)]
     pub multipliers: Vec<f64>,
+    /// The bounds of the runs at θ.
+    #[serde(default)]
+    pub bounds: Vec<BoundRow>,
+    /// What a violation of each bound costs, in the unit of the objective over that of the bound.
+    #[serde(default)]
+    pub penalties: Vec<f64>,
+    /// Whether the start of the design did not keep its bounds.
+    #[serde(default)]
+    pub began_outside: bool,
+    /// φ at θ.
+    #[serde(default)]
+    pub merit: f64,
     /// What `fab plan` says of the shape at θ, where it is asked.
     #[serde(default)]
     pub mold: Option<Castable>,
@@ -131,6 +144,10 @@ impl Checkpoint {
             last_fall: 0.0,
             rejections: Rejections::default(),
             multipliers: Vec::new(),
+            bounds: Vec::new(),
+            penalties: Vec::new(),
+            began_outside: false,
+            merit: f64::MAX,
             mold: None,
             margins: Vec::new(),
         }
@@ -138,23 +155,23 @@ impl Checkpoint {
 
     /// Before the first solve of the level after this one.
     #[must_use]
-    pub fn next_level(self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
+    pub fn next_level(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
         let endings_before = self.all_endings();
-        let Self { level, total_s, history, lines, weights, mold, region, mut files, .. } = self;
-        let level = level + 1;
         // The meshes of the levels before stay in the folder, as a part of the result.
-        files.retain(|name, _| !is_run(name));
+        self.files.retain(|name, _| !is_run(name));
         Self {
-            level,
-            total_s,
-            history,
-            lines,
-            weights,
-            files,
+            level: self.level + 1,
+            total_s: self.total_s,
+            history: self.history,
+            lines: self.lines,
+            weights: self.weights,
+            files: self.files,
             loads,
             endings_before,
-            mold,
-            region: region.without_model(),
+            mold: self.mold,
+            penalties: self.penalties,
+            began_outside: self.began_outside,
+            region: self.region.without_model(),
             ..Self::new(self.inputs, lbfgs)
         }
     }

@@ -27,8 +27,9 @@ const AT_ONCE: usize = 300;
 const CONTRADICTIONS: f64 = 1e-8;
 
 /// One inequality of a constraint in the variables of a level.
+#[derive(Clone)]
 pub struct KeptRow {
-    /// Index of the constraint; none of a gap that must not close.
+    /// Index of the constraint, those of runs after those of the rest shape; none of a gap that must not close.
     pub constraint: Option<usize>,
     /// c and its derivatives by the variables; c is as it is.
     pub row: Row,
@@ -86,7 +87,12 @@ impl Level {
     /// How far one may be violated.
     #[must_use]
     pub fn tolerance(&self, kept: &KeptRow) -> f64 {
-        kept.constraint.map_or(0.0, |index| self.constraints[index].tolerance())
+        let of_shape = self.constraints.len();
+        match kept.constraint {
+            None => 0.0,
+            Some(index) if index < of_shape => self.constraints[index].tolerance(),
+            Some(index) => self.bounds()[index - of_shape].tolerance(),
+        }
     }
 
     /// Whether a rest shape keeps all constraints, to their tolerances.

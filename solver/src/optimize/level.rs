@@ -113,7 +113,8 @@ impl Level {
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         let constraints = design.constraint.iter().map(|kept| kept.build(&body));
-        let constraints = constraints.collect::<Result<_>>()?;
+        let constraints: Vec<Option<Constraint>> = constraints.collect::<Result<_>>()?;
+        let constraints = constraints.into_iter().flatten().collect();
         let robust = Robust::new(&configs, design.robust);
         let costs = Costs::new(&design.parameter, &map);
         Ok(Self { body, map, path, robust, scenarios, constraints, costs })

@@ -1,6 +1,7 @@
 //! The outer loop: shape optimisation in a cascade of levels by sequential quadratic programming within a trust region,
 //! with the model of Gauss and Newton or one from gradients (L-BFGS).
 
+mod bounds;
 mod cascade;
 mod checkpoint;
 mod costs;

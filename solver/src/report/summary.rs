@@ -32,16 +32,21 @@ pub fn in_words(found: &End) -> String {
     parts.join(", ")
 }
 
-/// What a constraint that holds a design back is worth: what the objective would fall by for a tenth less of it.
+/// What a constraint that holds a design back is worth: what the objective would fall by where it gave way by a tenth.
 #[must_use]
 pub fn of_constraint(name: &str, kept: &Kept) -> Option<String> {
-    let Kept { least, found, worth } = *kept;
-    let fall = 0.1 * least * worth;
+    let Kept { unit, least, most, found, worth } = kept;
+    let (side, bound, way) = match (least, most) {
+        (Some(least), _) => ("least", *least, "less"),
+        (None, Some(most)) => ("most", *most, "more"),
+        (None, None) => return None,
+    };
+    let fall = 0.1 * bound.abs() * worth;
     (fall > 0.0).then(|| {
         let found = found.map_or_else(String::new, |found| format!(" {found:.4e}"));
         format!(
-            "\"{name}\"{found} of at least {least:.4e} holds the design back: with a tenth less the objective would be \
-             lower by about {fall:.2e}"
+            "\"{name}\"{found} of at {side} {bound:.4e} {unit} holds the design back: with a tenth {way} the objective \
+             would be lower by about {fall:.2e}"
         )
     })
 }

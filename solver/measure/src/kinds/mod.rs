@@ -16,9 +16,11 @@ mod reaction;
 mod smoothness;
 mod strain_limit;
 mod stress;
+mod stretch;
 mod target;
 #[cfg(test)]
 mod tests;
+mod twist;
 mod volume;
 mod wall_thickness;
 mod wanted;
@@ -36,11 +38,13 @@ pub const KINDS: &[Kind] = &[
     displacement::MAGNITUDE,
     point::KIND,
     bending::KIND,
+    twist::KIND,
     angle::KIND,
     distance::KIND,
     gap::KIND,
     curvature::KIND,
     volume::CHAMBER,
+    stretch::KIND,
     contact_force::ALONG,
     reaction::KIND,
     winding_force::KIND,

@@ -111,15 +111,12 @@ impl Quantity for Inside {
 /// Displacement along an axis of a point that a tag carries, with its derivative by the means
 /// over the tag.
 fn carried(m: &Means, point: Vec3, axis: Vec3) -> (f64, Means) {
-    let moment = m.rest_rest + m.u_rest - m.x() * m.rest.transpose();
-    let (arm, turn) = (point - m.rest, Polar::new(&moment));
+    let (arm, turn) = (point - m.rest, Polar::new(&m.moment()));
     let r = turn.rotation;
     let value = axis.dot(&(m.u + (r * arm - arm)));
-    let by_moment = turn.by_moment(&axis, &arm);
-    let by_rest = axis - r.transpose() * axis - by_moment * m.rest - by_moment.transpose() * m.x();
-    let by_u = axis - by_moment * m.rest;
-    let moments = Means { rest_rest: by_moment, u_rest: by_moment, ..Means::ZERO };
-    (value, Means { rest: by_rest, u: by_u, ..moments })
+    let by = m.by_moment(&turn.by_moment(&axis, &arm));
+    let by_rest = axis - r.transpose() * axis + by.rest;
+    (value, Means { rest: by_rest, u: axis + by.u, ..by })
 }
 
 /// The polar decomposition M = R P.

@@ -46,6 +46,20 @@ impl Means {
         self.rest + self.u
     }
 
+    /// Mean of (x − x̄)(X − X̄)ᵀ [m²].
+    #[must_use]
+    pub fn moment(&self) -> Mat3 {
+        self.rest_rest + self.u_rest - self.x() * self.rest.transpose()
+    }
+
+    /// The derivative by [`Self::moment`] as one by the means.
+    #[must_use]
+    pub fn by_moment(&self, by: &Mat3) -> Self {
+        let u = -by * self.rest;
+        let rest = u - by.transpose() * self.x();
+        Self { rest, u, rest_rest: *by, u_rest: *by, length: 0.0 }
+    }
+
     /// The derivative by [`Self::x`] as one by the means.
     #[must_use]
     pub fn by_x(by: Vec3) -> Self {

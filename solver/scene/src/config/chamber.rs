@@ -128,6 +128,9 @@ pub struct ChamberDesign {
     pub on: String,
     /// Smallest and largest slope [Pa/s].
     pub slope: [f64; 2],
+    /// Smallest and largest pressure at the ends of time steps [Pa].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<[f64; 2]>,
     /// Largest change of a slope in one iteration [Pa/s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change: Option<f64>,
@@ -139,14 +142,19 @@ impl ChamberDesign {
     /// # Errors
     /// With what was found and what is needed.
     pub(super) fn check(&self) -> Result<()> {
-        let ([low, high], title) = (self.slope, title(&self.on));
-        ensure!(
-            low < high && low.is_finite() && high.is_finite(),
-            misfit!(
-                title.key("slope"),
-                " = [{low}, {high}] Pa/s; expected two numbers, the smaller first"
-            )
-        );
+        let title = title(&self.on);
+        for (key, range, unit) in
+            [("slope", Some(self.slope), "Pa/s"), ("bounds", self.bounds, "Pa")]
+        {
+            let Some([low, high]) = range else { continue };
+            ensure!(
+                low < high && low.is_finite() && high.is_finite(),
+                misfit!(
+                    title.clone().key(key),
+                    " = [{low}, {high}] {unit}; expected two numbers, the smaller first"
+                )
+            );
+        }
         ensure!(
             self.change.is_none_or(|c| c.is_finite() && c > 0.0),
             misfit!(

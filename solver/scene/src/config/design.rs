@@ -392,6 +392,14 @@ impl DesignConfig {
                 self.constraint[..i].iter().all(|other| other.name() != kept.name()),
                 misfit!(kept.title(), ": the name is used twice; expected another")
             );
+            ensure!(
+                kept.bound().is_some() || self.shape.is_some(),
+                misfit!(kept.title(), " without [shape]: no shape changes")
+            );
+            ensure!(
+                kept.bound().is_none() || !objectives.contains(&kept.name()),
+                misfit!(kept.title(), ": an objective has this name; expected another")
+            );
         }
         for small in self.parameter.iter().filter(|parameter| parameter.small.is_some()) {
             ensure!(
@@ -402,10 +410,6 @@ impl DesignConfig {
                 )
             );
         }
-        ensure!(
-            self.constraint.is_empty() || self.shape.is_some(),
-            misfit!(KeyPath::list("constraint"), " without [shape]: no shape changes")
-        );
         let designed: Vec<&str> = self.parameter.iter().map(|p| p.name.as_str()).collect();
         scenario::check(&self.scenario, self.robust, &objectives, &designed)?;
         ensure!(

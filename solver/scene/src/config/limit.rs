@@ -35,24 +35,25 @@ pub const BURST: &str = "burst";
 pub const SLOPE: &str = "slope";
 
 /// How far the body of a design is to stay from where it balloons or buckles, and from where it tears. Its
-/// scene has the `[limit]` that says of which pressures. The term `limit` of the objective is weight (least − factor)²,
-/// or 0 where the factor is more; `burst` is the same of the factor at which the largest stretch is that at break, and
-/// `slope` the same of the slope of the pressure at the equilibrium itself.
+/// scene has the `[limit]` that says of which pressures. Without a weight, each is a constraint: the number is `least` or
+/// more. With one, `limit` is a term of the objective, weight (least − factor)², or 0 where the factor is more; `burst` is
+/// the same of the factor at which the largest stretch is that at break, and `slope` the same of the slope of the pressure
+/// at the equilibrium itself.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitGoal {
     /// Factor on the pressures that the body is to bear, at least, before it balloons or buckles [1].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
-    /// Weight of the term `limit`.
+    /// Weight of the term `limit`; a constraint without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weight: Option<f64>,
-    /// Factor on the pressures that the body is to bear, at least, before it tears: `{ least = 1.5, weight = 10 }`. Of a
+    /// Factor on the pressures that the body is to bear, at least, before it tears: `{ least = 1.5 }`. Of a
     /// body that balloons or buckles first, the factor of that counts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<Least>,
     /// Slope of the pressure by the volume, over pressure by change of volume from rest, at least:
-    /// `{ least = 0.5, weight = 10 }`. 1 where the body answers in proportion, 0 where it balloons. It needs no path and no
+    /// `{ least = 0.5 }`. 1 where the body answers in proportion, 0 where it balloons. It needs no path and no
     /// limit, and does not see where a body buckles. In contact it has no gradient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope: Option<Least>,
@@ -62,10 +63,11 @@ pub struct LimitGoal {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Least {
-    /// The number that counts nothing [1].
+    /// The smallest one that is enough [1].
     pub least: f64,
-    /// Weight of the term.
-    pub weight: f64,
+    /// Weight of the term; a constraint without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weight: Option<f64>,
 }
 
 impl Least {
@@ -80,19 +82,21 @@ impl Least {
             least.is_finite() && least > bound,
             misfit!(table.key("least"), " = {least}: must be above {bound}, {of}")
         );
-        ensure!(
-            weight.is_finite() && weight > 0.0,
-            misfit!(table.key("weight"), " = {weight}: must be positive")
-        );
+        if let Some(weight) = weight {
+            ensure!(
+                weight.is_finite() && weight > 0.0,
+                misfit!(table.key("weight"), " = {weight}: must be positive")
+            );
+        }
         Ok(())
     }
 }
 
 impl LimitGoal {
-    /// What counts, by the names of the terms; the slope last.
+    /// What counts or is kept, by name; the slope last.
     #[must_use]
     pub fn goals(&self) -> Vec<(&'static str, Least)> {
-        let limit = self.least.zip(self.weight).map(|(least, weight)| Least { least, weight });
+        let limit = self.least.map(|least| Least { least, weight: self.weight });
         let named = [(LIMIT, limit), (BURST, self.burst), (SLOPE, self.slope)];
         named.into_iter().filter_map(|(name, goal)| Some((name, goal?))).collect()
     }
@@ -107,20 +111,16 @@ impl LimitGoal {
     pub(super) fn check(&self, objectives: &[&str]) -> Result<()> {
         let table = KeyPath::table("limit");
         ensure!(
-            self.least.is_some() == self.weight.is_some(),
-            misfit!(
-                table,
-                ": least and weight go together; write both, or only burst = {{ least = 1.5, weight = 10 }} or \
-                 slope = {{ least = 0.5, weight = 10 }}"
-            )
+            self.least.is_some() || self.weight.is_none(),
+            misfit!(table.key("weight"), " without least: expected both, least alone, burst or slope")
         );
         let goals = self.goals();
         ensure!(
             !goals.is_empty(),
             misfit!(
                 table,
-                " of the design is empty; expected least and weight, burst = {{ least = 1.5, weight = 10 }} or \
-                 slope = {{ least = 0.5, weight = 10 }}, or several of them"
+                " of the design is empty; expected least, burst = {{ least = 1.5 }} or slope = {{ least = 0.5 }}, or \
+                 several of them"
             )
         );
         for (name, goal) in goals {
@@ -129,7 +129,7 @@ impl LimitGoal {
                 !objectives.contains(&name),
                 misfit!(
                     KeyPath::list("objective").named(name),
-                    " beside [limit], whose term has this name; expected another"
+                    " beside [limit], which has this name in reports; expected another"
                 )
             );
         }

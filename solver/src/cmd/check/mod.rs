@@ -143,7 +143,7 @@ fn sweeps(
     level: &mut Level,
     start: &Evaluation,
 ) -> Result<BTreeMap<String, Vec<mechanics::adjoint::Gradient>>> {
-    let names: BTreeSet<String> = level.term_names().into_iter().collect();
+    let names: BTreeSet<String> = level.numbers(start).into_keys().collect();
     let sweep = |name: String| Ok((name.clone(), level.sweep(start, Some(&name))?));
     names.into_iter().map(sweep).collect()
 }
@@ -269,13 +269,14 @@ impl Case<'_> {
             self.heartbeat.say(|| format!("  step length {} of {steps}: {e:.1e}", k + 1));
             let by: Vec<f64> = q.iter().map(|q| e * q).collect();
             let trial = self.perturbed.evaluate(self.level, self.start, self.parameter, &by);
-            let trial = trial.context("a trial")?;
+            let there = self.level.numbers(&trial.context("a trial")?);
             for name in gradients.keys() {
-                values.entry(name).or_default().push(trial.terms[*name]);
+                values.entry(name).or_default().push(there[*name]);
             }
         }
+        let here = self.level.numbers(self.start);
         let outcome = |(name, gradient): (&&str, &Vec<f64>)| {
-            let at = self.start.terms[*name];
+            let at = here[*name];
             Outcome::new(name, at, dot(gradient, q), &epsilon, &values[name])
         };
         Ok(gradients.iter().map(outcome).collect())

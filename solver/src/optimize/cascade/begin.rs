@@ -36,6 +36,22 @@ impl Cascade<'_> {
         Ok(Body::join(bodies).cut_by(&self.scene.config.cuts())?)
     }
 
+    /// The checkpoint before the first solve, from the body as modelled or another start.
+    pub(super) fn begin(&self) -> Result<Checkpoint> {
+        let mut start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
+        let modelled = &self.scene.body;
+        if self.start == 1 {
+            return self.begin_mesh(modelled, self.meshes.others(), start);
+        }
+        let (moved, tidied, loads) = self.spread_start(self.start)?;
+        start.loads = loads;
+        let follow = |(index, body): (usize, &Body)| {
+            Ok((index, self.meshes.follow(index, body.clone(), modelled, &moved)?))
+        };
+        let others = self.meshes.others().map(follow).collect::<Result<Vec<_>>>()?;
+        self.begin_mesh(&tidied, others.iter().map(|(index, body)| (*index, body)), start)
+    }
+
     /// Puts the mesh of a level, those of later ones and the checkpoint before its first solve on disk.
     pub(super) fn begin_mesh<'b>(
         &self,

@@ -3,8 +3,11 @@
 //!
 //! Source: Gjoka et al. 2024, section 4.5.
 
+mod accept;
 mod begin;
+mod again;
 mod say;
+mod spread;
 mod step;
 mod trial;
 
@@ -15,20 +18,18 @@ use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::math::linear::norm;
 use program::Unusable;
-use reports::{Castable, Ended, Iteration, LevelEnd, NoStart, Optimization, Status, numbers};
-use scene::config::{DesignConfig, ObjectiveConfig, OptimizerConfig, OptimizerMethod};
+use reports::{Castable, Ended, LevelEnd, NoStart, Optimization, Status};
+use scene::config::{DesignConfig, ObjectiveConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
-use self::say::{say_gain, time_left, variables};
-use self::step::projected_norm;
+use self::say::say_gain;
+use super::bounds::BoundRow;
 use super::checkpoint::Checkpoint;
 use super::curvature::MOST_VARIABLES;
 use super::ending::{End, Rejections, in_words};
-use super::history::{History, handles, probes, scenarios, spread};
-use super::molding::{self, Molding};
-use super::remesh::write_bodies;
-use super::shares;
-use super::{Evaluation, Lbfgs, Level, Meshes, Rejected, Start};
+use super::history::History;
+use super::molding::Molding;
+use super::{Evaluation, Level, Meshes, Rejected, Start};
 use crate::report::failure::Diagnosis;
 use crate::report::results;
 
@@ -36,10 +37,6 @@ use crate::report::results;
 const MEMORY: usize = 6;
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
-/// Iterations that gain little, one after the other, before the level ends.
-const QUIET: usize = 2;
-/// How many times what ends a level a model promises that is taken for right, though the steps do not give it.
-const PROMISES: f64 = 10.0;
 /// Trials of a step before the level ends.
 const TRIALS: usize = 10;
 /// Trials that flat elements may cost in an iteration before the body is re-meshed.
@@ -64,6 +61,8 @@ pub struct Cascade<'a> {
     pub molding: Option<Molding>,
     /// Where checkpoint, history and meshes go.
     pub folder: PathBuf,
+    /// Number of the start, of which 1 is the body as modelled.
+    pub start: usize,
     /// Hash of all inputs.
     pub inputs: String,
 }
@@ -80,6 +79,8 @@ pub struct Finished {
     pub endings: Vec<LevelEnd>,
     /// What a unit of each constraint is worth at the end, in its order.
     pub multipliers: Vec<f64>,
+    /// Whether the start did not keep the bounds of its runs.
+    pub began_outside: bool,
 }
 
 impl Finished {
@@ -96,6 +97,8 @@ struct Step {
     theta: Vec<f64>,
     evaluation: Evaluation,
     gradient: Vec<f64>,
+    /// The bounds of its runs.
+    bounds: Vec<BoundRow>,
     motion: f64,
     /// By how much the model said that the objective falls.
     predicted: f64,
@@ -140,8 +143,7 @@ impl Cascade<'_> {
             }
             None => {
                 self.history().truncate(0, "")?;
-                let start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
-                self.begin_mesh(&self.scene.body, self.meshes.others(), start)?
+                self.begin()?
             }
         };
         let mut before: Option<Finished> = None;
@@ -166,6 +168,7 @@ impl Cascade<'_> {
                 body: level.shape(&evaluation),
                 theta: reached.theta.clone(),
                 endings: reached.all_endings(),
+                began_outside: reached.began_outside,
                 multipliers: reached.multipliers,
                 last: (level, evaluation),
             };
@@ -230,6 +233,9 @@ impl Cascade<'_> {
                 }
             }
         }
+        if let Some(violated) = level.violated(&current).filter(|_| !checkpoint.flat) {
+            log::info!("level {}: {violated}", checkpoint.level + 1);
+        }
         if !checkpoint.flat && settings.iterations > 0 {
             log::info!("{}", in_words(&checkpoint.end()));
         }
@@ -272,12 +278,18 @@ impl Cascade<'_> {
         evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
+        let bounds = level.bound_rows(&theta, &evaluation).with_context(context)?;
+        if checkpoint.penalties.is_empty() {
+            checkpoint.penalties = level.first_penalties(&evaluation, norm(&gradient));
+            checkpoint.began_outside = level.violated(&evaluation).is_some();
+        }
         if checkpoint.history == 0 {
             self.say_what_is_not_felt(level, &theta, &evaluation)?;
         }
         let step = Step {
             theta,
             gradient,
+            bounds,
             motion: 0.0,
             predicted: 0.0,
             trials: 1,
@@ -339,154 +351,5 @@ impl Cascade<'_> {
         let failed = NoStart { level: index + 1, failed: diagnosis.failed.clone() };
         let report = Optimization { status, usable: false, designed: None, failed: Some(failed) };
         results::write_report(&self.folder, &report)
-    }
-
-    /// Takes a step over into the optimiser's memory and onto disk.
-    fn accept(
-        &self,
-        level: &mut Level,
-        checkpoint: &mut Checkpoint,
-        step: Step,
-        optimizer: &OptimizerConfig,
-    ) -> Result<()> {
-        let difference =
-            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-        checkpoint.lbfgs.update(
-            difference(&step.theta, &checkpoint.theta),
-            difference(&step.gradient, &checkpoint.gradient),
-        );
-        checkpoint.iteration += 1;
-        // in the same checkpoint as the step: a kill between two would forget it
-        let before = checkpoint.objective;
-        let fall = (before - step.evaluation.objective) / before.abs();
-        // once again right after a new mesh, it is not the mesh
-        let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
-        // down the gradient, before anything is known of the curvature
-        let is_quiet = fall < optimizer.stagnation && !held_back && !step.blind;
-        checkpoint.quiet = if is_quiet { checkpoint.quiet + 1 } else { 0 };
-        checkpoint.last_fall = fall;
-        checkpoint.rejections.merge(step.rejections.clone());
-        let mut ended = None;
-        if checkpoint.quiet >= QUIET {
-            // the model promises no more than it gave
-            let ending = match step.predicted < PROMISES * optimizer.stagnation * before.abs() {
-                true => Ended::Converged,
-                false => Ended::Jammed,
-            };
-            let why =
-                format!("the objective fell by only {fall:.1e} in each of {QUIET} iterations");
-            ended = Some((ending, why));
-        }
-        let mut progress = checkpoint.progress.clone();
-        progress.push(step.evaluation.objective, step.evaluation.newton_iterations);
-        if let Some(rate) =
-            progress.rate().filter(|rate| rate.max(0.0) < optimizer.least_rate && !held_back)
-        {
-            let why = format!(
-                "a Newton iteration gains {:.1} % of what it gained on average in this level",
-                100.0 * rate
-            );
-            ended = Some((Ended::StoppedEarly, why));
-        }
-        let left = projected_norm(level, &step.theta, &step.gradient) / checkpoint.first_gradient;
-        if left < optimizer.gradient_tolerance {
-            ended =
-                Some((Ended::Converged, format!("the gradient fell to {left:.1e} of its first")));
-        }
-        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
-        if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
-            ended = Some((Ended::StoppedEarly, format!("{spent:.0} s were spent on the level")));
-        }
-        let left = self.design.levels()[checkpoint.level].iterations - checkpoint.iteration;
-        checkpoint.flat = held_back && ended.is_none() && left > 0;
-        checkpoint.ending = ended;
-        self.record(level, checkpoint, step)
-    }
-
-    fn record(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
-        let levels = self.design.levels();
-        let settings = &levels[checkpoint.level];
-        let evaluation = &step.evaluation;
-        checkpoint.spend(step.forward_s + step.gradient_s);
-        // the same shape on another mesh is no progress
-        if checkpoint.iteration == 0 || checkpoint.has_moved() {
-            checkpoint.progress.push(evaluation.objective, evaluation.newton_iterations);
-        }
-        let gradient_norm = norm(&step.gradient);
-        let moved = level.mean_displacements(evaluation)?;
-        let measured = level.measured(evaluation)?;
-        let several = !self.design.scenario.is_empty();
-        let mut line = Iteration {
-            level: checkpoint.level + 1,
-            handles: handles(settings),
-            variables: level.variables(),
-            iteration: checkpoint.iteration,
-            objective: Some(evaluation.objective),
-            terms: numbers(&evaluation.terms),
-            gradient_norm: Some(gradient_norm),
-            motion_m: step.motion,
-            trials: step.trials,
-            newton_iterations: evaluation.newton_iterations,
-            forward_s: step.forward_s,
-            gradient_s: step.gradient_s,
-            time_s: checkpoint.total_s,
-            dofs: level.dofs(),
-            time_steps: level.steps(),
-            parameters: numbers(&level.map().parameters(&step.theta)),
-            mean_displacement: numbers(&moved[0]),
-            probes: probes(&measured[0]),
-            scenarios: several.then(|| scenarios(level, evaluation, &moved, &measured)),
-            spread: several.then(|| spread(&moved)),
-            mold: None,
-        };
-        log::info!(
-            "level {}/{} ({})  iteration {}/{}  objective {:.5e}, its gradient {gradient_norm:.2e}  \
-             motion {:.2} mm  trials {}  Newton iterations {}  {:.1} + {:.1} s{}",
-            checkpoint.level + 1,
-            levels.len(),
-            variables(level, settings),
-            checkpoint.iteration,
-            settings.iterations,
-            evaluation.objective,
-            1e3 * step.motion,
-            step.trials,
-            evaluation.newton_iterations,
-            step.forward_s,
-            step.gradient_s,
-            time_left(&levels, checkpoint),
-        );
-        checkpoint.history += 1;
-        if checkpoint.iteration == 0 {
-            checkpoint.first_gradient = projected_norm(level, &step.theta, &step.gradient);
-        }
-        checkpoint.objective = evaluation.objective;
-        if checkpoint.iteration == 0 {
-            checkpoint.first_terms.clone_from(&evaluation.terms);
-            if let Some(shares) = shares::describe(&evaluation.terms) {
-                log::info!("level {} begins with {shares}", checkpoint.level + 1);
-            }
-        }
-        if !level.map().moving().is_empty() {
-            let shape = level.shape(&step.evaluation);
-            write_bodies(&self.folder, LATEST, self.scene, &shape)?;
-            if let Some(verdict) = &step.mold {
-                molding::say(verdict, checkpoint.mold.as_ref());
-                if let Castable::Planned { .. } = verdict {
-                    write_bodies(&self.folder, CASTABLE, self.scene, &shape)?;
-                }
-            }
-            line.mold.clone_from(&step.mold);
-            checkpoint.mold = step.mold;
-        }
-        let Evaluation { runs, terms, .. } = step.evaluation;
-        checkpoint.terms = terms;
-        checkpoint.theta = step.theta;
-        checkpoint.start.clear();
-        checkpoint.gradient = step.gradient;
-        // history first: a kill in between leaves one line too many, which the
-        // next start removes
-        self.history().append(&line)?;
-        checkpoint.lines = self.history().sha256()?;
-        checkpoint.write_with_runs(&self.folder, &runs)
     }
 }

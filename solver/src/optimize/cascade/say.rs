@@ -20,7 +20,8 @@ pub fn time_left(levels: &[LevelConfig], checkpoint: &Checkpoint) -> String {
 pub fn say_gain(checkpoint: &Checkpoint) {
     let level = checkpoint.level + 1;
     if let Some(gain) = checkpoint.progress.gain() {
-        log::info!("level {level} has lowered the objective by {:.2} %", 100.0 * gain);
+        let costs = if checkpoint.bounds.is_empty() { "" } else { " with what violations cost" };
+        log::info!("level {level} has lowered the objective{costs} by {:.2} %", 100.0 * gain);
     }
     if let Some(hint) = shares::drowns(&checkpoint.first_terms, &checkpoint.terms) {
         log::warn!("level {level}: {hint}");

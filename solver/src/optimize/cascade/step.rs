@@ -7,13 +7,14 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use mechanics::math::linear::norm;
+use mechanics::math::linear::{dot, norm};
 use nalgebra::DMatrix;
 use reports::Castable;
 use scene::config::{OptimizerConfig, OptimizerMethod};
 
 use super::trial::{ahead, lower};
 use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS};
+use crate::optimize::bounds::raise;
 use crate::optimize::checkpoint::Checkpoint;
 use crate::optimize::curvature::Curvature;
 use crate::optimize::ending::{End, Rejections};
@@ -62,7 +63,9 @@ impl Cascade<'_> {
         optimizer: &OptimizerConfig,
     ) -> Result<Result<Step, End>> {
         let (theta, gradient) = (checkpoint.theta.clone(), checkpoint.gradient.clone());
-        if norm(&gradient) == 0.0 {
+        let mut slope = gradient.clone();
+        let bounded = level.bounded(&checkpoint.bounds, &checkpoint.penalties, &mut slope);
+        if norm(&slope) == 0.0 {
             return Ok(Err(End::converged("the gradient is zero")));
         }
         let clock = Instant::now();
@@ -77,21 +80,23 @@ impl Cascade<'_> {
         let mut rejections = Rejections::default();
         for trials in 1..=TRIALS {
             let clock = Instant::now();
-            let proposal =
-                propose(level, &model, region.radius, &theta, &gradient, &mut rejections);
+            let at = (&theta[..], &slope[..], &bounded[..]);
+            let proposal = propose(level, &model, region.radius, at, &mut rejections);
             let Some(Proposal { d, motion, change, multipliers }) = proposal else {
                 let why = "no shape next to this one is valid and keeps the constraints";
                 return Ok(Err(End::jammed(why.to_owned(), rejections)));
             };
+            raise(&mut checkpoint.penalties, &multipliers[level.constraints().len()..]);
             checkpoint.multipliers = multipliers;
+            let before = level.merit(current, &checkpoint.penalties);
             // less is rounding, of the objective at the start of the level as well
             let least =
-                ROUNDING * checkpoint.objective.abs().max(checkpoint.progress.first().abs());
+                ROUNDING * before.abs().max(checkpoint.progress.first().abs());
             if change.is_nan() || -change <= least {
                 return Ok(Err(End::converged("no step lowers the model of the objective")));
             }
             let there = moved(&theta, &d);
-            let wanted = checkpoint.objective + ARMIJO * change;
+            let wanted = (before + ARMIJO * change, &checkpoint.penalties[..]);
             let outcome = match curvature.as_ref().filter(|_| level.is_transient()) {
                 Some(curvature) => {
                     let foreseen = level.foreseen(&theta, &d, current, curvature)?;
@@ -105,9 +110,12 @@ impl Cascade<'_> {
             };
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
-            let outcome = outcome.and_then(|e| Ok((level.gradient(&there, &e)?, e)));
+            let outcome = outcome.and_then(|e| {
+                let bounds = level.bound_rows(&there, &e)?;
+                Ok((level.gradient(&there, &e)?, bounds, e))
+            });
             let mold = match &outcome {
-                Ok((_, evaluation)) => self.verdict(level, evaluation)?,
+                Ok((.., evaluation)) => self.verdict(level, evaluation)?,
                 Err(_) => None,
             };
             let outcome = match (&mold, self.requires_mold()) {
@@ -117,9 +125,10 @@ impl Cascade<'_> {
                 _ => outcome,
             };
             let refused = match outcome {
-                Ok((new, evaluation)) => {
+                Ok((new, bounds, evaluation)) => {
                     let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
-                    let agreement = (evaluation.objective - checkpoint.objective) / change;
+                    let merit = level.merit(&evaluation, &checkpoint.penalties);
+                    let agreement = (merit - before) / change;
                     let is_blind = !from_terms && checkpoint.lbfgs.is_empty();
                     // the length of a step of which nothing was known says nothing
                     region.judge(if is_blind { 1.0 } else { agreement }, motion);
@@ -138,6 +147,7 @@ impl Cascade<'_> {
                         theta: there,
                         evaluation,
                         gradient: new,
+                        bounds,
                         motion,
                         predicted: -change,
                         trials,
@@ -153,8 +163,7 @@ impl Cascade<'_> {
             };
             log::info!("trial {trials} rejected: {}", refused.reason);
             rejections.add(refused.has_value(), &refused.reason);
-            let slope = gradient.iter().zip(&d).map(|(g, d)| g * d).sum();
-            region.radius = motion * refused.shorter(checkpoint.objective, slope);
+            region.radius = motion * refused.shorter(before, dot(&slope, &d));
         }
         let why = format!(
             "no step was accepted in {TRIALS} trials, the last because: {}",
@@ -227,8 +236,7 @@ fn propose(
     level: &Level,
     model: &Model,
     radius: f64,
-    theta: &[f64],
-    gradient: &[f64],
+    (theta, gradient, bounded): (&[f64], &[f64], &[KeptRow]),
     rejections: &mut Rejections,
 ) -> Option<Proposal> {
     let mut metric = match model.is_full() {
@@ -237,6 +245,7 @@ fn propose(
     };
     let mut kept = level.kept_rows(theta, radius);
     kept.extend(level.open_rows(theta, radius));
+    kept.extend(bounded.iter().cloned());
     let rows = rows(level, theta, &kept);
     let shape = level.map().shape_variables();
     // how many times shorter than the region the motion of the shape is
@@ -255,7 +264,7 @@ fn propose(
         });
         match trial {
             Ok(d) => {
-                let mut multipliers = vec![0.0; level.constraints().len()];
+                let mut multipliers = vec![0.0; level.constraints().len() + level.bounds().len()];
                 for (k, multiplier) in &found.multipliers {
                     if let Some(index) = kept.get(*k).and_then(|kept| kept.constraint) {
                         multipliers[index] += multiplier;
@@ -283,6 +292,8 @@ fn propose(
 fn rows(level: &Level, theta: &[f64], kept: &[KeptRow]) -> Vec<Row> {
     let mut rows: Vec<Row> =
         kept.iter().map(|kept| Row { a: kept.row.a.clone(), c: kept.row.c.max(0.0) }).collect();
+    let pressures = level.map().pressures_within(theta).into_iter();
+    rows.extend(pressures.map(|(left, a)| Row { a, c: left.max(0.0) }));
     if let Some((low, high)) = level.map().bounds(theta) {
         for (i, value) in theta.iter().enumerate() {
             for (sign, left) in [(1.0, value - low[i]), (-1.0, high[i] - value)] {
@@ -306,15 +317,17 @@ fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
 
 /// The largest component of the step down the gradient that the constraints and bounds leave.
 #[must_use]
-pub(super) fn projected_norm(level: &Level, theta: &[f64], gradient: &[f64]) -> f64 {
+pub(super) fn projected_norm(level: &Level, step: &Step, penalties: &[f64]) -> f64 {
+    let (theta, mut gradient) = (&step.theta, step.gradient.clone());
     let mut kept = level.kept_rows(theta, 0.0);
+    kept.extend(level.bounded(&step.bounds, penalties, &mut gradient));
     kept.retain(|kept| kept.row.c <= level.tolerance(kept));
-    let length = norm(gradient);
+    let length = norm(&gradient);
     let mut all = rows(level, theta, &kept);
     all.iter_mut().take(kept.len()).for_each(|row| row.c = 0.0);
     let (model, metric) = (Model::round(gradient.len(), 1.0), DMatrix::zeros(0, 0));
-    let problem = Problem::new(&model, gradient, &metric, &all, length);
-    let step = problem.minimum(0.0).map_or_else(|| gradient.to_vec(), |found| found.d);
+    let problem = Problem::new(&model, &gradient, &metric, &all, length);
+    let step = problem.minimum(0.0).map_or_else(|| gradient.clone(), |found| found.d);
     step.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()))
 }
 

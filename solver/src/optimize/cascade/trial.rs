@@ -8,15 +8,15 @@ const LONGEST_RETRIAL: f64 = 0.5;
 /// ... and at least.
 const SHORTEST_RETRIAL: f64 = 0.1;
 
-/// The evaluation at θ, if its objective is at most `wanted`, with the level linearised there.
+/// The evaluation at θ, if its merit with these penalties is at most `wanted`, with the level linearised there.
 pub(super) fn lower(
     level: &mut Level,
     theta: &[f64],
     start: Start,
-    wanted: f64,
+    (wanted, penalties): (f64, &[f64]),
 ) -> Result<Evaluation, Refused> {
     let evaluation = level.evaluate(theta, start)?;
-    let objective = evaluation.objective;
+    let objective = level.merit(&evaluation, penalties);
     // a barrier with a negative weight may be −∞
     if !(objective.is_finite() && objective <= wanted) {
         let reason = format!("objective {objective:.6e} is not low enough");

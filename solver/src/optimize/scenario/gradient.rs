@@ -8,10 +8,10 @@ use mesh::Vec3;
 use scene::Weighted;
 
 use super::terms::{Forces, add_partials};
-use super::{Rejected, Run, Scenario};
+use super::{Bound, Rejected, Run, Scenario};
 
 impl Scenario {
-    /// dJ of some of the terms, times a factor, by all that a run depends on, the designed rest
+    /// dJ of all terms, of those of a name, or dc of a [`Bound`](super::Bound) of a name, times a factor, by all that a run depends on, the designed rest
     /// shape among it. Where it is linearised at the run, that saves factorisations.
     ///
     /// # Errors
@@ -26,14 +26,13 @@ impl Scenario {
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
         let forces: Vec<Forces> = (0..=states.steps()).map(|n| self.forces(run, n)).collect();
-        let counts = |term: &&Weighted| of.is_none_or(|name| name == term.name);
         let mut by_rest = vec![0.0; 3 * rest.len()];
-        let terms = &self.terms;
+        let terms = chosen(&self.terms, &self.bounds, of);
         let partials = |_: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
             let adjoint::Partials { by_u, by_contact, by_reaction } = out;
             let (u, contact, reaction) = (by_u, by_contact, by_reaction);
             let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
-            add_partials(terms.iter().filter(counts), run, n, &forces[n], factor, &mut out);
+            add_partials(terms.iter().copied(), run, n, &forces[n], factor, &mut out);
         };
         let (problem, workspace) = (&*run.problem, &mut self.workspace);
         let known = run.linearized(self.linearized.as_ref());
@@ -68,7 +67,7 @@ impl Scenario {
             let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
             let threads = &run.problem.energies.windings;
             let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
-            for term in self.terms.iter().filter(|term| of.is_none_or(|name| name == term.name)) {
+            for term in chosen(&self.terms, &self.bounds, of) {
                 let factor = factor * term.weight * term.factor * term.factors[n];
                 for (id, by) in term.quantity.by_parameters(&here, factor) {
                     gradient.parameters.add(n - 1, id, by);
@@ -82,4 +81,11 @@ impl Scenario {
     pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
         self.loads.vjp(loads, &self.swept(gradient))
     }
+}
+
+/// All terms, or the terms and the bound of a name.
+fn chosen<'a>(terms: &'a [Weighted], bounds: &'a [Bound], of: Option<&str>) -> Vec<&'a Weighted> {
+    let Some(name) = of else { return terms.iter().collect() };
+    let bounds = bounds.iter().filter_map(Bound::probe);
+    terms.iter().chain(bounds).filter(|term| term.name == name).collect()
 }

@@ -35,8 +35,10 @@ const NEARBY: f64 = 0.2;
 pub(super) struct Edge {
     /// Name of its term, `LIMIT`, `BURST` or `SLOPE`.
     pub name: &'static str,
-    /// The number that counts nothing [1].
+    /// The smallest one that is enough [1].
     pub least: f64,
+    /// Whether it is a term of the objective; else it is kept.
+    pub is_term: bool,
     /// Weight of its term in this scenario and level.
     pub weight: f64,
 }
@@ -52,8 +54,11 @@ impl Edge {
         self.weight * (self.least - factor).max(0.0).powi(2)
     }
 
-    /// The derivative of that.
+    /// The derivative of that; of one that is kept, the derivative of what is beyond `least`.
     fn slope(&self, factor: f64) -> f64 {
+        if !self.is_term {
+            return 1.0;
+        }
         -2.0 * self.weight * (self.least - factor).max(0.0)
     }
 }
@@ -431,7 +436,7 @@ impl Scenario {
         gradient: &mut Gradient,
     ) -> Result<(), Rejected> {
         for (edge, margin) in self.edges.iter().zip(&run.margins) {
-            if of.is_some_and(|name| name != edge.name) {
+            if of.map_or(!edge.is_term, |name| name != edge.name) {
                 continue;
             }
             let Margin { factor: load, at: Some(at) } = margin else { continue };

@@ -1,6 +1,7 @@
 //! One scenario of a level: rest shape and loads → run through time → objective, and the
 //! derivatives of that by all that the run depends on.
 
+mod bound;
 mod changes;
 mod curvature;
 mod gradient;
@@ -27,6 +28,7 @@ use program::Heartbeat;
 use scene::config::{DesignConfig, Least, LevelConfig, LimitGoal, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
+pub use self::bound::Bound;
 pub use self::changes::scene_of;
 use self::limit::Edge;
 pub use self::limit::{Margin, SavedMargin};
@@ -101,8 +103,10 @@ pub struct Scenario {
     /// Whether the scene goes through time; else it is one equilibrium.
     transient: bool,
     terms: Vec<Weighted>,
-    /// The edges of a run that count, in the order of [`LimitGoal::goals`].
+    /// The edges of a run that count or are kept, in the order of [`LimitGoal::goals`].
     edges: Vec<Edge>,
+    /// What its end keeps.
+    bounds: Vec<Bound>,
     /// The run that was linearised last, where its edges are known.
     nearby: Option<Run>,
     /// What the last solve from rest did not reach, if it failed, and why.
@@ -136,11 +140,14 @@ impl Scenario {
             goal.check_scene(&scene.config, scene.stretch_at_break())?;
         }
         let goals = design.limit.iter().flat_map(LimitGoal::goals);
-        let counted = |(name, Least { least, weight })| {
-            let weight = weight * factor(name);
-            Edge { name, least, weight }
+        let counted = |(name, Least { least, weight }): (&'static str, Least)| Edge {
+            name,
+            least,
+            is_term: weight.is_some(),
+            weight: weight.map_or(0.0, |weight| weight * factor(name)),
         };
         let edges = goals.map(counted).collect();
+        let bounds = Bound::all(design, &scene, body, &problem)?;
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
         Ok(Self {
@@ -153,6 +160,7 @@ impl Scenario {
             transient: scene.config.time.is_some(),
             terms,
             edges,
+            bounds,
             nearby: None,
             unreached: None,
             linearized: None,
@@ -197,8 +205,14 @@ impl Scenario {
 
     /// Names of the terms, in the order of the design file.
     pub fn term_names(&self) -> impl Iterator<Item = &str> {
-        let edges = self.edges.iter().map(|edge| edge.name);
+        let edges = self.edges.iter().filter(|edge| edge.is_term).map(|edge| edge.name);
         self.terms.iter().map(|term| term.name.as_str()).chain(edges)
+    }
+
+    /// What the end of each run keeps.
+    #[must_use]
+    pub fn bounds(&self) -> &[Bound] {
+        &self.bounds
     }
 
     /// What messages begin with.
@@ -323,7 +337,9 @@ impl Scenario {
         newton_iterations: usize,
     ) -> Run {
         let (states, terms) = (Arc::new(states), BTreeMap::new());
-        let run = Run { problem, rest, states, margins, objective: 0.0, terms, newton_iterations };
+        let kept = Vec::new();
+        let objective = 0.0;
+        let run = Run { problem, rest, states, margins, objective, terms, kept, newton_iterations };
         self.rated(&run)
     }
 

@@ -7,7 +7,7 @@ use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
 
-use super::{Run, Scenario};
+use super::{Bound, Run, Scenario};
 
 /// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
 /// them.
@@ -59,7 +59,8 @@ impl Scenario {
     /// A run with its terms as they are weighted now.
     pub fn rated(&mut self, run: &Run) -> Run {
         let terms = self.terms_of(run);
-        Run { objective: terms.values().sum(), terms, ..run.clone() }
+        let kept = self.kept_of(run);
+        Run { objective: terms.values().sum(), terms, kept, ..run.clone() }
     }
 
     /// Weighted terms over a run, by the user's names.
@@ -69,10 +70,30 @@ impl Scenario {
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
-        for (edge, margin) in self.edges.iter().zip(&run.margins) {
+        for (edge, margin) in self.edges.iter().zip(&run.margins).filter(|(edge, _)| edge.is_term) {
             terms.insert(edge.name.to_owned(), edge.counts(margin.factor));
         }
         terms
+    }
+
+    /// c of each bound at the end of a run.
+    fn kept_of(&mut self, run: &Run) -> Vec<f64> {
+        let end = run.states.steps();
+        if self.bounds.is_empty() {
+            return Vec::new();
+        }
+        let Forces { contact, reaction } = self.forces(run, end);
+        let (state, time) = (run.states.state(end), run.states.times[end]);
+        let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
+        let (contact, reaction) = (&contact, &reaction);
+        let threads = &run.problem.energies.windings;
+        let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
+        let edge = |name: &str| self.edges.iter().position(|edge| edge.name == name);
+        let one = |bound: &Bound| match bound.probe() {
+            Some(probe) => bound.kept(probe.quantity.value(&at)),
+            None => edge(&bound.name).map_or(0.0, |i| bound.kept(run.margins[i].factor)),
+        };
+        self.bounds.iter().map(one).collect()
     }
 
     /// Values over a run of the terms that are wanted, zero of the others.
@@ -100,7 +121,8 @@ impl Scenario {
     pub(super) fn forces(&mut self, run: &Run, n: usize) -> Forces {
         let Run { problem, rest, states, .. } = run;
         let looks = |uses: fn(&dyn Quantity) -> bool| {
-            self.terms.iter().any(|t| t.factors[n] != 0.0 && uses(&*t.quantity))
+            let bounds = self.bounds.iter().filter_map(Bound::probe);
+            self.terms.iter().chain(bounds).any(|t| t.factors[n] != 0.0 && uses(&*t.quantity))
         };
         let (uses_contact, uses_reaction) =
             (looks(|q| q.uses_contact()), looks(|q| q.uses_reaction()));

@@ -1,31 +1,34 @@
 //! `solver optimize`: a design problem to a better body.
 
+mod folder;
+mod found;
+mod starts;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
-use measure::constraint::Constraint;
+use anyhow::{Result, bail, ensure};
 use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, KeyPath, Settings, Unusable};
-use reports::{
-    Castable, Designed, DesignedProbe, Ended, Inputs, Iteration, Kept, LevelEnd, Numbers,
-    Optimization,
-};
-use scene::config::{DesignConfig, LevelConfig, ObjectiveConfig, ProbeConfig, beside};
+use reports::{Castable, Designed, Ended, Inputs, Iteration, Optimization, Remeshed};
+use scene::config::{DesignConfig, LevelConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
-use serde::Deserialize;
 
+use self::folder::{failed, forget, forget_failure, forget_start, is_kept_before_a_level, outdated, remove};
+use self::found::Found;
 use crate::number;
 use crate::optimize::{
-    CASTABLE, Cascade, Checkpoint, Finished, History, LATEST, Meshes, Molding, mesh_file,
-    write_bodies,
+    CASTABLE, Cascade, Finished, History, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
 use crate::report::crossing::Crossing;
 use crate::report::{results, summary};
 
 /// A smaller fall of the objective is hardly a design [1].
 const LITTLE: f64 = 0.01;
+/// A larger difference of the objective between two meshes of the design, over what was gained, says that its elements are
+/// poor [1].
+const OFF: f64 = 0.1;
 
 /// Optimise shapes of chambers and pressures over time
 ///
@@ -43,6 +46,13 @@ pub struct Arguments {
     /// Begin anew, whatever the folder holds
     #[arg(long)]
     restart: bool,
+    /// Design from so many starts side by side, the shape as modelled and others that handles and loads are moved to at random;
+    /// the best is kept, and starts.csv has a line for each
+    #[arg(long, value_name = "COUNT", default_value_t = 1)]
+    starts: usize,
+    /// The number of the start, of which 1 is the shape as modelled
+    #[arg(long, hide = true, default_value_t = 1, conflicts_with = "starts")]
+    start: usize,
     #[command(flatten)]
     changes: Changes,
 }
@@ -55,6 +65,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let meshes = file.checked(|_| meshes(arguments, &design, &scene))?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
+    ensure!(arguments.starts > 0, "--starts 0: expected 1 or more");
+    let best = (arguments.starts > 1).then(|| {
+        file.checked(|_| starts::check(&design))?;
+        starts::best(arguments)
+    });
+    let best = best.transpose()?;
     let objectives =
         file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
     let inputs = hash_inputs(&file, &design, &scene)?;
@@ -69,6 +85,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Ok(());
     }
     forget_failure(folder)?;
+    if let Some(best) = best {
+        forget(folder)?;
+        starts::take_over(&best, folder)?;
+    }
     let cascade = Cascade {
         scene: &scene,
         design: &design,
@@ -76,6 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         objectives: &objectives,
         molding,
         folder: folder.clone(),
+        start: arguments.start,
         inputs,
     };
     let finished = cascade.run().map_err(|error| {
@@ -90,13 +111,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let found = Found { finished: &finished, scene: &scene, design: &design };
     let mut designed = found.designed(History::new(folder).read()?, inputs, set, start);
     designed.crossing = crossing.as_ref().map(Crossing::report);
-    let status = match crossing {
-        Some(_) => Ended::SurfacesCrossed,
-        None => found.ended(),
+    designed.remeshed = remeshed(&cascade, &finished, &designed);
+    let violated = level.violated(evaluation);
+    let status = match (&crossing, &violated) {
+        (Some(_), _) => Ended::SurfacesCrossed,
+        (None, Some(_)) => Ended::NotKept,
+        (None, None) => found.ended(),
     };
     let report = Optimization {
         status,
-        usable: crossing.is_none(),
+        usable: crossing.is_none() && violated.is_none(),
         designed: Some(designed.clone()),
         failed: None,
     };
@@ -104,7 +128,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let [before, after] =
         [designed.objective_before, designed.objective_after].map(|j| j.unwrap_or(f64::NAN));
     let fall = (before - after) / before.abs();
-    if fall < LITTLE {
+    // to keep its bounds a design may have to give away some of its objective
+    let is_better = fall > 0.0 || finished.began_outside;
+    if finished.began_outside {
+        log::info!("the objective went from {before:.4e} to {after:.4e}; the start violated what the design keeps");
+    } else if fall < LITTLE {
         log::warn!(
             "the objective fell by {:.1} % only: the design is hardly better than the start; see \
              the terms and the reasons in {}",
@@ -128,7 +156,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let design = arguments.design.display();
         return Err(Unusable(format!("{design}: {}", crossing.in_words())).into());
     }
-    if fall.is_nan() || fall <= 0.0 {
+    if let Some(violated) = violated {
+        let design = arguments.design.display();
+        return Err(Unusable(format!("{design}: the design does not keep {violated}")).into());
+    }
+    if !is_better {
         return Err(Unusable(format!(
             "{}: no step lowered the objective; see the reasons in {}",
             arguments.design.display(),
@@ -137,6 +169,36 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .into());
     }
     Ok(())
+}
+
+/// The design on a mesh whose interior is made anew.
+fn remeshed(cascade: &Cascade, finished: &Finished, designed: &Designed) -> Option<Remeshed> {
+    let again = match cascade.again(finished) {
+        Ok(again) => again?,
+        Err(error) => {
+            log::warn!("on a mesh whose interior is made anew the design was not simulated: {error:#}");
+            return None;
+        }
+    };
+    let (own, other) = (finished.last.1.objective, again.objective);
+    let gain = (designed.objective_before.unwrap_or(f64::NAN) - own).abs();
+    let probes: Vec<String> = designed
+        .probes
+        .iter()
+        .flatten()
+        .filter_map(|(name, probe)| {
+            Some(format!(", {name} {} {}", again.probes.get(name)?, probe.unit))
+        })
+        .collect();
+    let said = format!(
+        "on a mesh whose interior is made anew the objective is {other:.4e} in place of {own:.4e}{}",
+        probes.concat()
+    );
+    match (other - own).abs() > OFF * gain {
+        true => log::warn!("{said}: elements of the design are poor; a finer mesh tells more"),
+        false => log::info!("{said}"),
+    }
+    Some(Remeshed { objective: Some(other), probes: reports::numbers(&again.probes) })
 }
 
 /// A design problem and its scene.
@@ -188,101 +250,6 @@ fn check_body(level: &LevelConfig, levels: &KeyPath, scene: &Scene) -> Result<()
         }
         _ => Ok(()),
     }
-}
-
-/// Whether the folder holds an optimisation of other inputs that is finished or
-/// has no result. Any other is removed with --restart only.
-fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
-    let finished = folder.join("report.json").exists() && !failed(folder)?;
-    Ok(Checkpoint::read(folder)?
-        .is_some_and(|c| c.inputs != inputs && (finished || c.history == 0)))
-}
-
-/// What is read of a report.
-#[derive(Deserialize)]
-struct Usable {
-    usable: bool,
-}
-
-/// Whether the report in the folder is that of a start without equilibrium.
-fn failed(folder: &Path) -> Result<bool> {
-    let path = folder.join("report.json");
-    if !path.exists() {
-        return Ok(false);
-    }
-    let report = serde_json::from_str::<Usable>(&mesh::io::read_own_text(&path)?);
-    Ok(!report.with_context(|| path.display().to_string())?.usable)
-}
-
-/// Whether the report in the folder is of a design whose next level could not begin: to try it again would lose it.
-fn is_kept_before_a_level(folder: &Path) -> Result<bool> {
-    let path = folder.join("report.json");
-    if !path.exists() || failed(folder)? {
-        return Ok(false);
-    }
-    let report = serde_json::from_str::<Levels>(&mesh::io::read_own_text(&path)?);
-    let levels = report.with_context(|| path.display().to_string())?.levels;
-    Ok(levels.last().is_some_and(|end| end.ending == Ended::NoEquilibrium))
-}
-
-/// What is read of a report for that; reports of programs before have no levels.
-#[derive(Deserialize)]
-struct Levels {
-    #[serde(default)]
-    levels: Vec<LevelEnd>,
-}
-
-/// Removes the report of a failure once the run continues.
-fn forget_failure(folder: &Path) -> Result<()> {
-    if failed(folder)? {
-        remove(folder, &["report.json", results::FAILED])?;
-    }
-    Ok(())
-}
-
-/// Removes what a run without a first evaluation cannot be continued from.
-fn forget_start(folder: &Path) -> Result<()> {
-    if Checkpoint::read(folder)?.is_none_or(|c| c.history > 0) {
-        return Ok(());
-    }
-    remove(folder, &["checkpoint.json", "history.jsonl"])?;
-    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        if name.starts_with("level-") && name.ends_with(".msh") {
-            remove(folder, &[&name])?;
-        }
-    }
-    Ok(())
-}
-
-fn forget(folder: &Path) -> Result<()> {
-    let names = [
-        "checkpoint.json",
-        "history.jsonl",
-        "report.json",
-        "result.vtu",
-        "pressures.toml",
-        "parameters.toml",
-    ];
-    remove(folder, &names)?;
-    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        let design = ["design.", "latest.", "castable.", "remeshed-"]
-            .iter()
-            .any(|first| name.starts_with(first));
-        let design = design && name.ends_with(".msh");
-        if design || (name.starts_with("run-") && name.ends_with(".npy")) {
-            remove(folder, &[&name])?;
-        }
-    }
-    remove(folder, &[results::FAILED])
-}
-
-fn remove(folder: &Path, names: &[&str]) -> Result<()> {
-    for name in names {
-        mesh::io::remove_output(&folder.join(name))?;
-    }
-    Ok(())
 }
 
 /// A checkpoint is only good for the problem it was made for.
@@ -381,111 +348,4 @@ fn provenance(
     };
     let [level_meshes, targets] = named_files(file, design).map(hashed);
     Ok((Inputs { level_meshes: level_meshes?, targets: targets?, ..inputs }, set))
-}
-
-/// What an optimisation came to.
-struct Found<'a> {
-    finished: &'a Finished,
-    scene: &'a Scene,
-    design: &'a DesignConfig,
-}
-
-impl Found<'_> {
-    fn designed(
-        &self,
-        lines: Vec<Iteration>,
-        inputs: Inputs,
-        set: Vec<String>,
-        start: Instant,
-    ) -> Designed {
-        let (first, last) = (&lines[0], &lines[lines.len() - 1]);
-        let body = &self.finished.body;
-        Designed {
-            program: scene::PROGRAM.to_owned(),
-            inputs,
-            set,
-            levels: self.finished.endings.clone(),
-            constraints: self.kept(),
-            objective_before: first.objective,
-            objective_after: last.objective,
-            gains: gains(&lines),
-            weights: self.weights(),
-            terms_before: first.terms.clone(),
-            terms_after: last.terms.clone(),
-            mean_displacement_before: first.mean_displacement.clone(),
-            mean_displacement_after: last.mean_displacement.clone(),
-            probes: self.probes(&lines),
-            mold_before: first.mold.clone(),
-            mold_after: last.mold.clone(),
-            scenarios_before: first.scenarios.clone(),
-            scenarios_after: last.scenarios.clone(),
-            symmetry: (!body.planes.is_empty()).then(|| results::symmetry(body)),
-            crossing: None,
-            iterations: lines.len(),
-            forward_s: lines.iter().map(|line| line.forward_s).sum(),
-            gradient_s: lines.iter().map(|line| line.gradient_s).sum(),
-            wall_s_of_this_run: start.elapsed().as_secs_f64(),
-            peak_rss_mb: program::peak_rss_mb(),
-        }
-    }
-
-    /// What the probes of the scene were and have become, in the units of their kinds, with what the design wanted;
-    /// nothing without an iteration.
-    fn probes(&self, lines: &[Iteration]) -> Option<BTreeMap<String, DesignedProbe>> {
-        let [first, .., last] = lines else { return None };
-        let value = |line: &Iteration, name: &str| *line.probes.as_ref()?.get(name)?;
-        let wanted = |probe: &str| {
-            let of_probe = self.design.objective.iter().filter_map(ObjectiveConfig::probe);
-            of_probe.filter(|(name, _)| *name == probe).find_map(|(_, wanted)| wanted)
-        };
-        let one = |probe: &ProbeConfig| {
-            let name = probe.name();
-            let found = DesignedProbe {
-                unit: probe.kind().unit.to_owned(),
-                before: value(first, name),
-                after: value(last, name),
-                wanted: wanted(name),
-            };
-            (name.to_owned(), found)
-        };
-        let probes = &self.scene.config.probe;
-        (!probes.is_empty()).then(|| probes.iter().map(one).collect())
-    }
-
-    /// How the last level with iterations ended.
-    fn ended(&self) -> Ended {
-        let levels = self.design.levels();
-        let worked = |end: &&LevelEnd| {
-            levels[end.level - 1].iterations > 0 && end.ending != Ended::NoEquilibrium
-        };
-        self.finished.endings.iter().rev().find(worked).map_or(Ended::IterationLimit, |e| e.ending)
-    }
-
-    /// What the design keeps, with what its constraints are worth.
-    fn kept(&self) -> BTreeMap<String, Kept> {
-        let (level, at) = &self.finished.last;
-        let worth = self.finished.multipliers.iter().copied().chain(std::iter::repeat(0.0));
-        let one = |(kept, worth): (&Constraint, f64)| {
-            let near = kept.near(&at.rest, level.map().mean_edge()).into_iter();
-            let least = near.map(|c| c.value).reduce(f64::min);
-            let found = least.map(|value| kept.least() + value);
-            (kept.name.clone(), Kept { least: kept.least(), found, worth })
-        };
-        level.constraints().iter().zip(worth).map(one).collect()
-    }
-
-    /// Weights of the terms by their names, those that shares came to among them.
-    fn weights(&self) -> Numbers {
-        let level = &self.finished.last.0;
-        level.term_names().into_iter().zip(level.weights().into_iter().map(Some)).collect()
-    }
-}
-
-/// What each level has gained, over its first objective.
-fn gains(lines: &[Iteration]) -> Vec<Option<f64>> {
-    let gain = |level: &[Iteration]| {
-        let (first, last) = (level[0].objective?, level[level.len() - 1].objective?);
-        Some((first - last) / first.abs())
-    };
-    lines.chunk_by(|a, b| a.level == b.level).map(gain).collect()
 }

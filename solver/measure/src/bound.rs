@@ -1,0 +1,42 @@
+//! `kind = "probe"` of a `[[constraint]]`: a probe of the scene stays above, below or between bounds at the end of a run.
+
+use anyhow::{Result, ensure};
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Bounds of a probe, in its unit.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProbeBound {
+    /// As reports call it.
+    pub(crate) name: String,
+    /// Name of a probe of the scene.
+    pub probe: String,
+    /// Its smallest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least: Option<f64>,
+    /// Its largest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub most: Option<f64>,
+}
+
+impl ProbeBound {
+    pub(crate) fn check(&self) -> Result<()> {
+        let Self { least, most, .. } = self;
+        ensure!(
+            least.is_some() || most.is_some(),
+            misfit!(KeyPath::of("probe"), ": without least and most nothing is kept; expected one of them, or both")
+        );
+        let [low, high] =
+            [least.unwrap_or(f64::NEG_INFINITY), most.unwrap_or(f64::INFINITY)];
+        ensure!(
+            low < high && least.is_none_or(f64::is_finite) && most.is_none_or(f64::is_finite),
+            misfit!(
+                KeyPath::of("least"),
+                " = {low} and most = {high}: expected numbers, least below most"
+            )
+        );
+        Ok(())
+    }
+}

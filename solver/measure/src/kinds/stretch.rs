@@ -1,0 +1,130 @@
+//! The stretch of bodies, nearly the largest.
+//!
+//! q = 1 + (I/V)^(1/p)      I = ∫ Σ_i (λ_i − 1)₊^p dX,  V = ∫ dX        [1]
+//!
+//! λ_i   principal stretches, the singular values of F = I + ∇u [1]
+//! p     the larger, the nearer q is to the largest stretch anywhere, from below
+//!
+//! ∂q = (q − 1)/p (∂I/I − ∂V/V). Σ is symmetric in the stretches, so that it has a derivative where they coincide.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use anyhow::{Result, ensure};
+use mechanics::math::tensor::Mat3;
+use program::{KeyPath, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{
+    Equilibrium, Kind, List, Partials, Quantity, Site, Specification, solid_integral,
+};
+
+pub(super) const KIND: Kind = Kind {
+    key: "stretch",
+    formula: "1 + (∫ Σ (λ_i − 1)₊^p dX / ∫ dX)^(1/p) of the principal stretches: the larger p, the nearer to the largest",
+    unit: "1",
+    example: "power = 4",
+    ..Kind::of::<Keys>(&[List::Probe])
+};
+
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+struct Keys {
+    /// body; all if not given
+    on: Option<String>,
+    /// p ≥ 2 (16)
+    #[serde(default = "sixteen")]
+    power: f64,
+}
+
+fn sixteen() -> f64 {
+    16.0
+}
+
+impl Specification for Keys {
+    fn check(&self) -> Result<()> {
+        let power = self.power;
+        ensure!(
+            power.is_finite() && power >= 2.0,
+            misfit!(KeyPath::of("power"), " = {power}: must be 2 or more")
+        );
+        Ok(())
+    }
+
+    fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
+        let parts = site.parts(self.on.as_deref())?.into_iter();
+        let elements = parts.map(|(_, elements)| elements).collect();
+        Ok(Arc::new(Stretch { elements, power: self.power }))
+    }
+}
+
+struct Stretch {
+    elements: Vec<Range<usize>>,
+    power: f64,
+}
+
+impl Stretch {
+    /// Σ (λ_i − 1)₊^p with its derivative by F.
+    fn density(&self, grad_u: &Mat3) -> (f64, Mat3) {
+        let f = Mat3::identity() + grad_u;
+        let eigen = (f.transpose() * f).symmetric_eigen();
+        let (mut value, mut by_f) = (0.0, Mat3::zeros());
+        for i in 0..3 {
+            let stretch = eigen.eigenvalues[i].max(0.0).sqrt();
+            if stretch > 1.0 {
+                let direction = eigen.eigenvectors.column(i);
+                let slope = self.power * (stretch - 1.0).powf(self.power - 1.0) / stretch;
+                value += (stretch - 1.0).powf(self.power);
+                by_f += slope * (f * direction) * direction.transpose();
+            }
+        }
+        (value, by_f)
+    }
+
+    /// I and V.
+    fn integrals(&self, at: &Equilibrium) -> [f64; 2] {
+        let sum = |density: &(dyn Fn(&Mat3) -> (f64, Mat3) + Sync)| {
+            self.elements.iter().map(|part| solid_integral::value(at, part, density)).sum()
+        };
+        [sum(&|h| self.density(h)), sum(&|_| (1.0, Mat3::zeros()))]
+    }
+}
+
+impl Quantity for Stretch {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        let [all, volume] = self.integrals(at);
+        1.0 + (all / volume).powf(1.0 / self.power)
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        let [all, volume] = self.integrals(at);
+        if all == 0.0 {
+            return;
+        }
+        let factor = weight * (all / volume).powf(1.0 / self.power) / self.power;
+        let density = |h: &Mat3| {
+            let (value, by_f) = self.density(h);
+            (factor * (value / all - 1.0 / volume), factor / all * by_f)
+        };
+        for elements in &self.elements {
+            solid_integral::add_partials(at, elements, &density, 1.0, out);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::tests::Case;
+
+    #[test]
+    fn derivatives_belong_to_the_value() {
+        for (degree, scale) in [(1, 1.0), (2, 1e-3)] {
+            let case = Case::cube(degree, scale);
+            for power in [2.0, 4.0] {
+                let term = Stretch { elements: vec![0..20, 20..48], power };
+                case.check_near(&term, 1e-5);
+            }
+        }
+    }
+}

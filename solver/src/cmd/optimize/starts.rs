@@ -1,0 +1,204 @@
+//! `--starts`: the same design from several starts side by side, and the best of them.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, Result, ensure};
+use measure::objective::Weight;
+use program::{Heartbeat, KeyPath, Process, Unusable, misfit};
+use reports::Ended;
+use scene::config::DesignConfig;
+use serde::Deserialize;
+
+use super::Arguments;
+use crate::optimize::{Checkpoint, History};
+
+/// How often the programs are asked whether they have ended.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// What a start came to.
+struct Outcome {
+    number: usize,
+    folder: PathBuf,
+    end: Option<End>,
+}
+
+/// What is read of a report.
+#[derive(Deserialize)]
+struct End {
+    status: Ended,
+    usable: bool,
+    objective_before: Option<f64>,
+    objective_after: Option<f64>,
+    #[serde(default)]
+    iterations: usize,
+    #[serde(default)]
+    forward_s: f64,
+    #[serde(default)]
+    gradient_s: f64,
+}
+
+/// Weights that shares come to are those of one start.
+pub(super) fn check(design: &DesignConfig) -> Result<()> {
+    let share = design.objective.iter().find(|term| matches!(term.weight(), Weight::Share(_)));
+    ensure!(
+        share.is_none(),
+        misfit!(
+            share.map_or_else(|| KeyPath::list("objective"), |term| term.title().key("share")),
+            ": each of --starts would have another weight; expected weight = … in place of it"
+        )
+    );
+    Ok(())
+}
+
+/// Designs from all starts, each in a folder of its own; the folder of the best.
+///
+/// # Errors
+/// When a program cannot be run, or none of the starts came to a usable design.
+pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let at_once = arguments.starts.min(threads);
+    let mut waiting: Vec<usize> = (1..=arguments.starts).rev().collect();
+    let mut running: Vec<(usize, Process)> = Vec::new();
+    let mut heartbeat = Heartbeat::start();
+    while !waiting.is_empty() || !running.is_empty() {
+        while running.len() < at_once
+            && let Some(number) = waiting.pop()
+        {
+            running.push((number, spawn(arguments, number, threads / at_once)?));
+        }
+        std::thread::sleep(EVERY);
+        let mut still = Vec::new();
+        for (number, process) in running {
+            match process.try_wait()? {
+                Some(_) => log::info!("{}", outcome(arguments, number).in_words()),
+                None => still.push((number, process)),
+            }
+        }
+        running = still;
+        heartbeat.say(|| progress(arguments, &running));
+    }
+    let all: Vec<Outcome> = (1..=arguments.starts).map(|k| outcome(arguments, k)).collect();
+    write_table(&arguments.output.join("starts.csv"), &all)?;
+    let usable = all.iter().filter_map(|one| Some((one.objective()?, one)));
+    let best = usable.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, one)| one);
+    let best = best.ok_or_else(|| {
+        let said: Vec<String> = all.iter().map(Outcome::in_words).collect();
+        Unusable(format!("none of {} starts came to a usable design: {}", all.len(), said.join("; ")))
+    })?;
+    log::info!("the best is that of start {}", best.number);
+    Ok(best.folder.clone())
+}
+
+fn folder_of(arguments: &Arguments, number: usize) -> PathBuf {
+    arguments.output.join(format!("start-{number}"))
+}
+
+/// The program with one start, its messages in a file.
+fn spawn(arguments: &Arguments, number: usize, threads: usize) -> Result<Process> {
+    let folder = folder_of(arguments, number);
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let path = folder.join("log.txt");
+    let messages = File::create(&path).with_context(|| path.display().to_string())?;
+    let mut command = Command::new(std::env::current_exe()?);
+    command.arg("optimize").arg(&arguments.design).arg("--output").arg(&folder);
+    command.arg("--start").arg(number.to_string());
+    if arguments.restart {
+        command.arg("--restart");
+    }
+    for change in &arguments.changes.set {
+        command.arg("--set").arg(change.text());
+    }
+    command.env("RAYON_NUM_THREADS", threads.max(1).to_string());
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(messages);
+    Ok(Process::spawn(&mut command)?)
+}
+
+/// What the starts that run have come to.
+fn progress(arguments: &Arguments, running: &[(usize, Process)]) -> String {
+    let one = |(number, _): &(usize, Process)| {
+        let lines = History::new(&folder_of(arguments, *number)).read().unwrap_or_default();
+        let objective = lines.last().and_then(|line| line.objective);
+        let objective = objective.map_or_else(String::new, |j| format!(", objective {j:.4e}"));
+        format!("start {number}: {} shapes{objective}", lines.len())
+    };
+    running.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
+fn outcome(arguments: &Arguments, number: usize) -> Outcome {
+    let folder = folder_of(arguments, number);
+    let text = mesh::io::read_own_text(&folder.join("report.json")).ok();
+    let end = text.and_then(|text| serde_json::from_str(&text).ok());
+    Outcome { number, folder, end }
+}
+
+impl Outcome {
+    /// The objective of a usable design.
+    fn objective(&self) -> Option<f64> {
+        self.end.as_ref().filter(|end| end.usable)?.objective_after
+    }
+
+    fn in_words(&self) -> String {
+        let number = self.number;
+        let Some(end) = &self.end else {
+            let messages = self.folder.join("log.txt");
+            return format!("start {number}: no design; see {}", messages.display());
+        };
+        let [before, after] = [end.objective_before, end.objective_after].map(|j| j.unwrap_or(f64::NAN));
+        format!(
+            "start {number}: objective {before:.4e} → {after:.4e}, {} shapes, {:.0} s; {}{}",
+            end.iterations,
+            end.forward_s + end.gradient_s,
+            end.status.in_words(),
+            if end.usable { "" } else { ", not usable" }
+        )
+    }
+}
+
+/// Writes a line for each start.
+fn write_table(path: &Path, all: &[Outcome]) -> Result<()> {
+    let mut text = "start,objective_before,objective_after,shapes,time_s,usable,status\n".to_owned();
+    for one in all {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
+        let end = one.end.as_ref();
+        writeln!(
+            text,
+            "{},{},{},{},{},{},{}",
+            one.number,
+            number(end.and_then(|end| end.objective_before)),
+            number(end.and_then(|end| end.objective_after)),
+            end.map_or(0, |end| end.iterations),
+            number(end.map(|end| end.forward_s + end.gradient_s)),
+            end.is_some_and(|end| end.usable),
+            end.map_or("no design", |end| end.status.in_words()),
+        )?;
+    }
+    mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+/// Copies what a finished design continues from, so that it is finished in the folder, too.
+///
+/// # Errors
+/// When a file cannot be read or written.
+pub(super) fn take_over(from: &Path, folder: &Path) -> Result<()> {
+    let checkpoint = Checkpoint::read(from)?.context("the best start has no checkpoint")?;
+    let names = checkpoint.files.keys().map(String::as_str);
+    let castable = ["history.jsonl", "checkpoint.json"].into_iter();
+    for name in names.chain(castable) {
+        let bytes = std::fs::read(from.join(name)).with_context(|| from.join(name).display().to_string())?;
+        mesh::io::write_atomic(&folder.join(name), |out| out.write_all(&bytes))?;
+    }
+    for entry in std::fs::read_dir(from).with_context(|| from.display().to_string())? {
+        let path = entry?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        if let Some(name) = name.filter(|name| name.starts_with("castable.")) {
+            let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+            mesh::io::write_atomic(&folder.join(name), |out| out.write_all(&bytes))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,173 @@
+//! What follows from an accepted step: the memory of the optimiser, the end of the level, and what is written.
+
+use anyhow::Result;
+use mechanics::math::linear::norm;
+use reports::{Castable, Ended, Iteration, numbers};
+use scene::config::OptimizerConfig;
+
+use super::say::{time_left, variables};
+use super::step::projected_norm;
+use super::{CASTABLE, Cascade, LATEST, Step};
+use crate::optimize::history::{handles, probes, scenarios, spread};
+use crate::optimize::remesh::write_bodies;
+use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
+
+/// Iterations that gain little, one after the other, before the level ends.
+const QUIET: usize = 2;
+/// How many times what ends a level a model promises that is taken for right, though the steps do not give it.
+const PROMISES: f64 = 10.0;
+
+impl Cascade<'_> {
+    /// Takes a step over into the optimiser's memory and onto disk.
+    pub(super) fn accept(
+        &self,
+        level: &mut Level,
+        checkpoint: &mut Checkpoint,
+        step: Step,
+        optimizer: &OptimizerConfig,
+    ) -> Result<()> {
+        let difference =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        checkpoint.lbfgs.update(
+            difference(&step.theta, &checkpoint.theta),
+            difference(&step.gradient, &checkpoint.gradient),
+        );
+        checkpoint.iteration += 1;
+        // in the same checkpoint as the step: a kill between two would forget it
+        let before = checkpoint.merit;
+        let merit = level.merit(&step.evaluation, &checkpoint.penalties);
+        let fall = (before - merit) / before.abs();
+        // once again right after a new mesh, it is not the mesh
+        let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
+        // down the gradient, before anything is known of the curvature
+        let is_quiet = fall < optimizer.stagnation && !held_back && !step.blind;
+        checkpoint.quiet = if is_quiet { checkpoint.quiet + 1 } else { 0 };
+        checkpoint.last_fall = fall;
+        checkpoint.rejections.merge(step.rejections.clone());
+        let mut ended = None;
+        if checkpoint.quiet >= QUIET {
+            // the model promises no more than it gave
+            let ending = match step.predicted < PROMISES * optimizer.stagnation * before.abs() {
+                true => Ended::Converged,
+                false => Ended::Jammed,
+            };
+            let why =
+                format!("the objective fell by only {fall:.1e} in each of {QUIET} iterations");
+            ended = Some((ending, why));
+        }
+        let mut progress = checkpoint.progress.clone();
+        progress.push(merit, step.evaluation.newton_iterations);
+        if let Some(rate) =
+            progress.rate().filter(|rate| rate.max(0.0) < optimizer.least_rate && !held_back)
+        {
+            let why = format!(
+                "a Newton iteration gains {:.1} % of what it gained on average in this level",
+                100.0 * rate
+            );
+            ended = Some((Ended::StoppedEarly, why));
+        }
+        let left = projected_norm(level, &step, &checkpoint.penalties) / checkpoint.first_gradient;
+        if left < optimizer.gradient_tolerance {
+            ended =
+                Some((Ended::Converged, format!("the gradient fell to {left:.1e} of its first")));
+        }
+        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
+        if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
+            ended = Some((Ended::StoppedEarly, format!("{spent:.0} s were spent on the level")));
+        }
+        let left = self.design.levels()[checkpoint.level].iterations - checkpoint.iteration;
+        checkpoint.flat = held_back && ended.is_none() && left > 0;
+        checkpoint.ending = ended;
+        self.record(level, checkpoint, step)
+    }
+
+    /// Writes an accepted shape to disk, with its line of the history.
+    pub(super) fn record(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
+        let levels = self.design.levels();
+        let settings = &levels[checkpoint.level];
+        let evaluation = &step.evaluation;
+        checkpoint.spend(step.forward_s + step.gradient_s);
+        // the same shape on another mesh is no progress
+        if checkpoint.iteration == 0 || checkpoint.has_moved() {
+            checkpoint.progress.push(level.merit(evaluation, &checkpoint.penalties), evaluation.newton_iterations);
+        }
+        let gradient_norm = norm(&step.gradient);
+        let moved = level.mean_displacements(evaluation)?;
+        let measured = level.measured(evaluation)?;
+        let several = !self.design.scenario.is_empty();
+        let mut line = Iteration {
+            level: checkpoint.level + 1,
+            handles: handles(settings),
+            variables: level.variables(),
+            iteration: checkpoint.iteration,
+            objective: Some(evaluation.objective),
+            terms: numbers(&evaluation.terms),
+            gradient_norm: Some(gradient_norm),
+            motion_m: step.motion,
+            trials: step.trials,
+            newton_iterations: evaluation.newton_iterations,
+            forward_s: step.forward_s,
+            gradient_s: step.gradient_s,
+            time_s: checkpoint.total_s,
+            dofs: level.dofs(),
+            time_steps: level.steps(),
+            parameters: numbers(&level.map().parameters(&step.theta)),
+            mean_displacement: numbers(&moved[0]),
+            probes: probes(&measured[0]),
+            scenarios: several.then(|| scenarios(level, evaluation, &moved, &measured)),
+            spread: several.then(|| spread(&moved)),
+            mold: None,
+        };
+        log::info!(
+            "level {}/{} ({})  iteration {}/{}  objective {:.5e}, its gradient {gradient_norm:.2e}  \
+             motion {:.2} mm  trials {}  Newton iterations {}  {:.1} + {:.1} s{}",
+            checkpoint.level + 1,
+            levels.len(),
+            variables(level, settings),
+            checkpoint.iteration,
+            settings.iterations,
+            evaluation.objective,
+            1e3 * step.motion,
+            step.trials,
+            evaluation.newton_iterations,
+            step.forward_s,
+            step.gradient_s,
+            time_left(&levels, checkpoint),
+        );
+        checkpoint.history += 1;
+        if checkpoint.iteration == 0 {
+            checkpoint.first_gradient = projected_norm(level, &step, &checkpoint.penalties);
+        }
+        checkpoint.objective = evaluation.objective;
+        checkpoint.merit = level.merit(evaluation, &checkpoint.penalties);
+        if checkpoint.iteration == 0 {
+            checkpoint.first_terms.clone_from(&evaluation.terms);
+            if let Some(shares) = shares::describe(&evaluation.terms) {
+                log::info!("level {} begins with {shares}", checkpoint.level + 1);
+            }
+        }
+        if !level.map().moving().is_empty() {
+            let shape = level.shape(&step.evaluation);
+            write_bodies(&self.folder, LATEST, self.scene, &shape)?;
+            if let Some(verdict) = &step.mold {
+                molding::say(verdict, checkpoint.mold.as_ref());
+                if let Castable::Planned { .. } = verdict {
+                    write_bodies(&self.folder, CASTABLE, self.scene, &shape)?;
+                }
+            }
+            line.mold.clone_from(&step.mold);
+            checkpoint.mold = step.mold;
+        }
+        let Evaluation { runs, terms, .. } = step.evaluation;
+        checkpoint.terms = terms;
+        checkpoint.theta = step.theta;
+        checkpoint.start.clear();
+        checkpoint.gradient = step.gradient;
+        checkpoint.bounds = step.bounds;
+        // history first: a kill in between leaves one line too many, which the
+        // next start removes
+        self.history().append(&line)?;
+        checkpoint.lines = self.history().sha256()?;
+        checkpoint.write_with_runs(&self.folder, &runs)
+    }
+}
