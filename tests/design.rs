@@ -5,6 +5,8 @@
 mod bar;
 #[path = "design/cavity.rs"]
 mod cavity;
+#[path = "design/bounds.rs"]
+mod bounds;
 #[path = "design/constraints.rs"]
 mod constraints;
 #[path = "design/grip.rs"]

@@ -21,8 +21,8 @@ pub use measured::{
 pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};
 pub use optimization::{
-    Castable, Designed, DesignedProbe, Ended, Handles, Iteration, Kept, LevelEnd, NoStart, Remeshed,
-    Optimization, ScenarioRun,
+    Castable, Designed, DesignedProbe, Ended, Handles, Iteration, Kept, LevelEnd, NoStart,
+    Optimization, Remeshed, ScenarioRun,
 };
 pub use simulation::{
     CutPlane, End, EnergyBalance, Inputs, Material, Moduli, OneOrList, Silicone, Simulation,

@@ -26,10 +26,12 @@ impl ProbeBound {
         let Self { least, most, .. } = self;
         ensure!(
             least.is_some() || most.is_some(),
-            misfit!(KeyPath::of("probe"), ": without least and most nothing is kept; expected one of them, or both")
+            misfit!(
+                KeyPath::of("probe"),
+                ": without least and most nothing is kept; expected one of them, or both"
+            )
         );
-        let [low, high] =
-            [least.unwrap_or(f64::NEG_INFINITY), most.unwrap_or(f64::INFINITY)];
+        let [low, high] = [least.unwrap_or(f64::NEG_INFINITY), most.unwrap_or(f64::INFINITY)];
         ensure!(
             low < high && least.is_none_or(f64::is_finite) && most.is_none_or(f64::is_finite),
             misfit!(

@@ -76,7 +76,8 @@ impl Level {
             let each = at.runs.iter().zip(self.robust.weights());
             each.map(|(run, weight)| weight * run.kept[k]).sum()
         };
-        let bounds = self.bounds().iter().enumerate().map(|(k, bound)| (bound.name.clone(), mean(k)));
+        let bounds =
+            self.bounds().iter().enumerate().map(|(k, bound)| (bound.name.clone(), mean(k)));
         at.terms.iter().map(|(name, value)| (name.clone(), *value)).chain(bounds).collect()
     }
 
@@ -100,12 +101,7 @@ impl Level {
     /// The inequalities of bounds that are kept; the slope of the merit gets those that are not. Their constraints come
     /// after those of the rest shape.
     #[must_use]
-    pub fn bounded(
-        &self,
-        rows: &[BoundRow],
-        penalties: &[f64],
-        slope: &mut [f64],
-    ) -> Vec<KeptRow> {
+    pub fn bounded(&self, rows: &[BoundRow], penalties: &[f64], slope: &mut [f64]) -> Vec<KeptRow> {
         let first = self.constraints.len();
         let one = |row: &BoundRow| {
             let bound = &self.bounds()[row.bound];
@@ -128,7 +124,10 @@ impl Level {
             let (side, unit) = (if bound.is_least { "least" } else { "most" }, bound.unit);
             (lack(bound, worst) > 0.0).then(|| {
                 let (found, value) = (bound.number(worst), bound.value);
-                format!("{}: {found:.4e} {unit}, and at {side} {value:.4e} {unit} is to be kept", bound.title())
+                format!(
+                    "{}: {found:.4e} {unit}, and at {side} {value:.4e} {unit} is to be kept",
+                    bound.title()
+                )
             })
         });
         Some(said.collect::<Vec<_>>().join("; ")).filter(|said| !said.is_empty())

@@ -97,6 +97,9 @@ pub struct Checkpoint {
     /// What a violation of each bound costs, in the unit of the objective over that of the bound.
     #[serde(default)]
     pub penalties: Vec<f64>,
+    /// φ at the start of the design: what is far below it is nothing.
+    #[serde(default)]
+    pub first_merit: f64,
     /// Whether the start of the design did not keep its bounds.
     #[serde(default)]
     pub began_outside: bool,
@@ -146,6 +149,7 @@ impl Checkpoint {
             multipliers: Vec::new(),
             bounds: Vec::new(),
             penalties: Vec::new(),
+            first_merit: 0.0,
             began_outside: false,
             merit: f64::MAX,
             mold: None,
@@ -170,6 +174,7 @@ impl Checkpoint {
             endings_before,
             mold: self.mold,
             penalties: self.penalties,
+            first_merit: self.first_merit,
             began_outside: self.began_outside,
             region: self.region.without_model(),
             ..Self::new(self.inputs, lbfgs)

@@ -88,7 +88,7 @@ impl Rejections {
         let kinds = [
             (self.flat, "had flat elements"),
             (self.shape, "were no valid shapes"),
-            (self.run, "had no equilibrium"),
+            (self.run, "had no usable run, or no mold"),
             (self.high, "did not lower the objective"),
         ];
         let said: Vec<String> = kinds

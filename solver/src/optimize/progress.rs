@@ -25,12 +25,6 @@ impl LevelProgress {
         self.work.push(before + newton_iterations);
     }
 
-    /// The first objective; zero before there is one.
-    #[must_use]
-    pub fn first(&self) -> f64 {
-        self.objectives.first().copied().unwrap_or(0.0)
-    }
-
     /// Gain of the level so far, over its first objective; none before there is an iteration.
     #[must_use]
     pub fn gain(&self) -> Option<f64> {

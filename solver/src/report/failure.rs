@@ -151,6 +151,15 @@ fn worst_element(
     }
 }
 
+/// The element that is inverted most by displacements, and where it is at rest; none where no element is.
+#[must_use]
+pub fn inverted(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Option<String> {
+    let each = (0..space.tets().len()).map(|e| (e, smallest_volume_ratio(space, rest, u, e)));
+    let (worst, ratio) = each.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let middle = space.tets()[worst].iter().map(|&v| rest[v]).sum::<Vec3>() / 4.0;
+    (ratio <= 0.0).then(|| format!("tetrahedron {worst} at {} at rest is inverted", point(&middle)))
+}
+
 fn smallest_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64], e: usize) -> f64 {
     let n = space.nodes_per_element();
     let nodes = &space.element_nodes()[n * e..n * (e + 1)];

@@ -44,13 +44,19 @@ impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let axis = self.axis.unit();
         let names = std::iter::once(&self.on).chain(&self.to);
-        let tags: Vec<_> = names.clone().map(|tag| site.body.facets(tag)).collect::<Result<_, _>>()?;
+        let tags: Vec<_> =
+            names.clone().map(|tag| site.body.facets(tag)).collect::<Result<_, _>>()?;
         for (name, facets) in names.zip(&tags) {
             let rest = facets.iter().flatten().map(|&v| site.body.mesh.vertices[v]);
             let middle = rest.clone().sum::<Vec3>() / (3 * facets.len()) as f64;
-            let far = |x: Vec3| [(x - middle).norm_squared(), across(&axis, &(x - middle)).norm_squared()];
+            let far = |x: Vec3| {
+                [(x - middle).norm_squared(), across(&axis, &(x - middle)).norm_squared()]
+            };
             let [all, turned] = rest.map(far).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
-            ensure!(turned > ACROSS * all, "tag \"{name}\": lies along the axis, about which it then does not turn");
+            ensure!(
+                turned > ACROSS * all,
+                "tag \"{name}\": lies along the axis, about which it then does not turn"
+            );
         }
         let twist = move |m: &[Means]| {
             let signs: [f64; 2] = [1.0, -1.0];
@@ -86,9 +92,17 @@ mod tests {
     #[test]
     fn a_turn_about_the_axis_is_its_angle() {
         let axis = Vec3::new(0.3, -0.2, 1.0).normalize();
-        let turn = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(axis), 50_f64.to_radians());
+        let turn = nalgebra::Rotation3::from_axis_angle(
+            &nalgebra::Unit::new_normalize(axis),
+            50_f64.to_radians(),
+        );
         let mut m = Means::ZERO;
-        for rest in [Vec3::new(1.0, 0.0, 0.2), Vec3::new(0.0, 1.0, 0.0), Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.0, -1.0, 0.0)] {
+        for rest in [
+            Vec3::new(1.0, 0.0, 0.2),
+            Vec3::new(0.0, 1.0, 0.0),
+            Vec3::new(-1.0, 0.0, 0.0),
+            Vec3::new(0.0, -1.0, 0.0),
+        ] {
             let u = 1.3 * (turn * rest) + Vec3::new(0.1, 0.2, 0.3) - rest;
             m.rest += 0.25 * rest;
             m.u += 0.25 * u;

@@ -112,7 +112,10 @@ impl LimitGoal {
         let table = KeyPath::table("limit");
         ensure!(
             self.least.is_some() || self.weight.is_none(),
-            misfit!(table.key("weight"), " without least: expected both, least alone, burst or slope")
+            misfit!(
+                table.key("weight"),
+                " without least: expected both, least alone, burst or slope"
+            )
         );
         let goals = self.goals();
         ensure!(

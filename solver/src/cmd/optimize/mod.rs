@@ -15,7 +15,9 @@ use reports::{Castable, Designed, Ended, Inputs, Iteration, Optimization, Remesh
 use scene::config::{DesignConfig, LevelConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
 
-use self::folder::{failed, forget, forget_failure, forget_start, is_kept_before_a_level, outdated, remove};
+use self::folder::{
+    failed, forget, forget_failure, forget_start, is_kept_before_a_level, outdated, remove,
+};
 use self::found::Found;
 use crate::number;
 use crate::optimize::{
@@ -131,7 +133,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // to keep its bounds a design may have to give away some of its objective
     let is_better = fall > 0.0 || finished.began_outside;
     if finished.began_outside {
-        log::info!("the objective went from {before:.4e} to {after:.4e}; the start violated what the design keeps");
+        log::info!(
+            "the objective went from {before:.4e} to {after:.4e}; the start violated what the design keeps"
+        );
     } else if fall < LITTLE {
         log::warn!(
             "the objective fell by {:.1} % only: the design is hardly better than the start; see \
@@ -176,7 +180,9 @@ fn remeshed(cascade: &Cascade, finished: &Finished, designed: &Designed) -> Opti
     let again = match cascade.again(finished) {
         Ok(again) => again?,
         Err(error) => {
-            log::warn!("on a mesh whose interior is made anew the design was not simulated: {error:#}");
+            log::warn!(
+                "on a mesh whose interior is made anew the design was not simulated: {error:#}"
+            );
             return None;
         }
     };

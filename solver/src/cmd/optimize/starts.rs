@@ -87,7 +87,11 @@ pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
     let best = usable.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, one)| one);
     let best = best.ok_or_else(|| {
         let said: Vec<String> = all.iter().map(Outcome::in_words).collect();
-        Unusable(format!("none of {} starts came to a usable design: {}", all.len(), said.join("; ")))
+        Unusable(format!(
+            "none of {} starts came to a usable design: {}",
+            all.len(),
+            said.join("; ")
+        ))
     })?;
     log::info!("the best is that of start {}", best.number);
     Ok(best.folder.clone())
@@ -147,7 +151,8 @@ impl Outcome {
             let messages = self.folder.join("log.txt");
             return format!("start {number}: no design; see {}", messages.display());
         };
-        let [before, after] = [end.objective_before, end.objective_after].map(|j| j.unwrap_or(f64::NAN));
+        let [before, after] =
+            [end.objective_before, end.objective_after].map(|j| j.unwrap_or(f64::NAN));
         format!(
             "start {number}: objective {before:.4e} → {after:.4e}, {} shapes, {:.0} s; {}{}",
             end.iterations,
@@ -160,9 +165,11 @@ impl Outcome {
 
 /// Writes a line for each start.
 fn write_table(path: &Path, all: &[Outcome]) -> Result<()> {
-    let mut text = "start,objective_before,objective_after,shapes,time_s,usable,status\n".to_owned();
+    let mut text =
+        "start,objective_before,objective_after,shapes,time_s,usable,status\n".to_owned();
     for one in all {
-        let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
+        let number =
+            |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
         let end = one.end.as_ref();
         writeln!(
             text,
@@ -189,7 +196,8 @@ pub(super) fn take_over(from: &Path, folder: &Path) -> Result<()> {
     let names = checkpoint.files.keys().map(String::as_str);
     let castable = ["history.jsonl", "checkpoint.json"].into_iter();
     for name in names.chain(castable) {
-        let bytes = std::fs::read(from.join(name)).with_context(|| from.join(name).display().to_string())?;
+        let bytes = std::fs::read(from.join(name))
+            .with_context(|| from.join(name).display().to_string())?;
         mesh::io::write_atomic(&folder.join(name), |out| out.write_all(&bytes))?;
     }
     for entry in std::fs::read_dir(from).with_context(|| from.display().to_string())? {

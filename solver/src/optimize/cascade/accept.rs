@@ -14,6 +14,8 @@ use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
 
 /// Iterations that gain little, one after the other, before the level ends.
 const QUIET: usize = 2;
+/// Part of what the design began with that is nothing left.
+const NOTHING: f64 = 1e-5;
 /// How many times what ends a level a model promises that is taken for right, though the steps do not give it.
 const PROMISES: f64 = 10.0;
 
@@ -36,7 +38,7 @@ impl Cascade<'_> {
         // in the same checkpoint as the step: a kill between two would forget it
         let before = checkpoint.merit;
         let merit = level.merit(&step.evaluation, &checkpoint.penalties);
-        let fall = (before - merit) / before.abs();
+        let fall = (before - merit) / before.abs().max(NOTHING * checkpoint.first_merit.abs());
         // once again right after a new mesh, it is not the mesh
         let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
         // down the gradient, before anything is known of the curvature
@@ -82,14 +84,21 @@ impl Cascade<'_> {
     }
 
     /// Writes an accepted shape to disk, with its line of the history.
-    pub(super) fn record(&self, level: &mut Level, checkpoint: &mut Checkpoint, step: Step) -> Result<()> {
+    pub(super) fn record(
+        &self,
+        level: &mut Level,
+        checkpoint: &mut Checkpoint,
+        step: Step,
+    ) -> Result<()> {
         let levels = self.design.levels();
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
         checkpoint.spend(step.forward_s + step.gradient_s);
         // the same shape on another mesh is no progress
         if checkpoint.iteration == 0 || checkpoint.has_moved() {
-            checkpoint.progress.push(level.merit(evaluation, &checkpoint.penalties), evaluation.newton_iterations);
+            checkpoint
+                .progress
+                .push(level.merit(evaluation, &checkpoint.penalties), evaluation.newton_iterations);
         }
         let gradient_norm = norm(&step.gradient);
         let moved = level.mean_displacements(evaluation)?;

@@ -281,6 +281,7 @@ impl Cascade<'_> {
         let bounds = level.bound_rows(&theta, &evaluation).with_context(context)?;
         if checkpoint.penalties.is_empty() {
             checkpoint.penalties = level.first_penalties(&evaluation, norm(&gradient));
+            checkpoint.first_merit = level.merit(&evaluation, &checkpoint.penalties);
             checkpoint.began_outside = level.violated(&evaluation).is_some();
         }
         if checkpoint.history == 0 {

@@ -28,7 +28,7 @@ use crate::optimize::{Evaluation, Level, Rejected};
 const VARIABLES_PER_STEP: usize = 16;
 /// Radii that are tried until a rest shape is valid.
 const RADII: usize = 12;
-/// Fall of the objective, over what it is or was at the start of the level, that is none.
+/// Fall of the objective, over what it is or was at the start of the design, that is none.
 const ROUNDING: f64 = 1e-10;
 /// How much longer than the region the step of a model of which nothing is known would be.
 const UNKNOWN: f64 = 1e3;
@@ -90,8 +90,7 @@ impl Cascade<'_> {
             checkpoint.multipliers = multipliers;
             let before = level.merit(current, &checkpoint.penalties);
             // less is rounding, of the objective at the start of the level as well
-            let least =
-                ROUNDING * before.abs().max(checkpoint.progress.first().abs());
+            let least = ROUNDING * before.abs().max(checkpoint.first_merit.abs());
             if change.is_nan() || -change <= least {
                 return Ok(Err(End::converged("no step lowers the model of the objective")));
             }

@@ -67,7 +67,8 @@ impl Bound {
             let found = probes.iter().find(|probe| probe.name == bound.probe);
             let sides = [(true, bound.least), (false, bound.most)];
             let both = bound.least.is_some() && bound.most.is_some();
-            for (probe, (is_least, value)) in found.into_iter().flat_map(|p| sides.map(|s| (p, s))) {
+            for (probe, (is_least, value)) in found.into_iter().flat_map(|p| sides.map(|s| (p, s)))
+            {
                 let Some(value) = value else { continue };
                 let side = if is_least { "least" } else { "most" };
                 let name = match both {

@@ -7,6 +7,7 @@ mod curvature;
 mod gradient;
 mod limit;
 mod run;
+mod solve;
 mod terms;
 
 use std::collections::BTreeMap;
@@ -17,14 +18,11 @@ use measure::probe::measure;
 use mechanics::adjoint::Gradient;
 use mechanics::body::Body;
 use mechanics::element::{FunctionSpace, interpolate};
-use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Configuration, Integrator, Linearizations, Newton, Problem, Stepping, TimeStepper, Trajectory,
-    Unreached, Workspace, follow, solve_from, solve_multipliers,
+    Integrator, Linearizations, Problem, Stepping, Trajectory, Unreached, Workspace, follow,
 };
 use mechanics::memory::Need;
 use mesh::Vec3;
-use program::Heartbeat;
 use scene::config::{DesignConfig, Least, LevelConfig, LimitGoal, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
@@ -40,20 +38,6 @@ use crate::number::Swept;
 use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::results::{displacements, grid_with_fields};
-
-/// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
-/// took 2 to 8; what takes more is better reached by a shorter step.
-const NEARBY: usize = 12;
-/// Newton iterations in a load step of a run next to another, where bodies hit each other:
-/// simulated from rest, the worm took at most 22, the gripper 11.
-const NEARBY_IN_TIME: usize = 30;
-/// Smallest load step of such a run, as a fraction of a time step.
-const NEARBY_INCREMENT: f64 = 0.25;
-
-/// How many times its volume at the start a chamber has that is taken to balloon, next to another run ...
-const BALLOONED_NEARBY: f64 = 1.0;
-/// ... and from rest, where a chamber may grow a lot.
-const BALLOONED: f64 = 4.0;
 
 /// Part of the memory that states leave which factors of tangents may take.
 const FOR_TANGENTS: f64 = 0.25;
@@ -308,21 +292,6 @@ impl Scenario {
         Ok(states)
     }
 
-    /// How a run from rest steps, or one next to a run on another mesh.
-    fn patient(&self) -> Stepping {
-        let newton = Newton { ballooned: Some(BALLOONED), ..self.stepping.newton };
-        Stepping { newton, ..self.stepping }
-    }
-
-    /// How a run next to another one steps: what needs more is not near.
-    fn nearby(&self) -> Stepping {
-        let mut stepping = self.stepping;
-        stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
-        stepping.newton.ballooned = Some(BALLOONED_NEARBY);
-        stepping.smallest = stepping.smallest.max(NEARBY_INCREMENT);
-        stepping
-    }
-
     /// The problem with these variables of the loads.
     fn under(&self, loads: &[f64]) -> Result<Arc<Problem>, Rejected> {
         let problem = self.loads.problem(&self.problem, (&self.scene, &self.body), loads);
@@ -341,63 +310,6 @@ impl Scenario {
         let objective = 0.0;
         let run = Run { problem, rest, states, margins, objective, terms, kept, newton_iterations };
         self.rated(&run)
-    }
-
-    /// All states from rest.
-    fn solve(
-        &mut self,
-        problem: &Arc<Problem>,
-        rest: &[Vec3],
-        guide: Option<Arc<Trajectory>>,
-        stepping: Stepping,
-    ) -> Result<(Trajectory, usize), Rejected> {
-        let near = self.linearized.as_ref().filter(|_| guide.is_some());
-        let factors = near.map(|(_, known)| Arc::clone(known)).unwrap_or_default();
-        let stepper = TimeStepper::new(stepping, self.start.clone());
-        let mut stepper = stepper.guided(guide).with_factors(factors);
-        let mut heartbeat = Heartbeat::start();
-        let (scene, workspace, times) = (&self.scene, &mut self.workspace, &self.times);
-        let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
-        let run = stepper.run(problem, workspace, rest, times, self.state_memory, |step| {
-            heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.time)));
-        });
-        match run {
-            Ok(states) => Ok((states, stepper.progress.newton_iterations)),
-            Err(unreached) => {
-                let rejected = self.reject(&unreached);
-                self.unreached = Some((Arc::clone(problem), unreached));
-                Err(rejected)
-            }
-        }
-    }
-
-    /// The one equilibrium next to a displacement.
-    fn solve_next_to(
-        &mut self,
-        problem: &Problem,
-        rest: &[Vec3],
-        u: &[f64],
-    ) -> Result<(Trajectory, usize), Rejected> {
-        let time = self.times[0];
-        let step = Arc::new(self.one_step(problem, rest, u).step(problem, rest, 1));
-        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
-        let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
-        let start = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
-        let newton = Newton {
-            iterations: NEARBY,
-            ballooned: Some(BALLOONED_NEARBY),
-            ..self.stepping.newton
-        };
-        let solution = solve_from(problem, &mut self.workspace, &start, &newton)
-            .map_err(|e| self.reject(e))?;
-        Ok((self.one_step(problem, rest, &solution.u), solution.newton_iterations))
-    }
-
-    /// The run to a displacement in one step.
-    fn one_step(&self, problem: &Problem, rest: &[Vec3], u: &[f64]) -> Trajectory {
-        let mut run = Trajectory::begin(&self.start, self.state_memory);
-        run.push_displacement(problem, rest, self.times[0], u);
-        run
     }
 
     /// The derivatives of a sweep, to be asked by the numbers of the scene.
