@@ -111,7 +111,8 @@ pub fn of_design(probes: Option<&BTreeMap<String, DesignedProbe>>, fall: f64) ->
 }
 
 /// A number with four digits and a unit that people read.
-fn quantity(value: f64, unit: &str) -> String {
+#[must_use]
+pub fn quantity(value: f64, unit: &str) -> String {
     let known = READABLE.iter().find(|row| row.0 == unit);
     let (value, unit) = known.map_or((value, unit), |(_, factor, name)| (value * factor, name));
     let digits = match value.abs() {

@@ -193,7 +193,7 @@ fn remeshed(cascade: &Cascade, finished: &Finished, designed: &Designed) -> Opti
         .iter()
         .flatten()
         .filter_map(|(name, probe)| {
-            Some(format!(", {name} {} {}", again.probes.get(name)?, probe.unit))
+            Some(format!(", {name} {}", summary::quantity(*again.probes.get(name)?, &probe.unit)))
         })
         .collect();
     let said = format!(
