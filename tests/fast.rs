@@ -3,6 +3,8 @@
 
 #[path = "fast/afloat.rs"]
 mod afloat;
+#[path = "fast/alike.rs"]
+mod alike;
 #[path = "fast/as_cast.rs"]
 mod as_cast;
 #[path = "fast/bad_design.rs"]

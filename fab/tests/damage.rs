@@ -260,6 +260,12 @@ fn channels() {
     // The walls of the body are one cube of 4 mm.
     let lines = after(|mold| change_report(mold, |report| report.casting.least_wall = 4.1e-3));
     assert_fails(&lines, "silicone: thinnest wall");
+    // Its core is thinnest beside the pit of a pin, 1.64 mm.
+    let core = |least: f64| {
+        after(|mold| change_report(mold, |report| report.casting.least_core = Some(least)))
+    };
+    assert_fails(&core(1.7e-3), "core: thinnest");
+    assert_status(&core(1.5e-3), "core: thinnest", Status::Ok);
 }
 
 #[test]

@@ -284,6 +284,24 @@ fn an_undercut_that_does_not_peel_is_refused_and_another_pull_found() {
     assert!(best.undercut < 1.0, "{best:?}");
 }
 
+/// The chamber is 12 mm wide, its inlet 4 mm.
+#[test]
+fn a_core_that_is_too_thin_is_refused_with_its_place() {
+    let soluble = "method = \"soluble\"\ncasting.least_core = ";
+    let scene = Scene::new(&CHAMBER, &format!("{soluble}4.1e-3"));
+    let said = refused(&scene);
+    let words = "the core of \"cavity\" is 4.000 mm thick at (";
+    assert!(said.contains(words) && said.contains("casting.least_core is 4.100 mm"), "{said}");
+    // The plan accepts it, but the stub does not fill the inlet.
+    scene.configure(&format!("{soluble}3.9e-3"));
+    assert!(scene.plan().status.success());
+    let output = scene.mold();
+    assert!(stderr(&output).contains("core: thinnest"), "{}", stderr(&output));
+    scene.configure(&format!("{soluble}1e-3"));
+    let (_, lines) = proved(&scene);
+    assert!(lines.contains("core: thinnest"), "{lines}");
+}
+
 #[test]
 fn the_plan_alone_writes_the_plan_and_its_picture() {
     let scene = Scene::planned(&CHAMBER, "");

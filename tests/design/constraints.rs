@@ -78,6 +78,23 @@ fn a_wall_is_kept_and_its_worth_is_the_derivative_of_the_optimum() {
     assert!((worth / slope - 1.0).abs() < 0.1, "{worth} {slope}");
 }
 
+/// The chamber is 20 mm wide and shall have little air: it shrinks until its core is as thin as may be. One variable, so that the
+/// optimum is found whatever the mesh. Threshold, set before: 1e-3 of that.
+#[test]
+fn a_core_is_kept() {
+    let dir = chamber::workdir();
+    let wall = "kind = \"wall\"\nname = \"wall\"\non = \"cavity\"\nagainst = [\"top\", \"skin\"]";
+    let core = "kind = \"core\"\nname = \"core\"\non = \"cavity\"";
+    for least in [15e-3, 12e-3] {
+        let text = design(least, 1e-6).replace(wall, core);
+        let (levels, terms) = (text.rfind("[[shape.level]]"), text.find("[[objective]]"));
+        let found = report(&dir, &(text[..levels.unwrap()].to_owned() + &text[terms.unwrap()..]));
+        let core = &found["constraints"]["core"];
+        assert!((number(&core["found"]) / least - 1.0).abs() < 1e-3, "{core}");
+        assert!(number(&core["worth"]) > 0.0, "{core}");
+    }
+}
+
 /// With room enough the target is met, no wall holds it back, and its worth is nothing.
 #[test]
 fn a_wall_that_is_far_is_worth_nothing() {

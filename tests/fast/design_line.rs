@@ -45,6 +45,24 @@ fn a_line_becomes_a_design_that_reaches_its_value() {
 }
 
 #[test]
+fn the_core_is_that_of_the_line_or_of_the_mold() {
+    let dir = folder();
+    let line = |options: &str, file: &str| {
+        dir.solver(&format!("design p1.toml --probe top=1e-3{options} -o {file}")).assert_good();
+        dir.text(file)
+    };
+    assert!(!line("", "none.toml").contains("kind = \"core\""));
+    dir.write("mold.toml", "method = \"soluble\"\n\n[casting]\nleast_core = 1.2e-3\n");
+    let kept = "kind = \"core\"\nname = \"core\"\non = \"cavity\"\nleast = ";
+    assert!(line("", "mold.design.toml").contains(&format!("{kept}0.0012 ")));
+    assert!(line(" --core 2e-3", "line.toml").contains(&format!("{kept}0.002 ")));
+    dir.solver("check line.toml --design-only --handles 1").assert_good();
+    dir.write("mold.toml", "casting.least_core = \"thin\"\n");
+    let run = dir.solver("design p1.toml --probe top=1e-3 -o bad.toml");
+    run.assert_refused(2, &["mold.toml", "casting.least_core must be a number above 0"]);
+}
+
+#[test]
 fn lines_that_cannot_be_are_refused_and_nothing_is_overwritten() {
     let dir = folder();
     let fails = |line: &str, said: &str| {

@@ -5,7 +5,7 @@ use program::schema::one_of_these_or_none;
 use schemars::{Schema, SchemaGenerator};
 use serde::Serialize;
 
-use super::table::{any, table};
+use super::table::{any, optional_length, table};
 
 table! {
     /// What is cast, and what the mold is printed on.
@@ -23,6 +23,8 @@ table! {
         waste: f64 = 0.2, share;
         /// Least thickness of the silicone at rest [m].
         least_wall: f64 = 1e-3, wall;
+        /// Least thickness of a core, which breaks or is not printed where it is thinner [m].
+        least_core: Option<f64> = None => "none", optional_length;
         /// Whether a second casting goes around this one, such as a skin over thread: the core stays inside, and
         /// the holes of its pins stay open.
         first_shot: bool = false, any;

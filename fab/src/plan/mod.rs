@@ -121,6 +121,22 @@ pub enum PlanError {
         /// On what it was measured.
         on: &'static str,
     },
+    /// A core is too thin.
+    #[error(
+        "the core{of} is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_core is {:.3} mm: widen the chamber \
+         there, or lower casting.least_core",
+        thickness * 1e3, least * 1e3, x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
+    )]
+    ThinCore {
+        /// Of which chamber; empty where it has no name.
+        of: String,
+        /// Thickness of the core [m].
+        thickness: f64,
+        /// Where, in the design [m].
+        at: Vec3,
+        /// Least thickness allowed [m].
+        least: f64,
+    },
     /// The directions do not fit.
     #[error(transparent)]
     Layout(#[from] LayoutError),

@@ -136,10 +136,26 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// Cores, which are larger by what shrinks, are nowhere too thin.
+    fn require_cores(&self) -> Result<(), PlanError> {
+        let Some(least) = self.config.casting.least_core else { return Ok(()) };
+        let in_design = least * (1.0 - self.config.shrinkage());
+        for core in &self.boundary.cores {
+            let surface = (&core.surface, self.boundary.casts);
+            if let Some(Wall { thickness, at, .. }) = walls::too_thin(surface, None, in_design) {
+                let named = !core.chamber.is_empty();
+                let of = if named { format!(" of {:?}", core.chamber) } else { String::new() };
+                return Err(PlanError::ThinCore { of, thickness, at, least });
+            }
+        }
+        Ok(())
+    }
+
     /// What a method that was judged possible casts.
     pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
         let (boundary, config) = (self.boundary, self.config);
         self.require_walls()?;
+        self.require_cores()?;
         match method.castings {
             Castings::Body => {
                 let up = layout::up(boundary, config);

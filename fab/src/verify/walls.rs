@@ -11,7 +11,7 @@ use program::InputFile;
 use reports::OneOrList;
 use serde::Deserialize;
 
-use super::closed_mold::ClosedMold;
+use super::closed_mold::{Body, ClosedMold};
 use super::origins::Origins;
 use super::{Against, Line, Status};
 use crate::body::source::{CastPart, Input};
@@ -43,7 +43,24 @@ pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
         silicone.status = Status::Ok;
         silicone.needed = "any: what the plan cuts in two has a sharp edge, no wall".into();
     }
-    vec![mold_walls(mold, &surface), silicone]
+    let mut lines = vec![mold_walls(mold, &surface), silicone];
+    lines.extend(cores(mold));
+    lines
+}
+
+/// Cores with their bores filled: what is left around a bore is `core.skin`.
+fn cores(mold: &ClosedMold) -> Vec<Line> {
+    let Some(least) = mold.report.casting.least_core else { return Vec::new() };
+    let least = least * MM - 2.0 * mold.rounding;
+    let bores = mold.report.features.iter().filter(|f| f.purpose == Purpose::Drain);
+    let bores: Vec<_> = bores.map(|bore| bore.exact()).collect();
+    let one = |core: &Body| {
+        let filled = bores.iter().fold(core.solid.clone(), |core, bore| core.union(bore));
+        let body = filled.decompose().into_iter().max_by(|a, b| a.volume().total_cmp(&b.volume()));
+        let surface = body.unwrap_or(filled).to_surface();
+        wall_line(&format!("{}: thinnest", core.name), &surface, least)
+    };
+    mold.cores.iter().map(one).collect()
 }
 
 /// Least distance of the body and of the keys' seats from the outside, and of the seats

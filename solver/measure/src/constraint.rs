@@ -1,9 +1,10 @@
 //! `[[constraint]]`: what a design keeps, as inequalities c_k(X) ≥ 0 on the rest shape.
 //!
 //! wall    c = d_k − least                                   [m]
+//! core    c = d_k − least, through the air                  [m]
 //! draft   c = n_f·p − sin(least)                            [1]
 //!
-//! d_k   distance of a vertex or edge of one part from the other part [m]
+//! d_k   distance of a vertex or edge of one part from the other part, or of a chamber's wall from what faces it [m]
 //! n_f   unit normal of a facet, out of the silicone [1]
 //! p     unit vector along which what lies on the facets is pulled [1]
 //!
@@ -15,6 +16,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::{Body, TagError};
+use mechanics::contact::images::Mirrored;
 use mechanics::contact::pairs::Pair;
 use mesh::Vec3;
 use program::{KeyPath, misfit};
@@ -22,7 +24,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::bound::ProbeBound;
-use crate::quantity::{Walls, positive};
+use crate::quantity::{Cores, Walls, positive};
 use crate::written::Names;
 
 /// Tolerance of a constraint over its size.
@@ -34,6 +36,8 @@ const TOLERANCE: f64 = 1e-3;
 pub enum ConstraintConfig {
     /// No wall between two parts of the surface is thinner.
     Wall(WallConfig),
+    /// No core, which the air of a chamber is in a mold, is thinner.
+    Core(CoreConfig),
     /// No facet holds back the core, or the piece of the mold, that is pulled off it.
     Draft(DraftConfig),
     /// A probe of the scene stays within bounds.
@@ -52,6 +56,18 @@ pub struct WallConfig {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     against: Vec<String>,
     /// The thinnest wall allowed [m].
+    least: f64,
+}
+
+/// `kind = "core"`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CoreConfig {
+    /// As reports call it.
+    name: String,
+    /// Tag of the chamber's wall, or list of tags that bound one chamber.
+    on: Names,
+    /// The thinnest core allowed [m].
     least: f64,
 }
 
@@ -75,6 +91,7 @@ impl ConstraintConfig {
     pub fn name(&self) -> &str {
         match self {
             Self::Wall(wall) => &wall.name,
+            Self::Core(core) => &core.name,
             Self::Draft(draft) => &draft.name,
             Self::Probe(bound) => &bound.name,
         }
@@ -116,6 +133,7 @@ impl ConstraintConfig {
                     )
                 );
             }
+            Self::Core(CoreConfig { least, .. }) => positive("least", *least)?,
             Self::Draft(DraftConfig { pull, least, .. }) => {
                 let length = Vec3::from(*pull).norm();
                 ensure!(
@@ -139,6 +157,7 @@ impl ConstraintConfig {
     pub fn build(&self, body: &Body) -> Result<Option<Constraint>> {
         let (built, unit) = match self {
             Self::Wall(wall) => (wall.build(body), "m"),
+            Self::Core(core) => (core.build(body), "m"),
             Self::Draft(draft) => (draft.build(body), "1"),
             Self::Probe(_) => return Ok(None),
         };
@@ -158,6 +177,13 @@ impl WallConfig {
             against => vec![own.concat(), each(against)?.concat()],
         };
         Ok(Form::Wall { walls: Walls::new(&body.planes, &parts)?, least: self.least })
+    }
+}
+
+impl CoreConfig {
+    fn build(&self, body: &Body) -> Result<Form> {
+        let facets: Result<Vec<_>, _> = self.on.all().iter().map(|on| body.facets(on)).collect();
+        Ok(Form::Core { cores: Cores::new(&body.planes, &facets?.concat()), least: self.least })
     }
 }
 
@@ -191,15 +217,16 @@ pub struct Constraint {
 
 enum Form {
     Wall { walls: Walls, least: f64 },
+    Core { cores: Cores, least: f64 },
     Draft { facets: Vec<[usize; 3]>, pull: Vec3, sine: f64 },
 }
 
 impl Constraint {
-    /// The least wall [m], or the sine of the least draft [1]: c is what was measured less this.
+    /// The least wall or core [m], or the sine of the least draft [1]: c is what was measured less this.
     #[must_use]
     pub fn least(&self) -> f64 {
         match &self.form {
-            Form::Wall { least, .. } => *least,
+            Form::Wall { least, .. } | Form::Core { least, .. } => *least,
             Form::Draft { sine, .. } => *sine,
         }
     }
@@ -208,7 +235,7 @@ impl Constraint {
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         match &self.form {
-            Form::Wall { least, .. } => TOLERANCE * least,
+            Form::Wall { least, .. } | Form::Core { least, .. } => TOLERANCE * least,
             Form::Draft { .. } => TOLERANCE,
         }
     }
@@ -217,7 +244,14 @@ impl Constraint {
     #[must_use]
     pub fn near(&self, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
         match &self.form {
-            Form::Wall { walls, least } => near_walls(walls, *least, rest, motion),
+            Form::Wall { walls, least } => {
+                let pairs = |x: &[Vec3], radius: f64| walls.pairs(x, radius);
+                near_pairs(&walls.whole, pairs, *least, rest, motion)
+            }
+            Form::Core { cores, least } => {
+                let pairs = |x: &[Vec3], radius: f64| cores.pairs(x, radius);
+                near_pairs(&cores.whole, pairs, *least, rest, motion)
+            }
             Form::Draft { facets, pull, sine } => {
                 let all = facets.iter().map(|&facet| draft_of(rest, facet, pull, *sine));
                 all.filter(|(c, slope)| c.value < 2.0 * motion * slope).map(|(c, _)| c).collect()
@@ -226,12 +260,19 @@ impl Constraint {
     }
 }
 
-fn near_walls(walls: &Walls, least: f64, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
-    let x = walls.whole.positions(rest);
-    let mut near = distances(walls.pairs(&x, least + 2.0 * motion), &x);
-    for wall in &mut near {
-        wall.value -= least;
-        wall.by.iter_mut().for_each(|(v, by)| (*v, *by) = walls.whole.to_vertex(*v, *by));
+/// Distances less `least` of what `pairs` finds within a radius at positions of the whole.
+fn near_pairs(
+    whole: &Mirrored,
+    pairs: impl Fn(&[Vec3], f64) -> Vec<Pair>,
+    least: f64,
+    rest: &[Vec3],
+    motion: f64,
+) -> Vec<Inequality> {
+    let x = whole.positions(rest);
+    let mut near = distances(pairs(&x, least + 2.0 * motion), &x);
+    for one in &mut near {
+        one.value -= least;
+        one.by.iter_mut().for_each(|(v, by)| (*v, *by) = whole.to_vertex(*v, *by));
     }
     near
 }
@@ -318,12 +359,35 @@ mod tests {
         let walls = Walls::new(&[], &sides).unwrap();
         let wall = Form::Wall { walls, least: 0.9 };
         let draft = Form::Draft { facets: sides[1].clone(), pull: Vec3::z(), sine: 0.05 };
-        for form in [wall, draft] {
+        // bottom and top of what is air here face each other
+        let turned = sides.concat().into_iter().map(|[a, b, c]| [a, c, b]).collect::<Vec<_>>();
+        let core = Form::Core { cores: Cores::new(&[], &turned), least: 0.9 };
+        for form in [wall, draft, core] {
             let constraint = Constraint { name: String::new(), unit: "", form };
             let (_, gradient) = sum_and_gradient(&constraint, &rest, 1.0);
             let value = |y: &[f64]| sum_and_gradient(&constraint, &points(y), 1.0).0;
             check_gradient(&flat(&rest), &gradient, 1e-5, value);
         }
+    }
+
+    /// Sides of a wall are not the sides of a core, nor are neighbours along either side, and edges of a box.
+    #[test]
+    fn a_core_is_what_faces_through_air() {
+        let (body, sides) = body();
+        let rest = &body.mesh.vertices;
+        let near = |facets: &[[usize; 3]]| {
+            let form = Form::Core { cores: Cores::new(&[], facets), least: 0.8 };
+            Constraint { name: String::new(), unit: "m", form }.near(rest, 0.15)
+        };
+        assert!(near(&sides.concat()).is_empty());
+        let turn = |facets: &[[usize; 3]]| -> Vec<[usize; 3]> {
+            facets.iter().map(|&[a, b, c]| [a, c, b]).collect()
+        };
+        let box_of_air = turn(body.boundary());
+        let (flat, all) = (near(&turn(&sides.concat())), near(&box_of_air));
+        assert!(!flat.is_empty() && all.len() > flat.len(), "{} {}", flat.len(), all.len());
+        // within the jitter of the mesh
+        assert!(all.iter().all(|c| (c.value - 0.2).abs() < 0.1), "{all:?}");
     }
 
     #[test]

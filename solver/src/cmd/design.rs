@@ -43,6 +43,9 @@ pub struct Arguments {
     /// The thinnest wall allowed between it and the outside [m]
     #[arg(long, value_name = "METRES", default_value_t = 1e-3)]
     wall: f64,
+    /// The thinnest core allowed [m]; casting.least_core of a mold.toml beside the scene if not given
+    #[arg(long, value_name = "METRES")]
+    core: Option<f64>,
     /// Pressure of the chamber [Pa, gauge], in place of the scene's
     #[arg(long, value_name = "PASCALS", allow_negative_numbers = true)]
     pressure: Option<f64>,
@@ -76,6 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "--wall {}: must be positive, in metres",
         arguments.wall
     );
+    let core = least_core(arguments)?;
     let moved = moved(arguments, &scene).with_context(place)?;
     let path = arguments
         .output
@@ -96,7 +100,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         files.push((under.clone(), pressed(&name, &moved, pressure, &scene).with_context(place)?));
         name = file_name(&under)?;
     }
-    files.push((path.clone(), problem(arguments, &scene, &name, &moved).with_context(place)?));
+    files.push((
+        path.clone(),
+        problem(arguments, &scene, &name, (&moved, core)).with_context(place)?,
+    ));
     write(&files)?;
     if let Some(said) = cost(&scene) {
         log::info!("{said}");
@@ -136,6 +143,28 @@ fn file_name(path: &Path) -> Result<String> {
     Ok(name.with_context(|| format!("{}: not a name in UTF-8", path.display()))?.to_owned())
 }
 
+/// The thinnest core [m] that was asked for, or that the mold beside the scene allows.
+fn least_core(arguments: &Arguments) -> Result<Option<f64>> {
+    if let Some(core) = arguments.core {
+        ensure!(core > 0.0 && core.is_finite(), "--core {core}: must be positive, in metres");
+        return Ok(Some(core));
+    }
+    let path = beside(&arguments.scene, Path::new("mold.toml"));
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = mesh::io::read_text(&path)?;
+    let mold: toml::Table = text.parse().with_context(|| path.display().to_string())?;
+    let key = mold.get("casting").and_then(|casting| casting.get("least_core"));
+    let least = key.and_then(toml::Value::as_float).filter(|least| *least > 0.0);
+    ensure!(
+        key.is_none() || least.is_some(),
+        "{}: casting.least_core must be a number above 0, in metres",
+        path.display()
+    );
+    Ok(least)
+}
+
 /// The tag that may move.
 fn moved(arguments: &Arguments, scene: &Scene) -> Result<String> {
     let chambers: Vec<&str> =
@@ -167,7 +196,12 @@ fn pressed(name: &str, moved: &str, pressure: f64, scene: &Scene) -> Result<Stri
 }
 
 /// The text of the design problem.
-fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Result<String> {
+fn problem(
+    arguments: &Arguments,
+    scene: &Scene,
+    name: &str,
+    (moved, core): (&str, Option<f64>),
+) -> Result<String> {
     let against: Vec<_> = outside(&scene.body, moved)?.iter().map(|tag| quoted(tag)).collect();
     let (name, moved) = (quoted(name), quoted(moved));
     let mut text = format!(
@@ -204,6 +238,13 @@ fn problem(arguments: &Arguments, scene: &Scene, name: &str, moved: &str) -> Res
             text,
             "\n# No wall is thinner.\n[[constraint]]\nkind = \"wall\"\nname = \"wall\"\n\
              on = {moved}\nagainst = {against}\nleast = {wall:?}    # [m]\n"
+        )?;
+    }
+    if let Some(core) = core {
+        write!(
+            text,
+            "\n# No part of the core that makes the chamber is thinner.\n[[constraint]]\nkind = \"core\"\nname = \"core\"\n\
+             on = {moved}\nleast = {core:?}    # [m]\n"
         )?;
     }
     write!(

@@ -244,7 +244,7 @@ mod tests {
     fn weights_are_bounded_add_up_and_vanish_on_the_rim() {
         let surface = cap(3);
         let rim = rim(&surface);
-        let handles = spread_points(&surface, &rim, 6, Spread::RePick).unwrap();
+        let handles = spread_points(&surface, &rim, 6, Spread::RePick, &|_| Vec::new()).unwrap();
         let weights = bounded_biharmonic(&surface, &rim, &handles).unwrap();
         for v in 0..surface.vertices.len() {
             let sum: f64 = weights.iter().map(|w| w[v]).sum();
@@ -264,7 +264,7 @@ mod tests {
     fn weights_are_the_minimum_under_bounds() {
         let surface = cap(3);
         let rim = rim(&surface);
-        let handles = spread_points(&surface, &rim, 6, Spread::RePick).unwrap();
+        let handles = spread_points(&surface, &rim, 6, Spread::RePick, &|_| Vec::new()).unwrap();
         let problem = Problem::new(&surface, &rim, &handles);
         let targets: Vec<Vec<usize>> = handles.iter().map(|&v| vec![v]).collect();
         let mut active = 0;
@@ -309,7 +309,7 @@ mod tests {
         let mut small = surface.clone();
         small.vertices.iter_mut().for_each(|v| *v *= 1e-3);
         let rim = rim(&surface);
-        let handles = spread_points(&surface, &rim, 3, Spread::RePick).unwrap();
+        let handles = spread_points(&surface, &rim, 3, Spread::RePick, &|_| Vec::new()).unwrap();
         let a = bounded_biharmonic(&surface, &rim, &handles).unwrap();
         let b = bounded_biharmonic(&small, &rim, &handles).unwrap();
         let differences = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());

@@ -3,7 +3,7 @@
 //! X(θ) = X₀ + 𝓔 (patches(θ) − X₀ on the moving surface), with 𝓔 the extension into
 //! the interior, so that the gradient is that of what is simulated. The variables of
 //! the patches come first, one after the other, then those of the loads, which each scenario
-//! applies itself; all are metres.
+//! applies itself; all are metres. A patch that is the image of another has the variables of that one.
 
 use std::collections::BTreeMap;
 
@@ -13,10 +13,11 @@ use mechanics::element::at;
 use mesh::Vec3;
 use program::{KeyPath, misfit};
 use scene::Scene;
-use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig};
+use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig, SymmetricConfig};
 
 use super::Patch;
 use super::held::{Flat, Held};
+use super::isometry::Isometry;
 use super::load_map::{LoadMap, LoadVariable};
 use crate::extension::Extension;
 
@@ -24,14 +25,93 @@ use crate::extension::Extension;
 pub struct DesignMap {
     /// Rest vertices at θ = 0 [m].
     rest: Vec<Vec3>,
-    patches: Vec<Patch>,
+    patches: Patches,
     /// None where nothing moves.
     extension: Option<Extension>,
     interior: Interior,
     loads: LoadMap,
+    mean_edge: f64,
+}
+
+/// A patch with the index of its first variable.
+struct Placed {
+    tag: String,
+    patch: Patch,
+    start: usize,
+}
+
+/// What moves in a level.
+#[derive(Default)]
+struct Patches {
+    /// Images have the same variables as what they are images of.
+    all: Vec<Placed>,
+    /// Number of variables.
+    variables: usize,
     /// All facets that move.
     moving: Vec<[usize; 3]>,
-    mean_edge: f64,
+}
+
+impl Patches {
+    fn new(shape: &ShapeConfig, level: &LevelConfig, body: &Body) -> Result<Self> {
+        let rest = &body.mesh.vertices;
+        let flats = flats(shape, body)?;
+        let held = Held { planes: &body.planes, flats: &flats, margin: shape.margin };
+        let place = |on: &String| shape.symmetry_of(on).map_or(0, |(_, place)| place);
+        // what others are images of comes first
+        let mut tags: Vec<&String> = shape.on.all().iter().collect();
+        tags.sort_by_key(|on| place(on) > 0);
+        let mut made = Self::default();
+        for on in tags {
+            let facets = body.facets(on)?;
+            let Some(moves) = shape.moves(level, on) else { continue };
+            let image = shape.symmetry_of(on).filter(|(_, place)| *place > 0);
+            let image = image.map(|(one, place)| made.image(one, place, rest, &facets, held));
+            let (patch, start) = if let Some(image) = image.transpose()?.flatten() {
+                image
+            } else {
+                let own =
+                    shape.symmetry_of(on).map_or_else(Vec::new, |(one, _)| Isometry::own(one));
+                let patch = Patch::new(rest, &facets, held, moves, shape.spread, &own)?;
+                let start = made.variables;
+                made.variables += patch.variables();
+                (patch, start)
+            };
+            made.all.push(Placed { tag: on.clone(), patch, start });
+            made.moving.extend(facets);
+        }
+        Ok(made)
+    }
+
+    /// The image of the first tag of a symmetry, with the index of its first variable.
+    fn image(
+        &self,
+        symmetric: &SymmetricConfig,
+        place: usize,
+        rest: &[Vec3],
+        facets: &[[usize; 3]],
+        held: Held,
+    ) -> Result<Option<(Patch, usize)>> {
+        let of = &symmetric.of.all()[0];
+        let Some(first) = self.all.iter().find(|placed| placed.tag == *of) else { return Ok(None) };
+        let by = Isometry::of(symmetric, place);
+        Ok(Some((first.patch.image(&by, rest, facets, held)?, first.start)))
+    }
+}
+
+/// The tags of each symmetry are images of each other in a body as modelled: what a design makes of it may be off by more.
+fn check_symmetric(shape: &ShapeConfig, body: &Body) -> Result<()> {
+    for one in &shape.symmetric {
+        let (tags, rest) = (one.of.all(), &body.mesh.vertices);
+        let first = body.facets(&tags[0])?;
+        for by in Isometry::own(one) {
+            by.check_there(one, rest, [(&tags[0], &first); 2])?;
+        }
+        for (place, tag) in tags.iter().enumerate().skip(1) {
+            let sides = [(&tags[0][..], &first[..]), (tag, &body.facets(tag)?)];
+            Isometry::of(one, place).check_there(one, rest, sides)?;
+        }
+    }
+    Ok(())
 }
 
 /// The flat faces that a design keeps, of all that moves in any level.
@@ -42,8 +122,8 @@ fn flats(shape: &ShapeConfig, body: &Body) -> Result<Vec<Flat>> {
 }
 
 /// Rigid parts have the shape of the scene: what they are made of does not move with a design.
-fn check_not_rigid(patches: &[Patch], rigid: &BTreeMap<usize, String>) -> Result<()> {
-    let moved = patches.iter().flat_map(Patch::vertices).find_map(|v| rigid.get(v));
+fn check_not_rigid(patches: &[Placed], rigid: &BTreeMap<usize, String>) -> Result<()> {
+    let moved = patches.iter().flat_map(|p| p.patch.vertices()).find_map(|v| rigid.get(v));
     ensure!(
         moved.is_none(),
         misfit!(
@@ -68,26 +148,21 @@ impl DesignMap {
         body: &Body,
     ) -> Result<Self> {
         let rest = body.mesh.vertices.clone();
-        let (mut patches, mut moving) = (Vec::new(), Vec::new());
+        let mut patches = Patches::default();
         if let Some(shape) = &design.shape {
-            let flats = flats(shape, body)?;
-            let held = Held { planes: &body.planes, flats: &flats, margin: shape.margin };
-            for on in shape.on.all() {
-                let facets = body.facets(on)?;
-                let Some(moves) = level.moves(on) else { continue };
-                patches.push(Patch::new(&rest, &facets, held, moves, shape.spread)?);
-                moving.extend(facets);
-            }
+            check_symmetric(shape, &scene.body)?;
+            patches = Patches::new(shape, level, body)?;
         }
-        check_apart(&patches)?;
-        check_not_rigid(&patches, &scene.rigid_vertices(body)?)?;
-        let edges = if moving.is_empty() { body.boundary() } else { &moving };
+        check_apart(&patches.all)?;
+        check_not_rigid(&patches.all, &scene.rigid_vertices(body)?)?;
+        let moving = &patches.moving;
+        let edges = if moving.is_empty() { body.boundary() } else { moving };
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
         let extension = if moving.is_empty() { None } else { Some(Extension::new(body)?) };
         let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(scene, chambers, parameters, mean_edge)?;
-        Ok(Self { rest, patches, extension, interior, loads, moving, mean_edge })
+        Ok(Self { rest, patches, extension, interior, loads, mean_edge })
     }
 
     /// Number of design variables.
@@ -99,13 +174,13 @@ impl DesignMap {
     /// Number of those of the shape, which come first.
     #[must_use]
     pub fn shape_variables(&self) -> usize {
-        self.patches.iter().map(Patch::variables).sum()
+        self.patches.variables
     }
 
     /// Facets that move.
     #[must_use]
     pub fn moving(&self) -> &[[usize; 3]] {
-        &self.moving
+        &self.patches.moving
     }
 
     /// Mean edge length of the moving surface, of the whole boundary if none moves
@@ -115,24 +190,22 @@ impl DesignMap {
         self.mean_edge
     }
 
-    /// Each patch with its variables.
+    /// Each patch with the index of its first variable, and its variables.
     fn each_patch<'a>(
         &'a self,
         theta: &'a [f64],
-    ) -> impl Iterator<Item = (&'a Patch, &'a [f64])> + 'a {
-        let mut rest = theta;
-        self.patches.iter().map(move |patch| {
-            let (own, others) = rest.split_at(patch.variables());
-            rest = others;
-            (patch, own)
-        })
+    ) -> impl Iterator<Item = (&'a Patch, usize, &'a [f64])> + 'a {
+        let one = |Placed { patch, start, .. }: &'a Placed| {
+            (patch, *start, &theta[*start..start + patch.variables()])
+        };
+        self.patches.all.iter().map(one)
     }
 
     /// Rest vertex positions with the moving surface at θ and all others at θ = 0 [m].
     #[must_use]
     pub fn surface(&self, theta: &[f64]) -> Vec<Vec3> {
         let mut moved = self.rest.clone();
-        for (patch, own) in self.each_patch(theta) {
+        for (patch, _, own) in self.each_patch(theta) {
             for (&v, x) in patch.vertices().iter().zip(patch.apply(own, &self.rest)) {
                 moved[v] = x;
             }
@@ -195,7 +268,7 @@ impl DesignMap {
     #[must_use]
     pub fn vertex_motion(&self, a: &[f64], b: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
-        for ((patch, a), (_, b)) in self.each_patch(a).zip(self.each_patch(b)) {
+        for ((patch, _, a), (_, _, b)) in self.each_patch(a).zip(self.each_patch(b)) {
             let (a, b) = (patch.apply(a, &self.rest), patch.apply(b, &self.rest));
             largest = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(largest, f64::max);
         }
@@ -221,13 +294,15 @@ impl DesignMap {
     #[must_use]
     pub fn vjp(&self, theta: &[f64], by_rest: &[f64]) -> Vec<f64> {
         let mut gradient = Vec::with_capacity(self.variables());
+        gradient.resize(self.shape_variables(), 0.0);
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
         if let (Some(extension), Interior::Extended) = (&self.extension, self.interior) {
             extension.vjp(&mut bar);
         }
-        for (patch, own) in self.each_patch(theta) {
+        for (patch, start, own) in self.each_patch(theta) {
             let on_patch: Vec<Vec3> = patch.vertices().iter().map(|&v| bar[v]).collect();
-            gradient.extend(patch.vjp(own, &self.rest, &on_patch));
+            let by = patch.vjp(own, &self.rest, &on_patch);
+            gradient[start..].iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
         }
         gradient
     }
@@ -236,8 +311,8 @@ impl DesignMap {
     /// positions; variables without any are left out.
     #[must_use]
     pub fn by_surface(&self, theta: &[f64], by: &[(usize, Vec3)]) -> Vec<(usize, f64)> {
-        let (mut all, mut first) = (Vec::new(), 0);
-        for (patch, own) in self.each_patch(theta) {
+        let mut all: BTreeMap<usize, f64> = BTreeMap::new();
+        for (patch, start, own) in self.each_patch(theta) {
             let vertices = patch.vertices();
             let mut bar = vec![Vec3::zeros(); vertices.len()];
             let mut moves = false;
@@ -248,12 +323,11 @@ impl DesignMap {
                 }
             }
             if moves {
-                let parts = patch.vjp(own, &self.rest, &bar).into_iter().enumerate();
-                all.extend(parts.filter(|(_, d)| *d != 0.0).map(|(i, d)| (first + i, d)));
+                let by = patch.vjp(own, &self.rest, &bar).into_iter().enumerate();
+                by.for_each(|(i, d)| *all.entry(start + i).or_insert(0.0) += d);
             }
-            first += patch.variables();
         }
-        all
+        all.into_iter().filter(|(_, d)| *d != 0.0).collect()
     }
 
     /// dJ/dX of the boundary when the interior follows it, three components per
@@ -295,9 +369,9 @@ impl DesignMap {
 }
 
 /// Patches may share vertices only on their rims.
-fn check_apart(patches: &[Patch]) -> Result<()> {
-    for (i, a) in patches.iter().enumerate() {
-        for b in &patches[..i] {
+fn check_apart(patches: &[Placed]) -> Result<()> {
+    for (i, Placed { patch: a, .. }) in patches.iter().enumerate() {
+        for Placed { patch: b, .. } in &patches[..i] {
             let shared = a.vertices().iter().filter(|v| b.vertices().binary_search(v).is_ok());
             let count = shared.count();
             let rims = matches!((a, b), (Patch::Handles(_), Patch::Handles(_)));

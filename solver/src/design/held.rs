@@ -221,7 +221,8 @@ mod tests {
         });
         let held = Held { flats: &flats, ..Held::default() };
         for moves in [Moves::Vertices, Moves::Handles(5, HandleMotion::Rigid)] {
-            let patch = Patch::new(rest, &facets, held, moves, Spread::RePick).expect("a patch");
+            let patch =
+                Patch::new(rest, &facets, held, moves, Spread::RePick, &[]).expect("a patch");
             let theta: Vec<f64> =
                 Random::new(3).numbers(patch.variables()).iter().map(|t| 0.1 * t).collect();
             let moved = patch.apply(&theta, rest);

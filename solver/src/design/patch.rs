@@ -5,6 +5,7 @@ use scene::config::{Moves, Spread};
 
 use super::handles::{HandleError, Handles, sample_handles};
 use super::held::Held;
+use super::isometry::Isometry;
 use super::swelling::Swelling;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
@@ -28,7 +29,7 @@ pub struct FreeVertices {
 }
 
 impl Patch {
-    /// A patch with handles, with all vertices free, or as a whole.
+    /// A patch with handles, with all vertices free, or as a whole; `own` are its images in itself.
     ///
     /// # Errors
     /// [`HandleError`] if the patch has too few vertices or is degenerate.
@@ -38,9 +39,10 @@ impl Patch {
         held: Held,
         moves: Moves,
         spread: Spread,
+        own: &[Isometry],
     ) -> Result<Self, HandleError> {
         if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, facets, held, count, spread)?;
+            let handles = sample_handles(rest, facets, held, count, spread, own)?;
             return Ok(Self::Handles(handles.with(motion)));
         }
         if moves == Moves::Offset {
@@ -56,6 +58,24 @@ impl Patch {
         };
         let ways = vertices.iter().enumerate().flat_map(of_vertex).collect();
         Ok(Self::Vertices(FreeVertices { vertices, ways }))
+    }
+
+    /// The image of this patch by an isometry, with the same variables; `rest`, `facets` and `held` are those of the image.
+    ///
+    /// # Errors
+    /// [`HandleError`] if the image has too few vertices or is degenerate, or vertices move freely.
+    pub fn image(
+        &self,
+        by: &Isometry,
+        rest: &[Vec3],
+        facets: &[[usize; 3]],
+        held: Held,
+    ) -> Result<Self, HandleError> {
+        match self {
+            Self::Handles(handles) => Ok(Self::Handles(handles.image(by, rest, facets, held)?)),
+            Self::Offset(_) => Ok(Self::Offset(Swelling::new(rest, facets, held))),
+            Self::Vertices(_) => Err(HandleError::Free),
+        }
     }
 
     /// Number of design variables.
@@ -130,7 +150,7 @@ mod tests {
         ] {
             let facets = &surface.triangles;
             let held = Held { margin, ..Held::default() };
-            let patch = Patch::new(x, facets, held, moves, Spread::RePick).unwrap();
+            let patch = Patch::new(x, facets, held, moves, Spread::RePick, &[]).unwrap();
             let theta = Random::new(5).numbers(patch.variables());
             let moved = patch.apply(&theta, x);
             let way: Vec<f64> =
@@ -147,9 +167,15 @@ mod tests {
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch =
-            Patch::new(x, &surface.triangles, Held::default(), Moves::Vertices, Spread::RePick)
-                .unwrap();
+        let patch = Patch::new(
+            x,
+            &surface.triangles,
+            Held::default(),
+            Moves::Vertices,
+            Spread::RePick,
+            &[],
+        )
+        .unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));
@@ -178,7 +204,8 @@ mod tests {
         let ball = sphere(3);
         let x = &ball.vertices;
         let held = Held::default();
-        let patch = Patch::new(x, &ball.triangles, held, Moves::Offset, Spread::RePick).unwrap();
+        let patch =
+            Patch::new(x, &ball.triangles, held, Moves::Offset, Spread::RePick, &[]).unwrap();
         assert_eq!((patch.variables(), patch.vertices().len()), (1, x.len()));
         for moved in patch.apply(&[0.2], x) {
             assert!((moved.norm() - 1.2).abs() < 4e-3, "{}", moved.norm());

@@ -59,7 +59,8 @@ pub fn open_rim(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane]) -> Vec<u
     rim
 }
 
-/// `count` vertices of a surface, none on its rim.
+/// `count` vertices of a surface, none on its rim. Each has `images`, which are sources of distances as it is; the images of
+/// a vertex are none where nothing is symmetric.
 ///
 /// # Errors
 /// [`TooManyHandles`] if there are not that many.
@@ -68,12 +69,13 @@ pub fn spread_points(
     rim: &[usize],
     count: usize,
     spread: Spread,
+    images: &dyn Fn(usize) -> Vec<usize>,
 ) -> Result<Vec<usize>, TooManyHandles> {
     let available = surface.vertices.len() - rim.len();
     if count > available {
         return Err(TooManyHandles { wanted: count, available });
     }
-    let mut sampling = Sampling::new(surface, rim);
+    let mut sampling = Sampling::new(surface, rim, images);
     for i in 0..count {
         let first = if i == 0 && rim.is_empty() { lowest(surface) } else { sampling.farthest() };
         sampling.add(i, first);
@@ -140,8 +142,9 @@ impl Cells {
     }
 }
 
-struct Sampling {
+struct Sampling<'a> {
     geodesics: Geodesics,
+    images: &'a dyn Fn(usize) -> Vec<usize>,
     from_rim: Vec<f64>,
     points: Vec<usize>,
     /// Distances from each point.
@@ -150,12 +153,17 @@ struct Sampling {
     nearest: Vec<(f64, Source)>,
 }
 
-impl Sampling {
-    fn new(surface: &SurfaceMesh, rim: &[usize]) -> Self {
+impl<'a> Sampling<'a> {
+    fn new(surface: &SurfaceMesh, rim: &[usize], images: &'a dyn Fn(usize) -> Vec<usize>) -> Self {
         let geodesics = Geodesics::new(surface);
         let from_rim = geodesics.distances(rim);
         let nearest = from_rim.iter().map(|&d| (d, Source::Rim)).collect();
-        Self { geodesics, from_rim, points: Vec::new(), from_point: Vec::new(), nearest }
+        Self { geodesics, images, from_rim, points: Vec::new(), from_point: Vec::new(), nearest }
+    }
+
+    /// A vertex with its images.
+    fn orbit(&self, vertex: usize) -> Vec<usize> {
+        [vec![vertex], (self.images)(vertex)].concat()
     }
 
     fn farthest(&self) -> usize {
@@ -170,7 +178,7 @@ impl Sampling {
 
     /// Puts point `i`, the next one or one taken out, at a vertex.
     fn add(&mut self, i: usize, vertex: usize) {
-        let distances = self.geodesics.distances(&[vertex]);
+        let distances = self.geodesics.distances(&self.orbit(vertex));
         for (nearest, &d) in self.nearest.iter_mut().zip(&distances) {
             if d < nearest.0 {
                 *nearest = (d, Source::Point(i));
@@ -210,7 +218,7 @@ impl Sampling {
         // no two vertices of a cell are farther apart
         let reach = 2.0 * radius;
         let spread = |center: usize| -> f64 {
-            let distances = self.geodesics.within(&[center], reach);
+            let distances = self.geodesics.within(&self.orbit(center), reach);
             cell.iter().map(|&v| cells.areas[v] * distances[v].powi(2)).sum()
         };
         let mut tried = std::collections::BTreeSet::from([self.points[i]]);
@@ -257,10 +265,14 @@ mod tests {
 
     use super::*;
 
+    fn alone(_: usize) -> Vec<usize> {
+        Vec::new()
+    }
+
     #[test]
     fn one_point_lies_in_the_middle_of_a_disk() {
         let plane = square(20, 0.0);
-        let points = spread_points(&plane, &rim(&plane), 1, Spread::RePick).unwrap();
+        let points = spread_points(&plane, &rim(&plane), 1, Spread::RePick, &alone).unwrap();
         assert!((plane.vertices[points[0]] - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9);
     }
 
@@ -270,7 +282,8 @@ mod tests {
     fn points_are_spread_evenly_off_the_rim() {
         let surface = cap(4);
         for count in [4, 16, 50] {
-            let points = spread_points(&surface, &rim(&surface), count, Spread::RePick).unwrap();
+            let points =
+                spread_points(&surface, &rim(&surface), count, Spread::RePick, &alone).unwrap();
             let rim = rim(&surface);
             assert!(points.iter().all(|p| !rim.contains(p)));
             let geodesics = Geodesics::new(&surface);
@@ -304,16 +317,17 @@ mod tests {
     #[test]
     fn sweeps_of_lloyd_lower_what_they_should() {
         for (surface, count) in [(cap(4), 10), (sphere(4), 20)] {
-            let mut greedy = Sampling::new(&surface, &rim(&surface));
+            let mut greedy = Sampling::new(&surface, &rim(&surface), &alone);
             for i in 0..count {
                 let anywhere = i == 0 && greedy.nearest[0].0.is_infinite();
                 let next = if anywhere { lowest(&surface) } else { greedy.farthest() };
                 greedy.add(i, next);
             }
-            let points = spread_points(&surface, &rim(&surface), count, Spread::Lloyd).unwrap();
+            let points =
+                spread_points(&surface, &rim(&surface), count, Spread::Lloyd, &alone).unwrap();
             assert_eq!(
                 points,
-                spread_points(&surface, &rim(&surface), count, Spread::Lloyd).unwrap()
+                spread_points(&surface, &rim(&surface), count, Spread::Lloyd, &alone).unwrap()
             );
             let (before, after) = (spread(&surface, &greedy.points), spread(&surface, &points));
             assert!(after < before, "{after} {before}");
@@ -326,7 +340,7 @@ mod tests {
         let surface = square(20, 0.2);
         let rim = rim(&surface);
         let cells = Cells::new(&surface, &rim);
-        let mut sampling = Sampling::new(&surface, &rim);
+        let mut sampling = Sampling::new(&surface, &rim, &alone);
         let inside = (0..surface.vertices.len()).filter(|v| !cells.on_rim[*v]);
         inside.take(8).enumerate().for_each(|(i, v)| sampling.add(i, v));
         let start = gap(&surface, &sampling.points);
@@ -347,10 +361,10 @@ mod tests {
         let mut two = ball.clone();
         two.vertices.extend(ball.vertices.iter().map(|v| v + 5.0 * Vec3::x()));
         two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));
-        let points = spread_points(&two, &rim(&two), 2, Spread::RePick).unwrap();
+        let points = spread_points(&two, &rim(&two), 2, Spread::RePick, &alone).unwrap();
         assert!((points[0] < n) != (points[1] < n));
         assert_eq!(
-            spread_points(&ball, &rim(&ball), 1, Spread::RePick).unwrap(),
+            spread_points(&ball, &rim(&ball), 1, Spread::RePick, &alone).unwrap(),
             vec![lowest(&ball)]
         );
     }
@@ -358,8 +372,11 @@ mod tests {
     #[test]
     fn more_points_than_vertices_are_refused() {
         let plane = square(3, 0.0);
-        assert_eq!(spread_points(&plane, &rim(&plane), 4, Spread::RePick).unwrap().len(), 4);
-        let error = spread_points(&plane, &rim(&plane), 5, Spread::RePick).unwrap_err();
+        assert_eq!(
+            spread_points(&plane, &rim(&plane), 4, Spread::RePick, &alone).unwrap().len(),
+            4
+        );
+        let error = spread_points(&plane, &rim(&plane), 5, Spread::RePick, &alone).unwrap_err();
         assert_eq!(error, TooManyHandles { wanted: 5, available: 4 });
     }
 }

@@ -33,7 +33,7 @@ pub use rest_term::RestTerm;
 pub use site::{Law, Site};
 pub use surface_integral::Patch;
 pub use targets::Targets;
-pub use walls::{SidesTouch, Walls};
+pub use walls::{Cores, SidesTouch, Walls};
 
 /// Which shape areas, volumes and distances are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

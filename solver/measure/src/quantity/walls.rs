@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use mechanics::contact::candidates::{close_between, closest_between};
+use mechanics::contact::candidates::{close_between, close_within, closest_between};
 use mechanics::contact::images::Mirrored;
-use mechanics::contact::pairs::{Features, Pair};
+use mechanics::contact::pairs::{Facets, Features, Pair};
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
 
@@ -56,6 +56,47 @@ impl Walls {
         let x = self.whole.positions(x);
         let least = |sides| closest_between(sides, &x).map_or(f64::INFINITY, |c| c.1.d2.sqrt());
         self.sides.iter().map(least).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Cosine of the greatest angle between the straight line through the air and the normals of both sides: 30°.
+const FACING: f64 = 0.866;
+
+/// Air between parts of one surface that face each other: what a core is there.
+pub struct Cores {
+    /// The whole of what planes of symmetry cut.
+    pub whole: Mirrored,
+    features: Features,
+    facets: Facets,
+}
+
+impl Cores {
+    /// The air beside a set of facets.
+    #[must_use]
+    pub fn new(planes: &[Plane], facets: &[[usize; 3]]) -> Self {
+        let (whole, mirrored) = Mirrored::new(planes, &[facets.to_vec()]);
+        let facets = mirrored.concat();
+        let count = facets.as_flattened().iter().max().map_or(0, |last| last + 1);
+        Self { whole, features: Features::new(&facets), facets: Facets::new(facets, count) }
+    }
+
+    /// Pairs closer than `radius` [m] at positions of the whole, from each of which the straight line to the other leaves the
+    /// solid, within 30° of the normal of a facet there: neighbours along the surface are none.
+    #[must_use]
+    pub fn pairs(&self, x: &[Vec3], radius: f64) -> Vec<Pair> {
+        let mut pairs = close_within(&self.features, x, radius);
+        pairs.retain(|pair| self.face_each_other(pair, x));
+        pairs
+    }
+
+    fn face_each_other(&self, pair: &Pair, x: &[Vec3]) -> bool {
+        let closest = pair.closest(&pair.gather(x));
+        let way = -closest.offset / closest.d2.sqrt();
+        let [first, second] = self.facets.ends(pair, &closest);
+        let leaves = |facets: Vec<usize>, way: Vec3| {
+            facets.iter().any(|&f| self.facets.normal(f, x).dot(&way) >= FACING)
+        };
+        leaves(first, way) && leaves(second, -way)
     }
 }
 

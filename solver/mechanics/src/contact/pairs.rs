@@ -5,6 +5,8 @@
 //! one feature, so every pair occurs once. Pairs that share a vertex are left
 //! out: their distance is zero in every shape.
 
+use std::ops::Range;
+
 use mesh::{Vec3, topology};
 
 use super::distance::{Closest, edge_edge, point_triangle};
@@ -29,6 +31,57 @@ impl Features {
         vertices.dedup();
         let edges = topology::edge_facets(facets).into_keys().collect();
         Self { vertices, edges, triangles: facets.to_vec() }
+    }
+}
+
+/// Facets, found by their vertices.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    all: Vec<[usize; 3]>,
+    /// Which of them are at each vertex.
+    at: Vec<Vec<usize>>,
+}
+
+impl Facets {
+    /// The facets of a mesh with so many vertices.
+    #[must_use]
+    pub fn new(facets: Vec<[usize; 3]>, vertices: usize) -> Self {
+        let mut at = vec![Vec::new(); vertices];
+        for (f, facet) in facets.iter().enumerate() {
+            facet.iter().for_each(|&v| at[v].push(f));
+        }
+        Self { all: facets, at }
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn all(&self) -> &[[usize; 3]] {
+        &self.all
+    }
+
+    /// Unit normal of one at positions `x` [1].
+    #[must_use]
+    pub fn normal(&self, facet: usize, x: &[Vec3]) -> Vec3 {
+        let [a, b, c] = self.all[facet].map(|v| x[v]);
+        (b - a).cross(&(c - a)).normalize()
+    }
+
+    /// Those that both closest points of a pair lie on.
+    #[must_use]
+    pub fn ends(&self, pair: &Pair, closest: &Closest) -> [Vec<usize>; 2] {
+        let first = pair.corners_of_first();
+        let at = |corners: Range<usize>| {
+            let closest = corners.filter(|&i| closest.coefficients[i] != 0.0);
+            self.with(&closest.map(|i| pair.corners()[i]).collect::<Vec<_>>())
+        };
+        [at(0..first), at(first..4)]
+    }
+
+    /// Those that have all these vertices.
+    fn with(&self, vertices: &[usize]) -> Vec<usize> {
+        let Some((first, others)) = vertices.split_first() else { return Vec::new() };
+        let has_all = |f: &&usize| others.iter().all(|v| self.all[**f].contains(v));
+        self.at[*first].iter().filter(has_all).copied().collect()
     }
 }
 

@@ -30,7 +30,7 @@ use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::{SurfaceMesh, Vec3};
 
-use super::pairs::Pair;
+use super::pairs::{Facets, Pair};
 use super::surface::Surface;
 use crate::parallel::map_merge;
 
@@ -58,9 +58,8 @@ pub struct Solid {
     surface: Arc<Surface>,
     rest: Vec<Vec3>,
     range: f64,
-    /// Facets of the bodies, and which of them are at each vertex.
-    facets: Vec<[usize; 3]>,
-    facets_at: Vec<Vec<usize>>,
+    /// Those of the bodies.
+    facets: Facets,
     search: OnceLock<(SurfaceBvh, WindingNumber)>,
     /// Pairs that were asked for before, as the same come with every step of a search.
     known: Mutex<HashMap<Pair, bool>>,
@@ -72,13 +71,10 @@ impl Solid {
     #[must_use]
     pub fn new(surface: &Arc<Surface>, rest: &[Vec3], range: f64) -> Self {
         let triangles = surface.features().triangles.iter().copied();
-        let facets: Vec<_> = triangles.filter(|t| !surface.is_obstacle(t[0])).collect();
-        let mut facets_at = vec![Vec::new(); rest.len()];
-        for (f, facet) in facets.iter().enumerate() {
-            facet.iter().for_each(|&v| facets_at[v].push(f));
-        }
+        let facets = triangles.filter(|t| !surface.is_obstacle(t[0])).collect();
+        let facets = Facets::new(facets, rest.len());
         let (surface, rest, search) = (Arc::clone(surface), rest.to_vec(), OnceLock::new());
-        Self { surface, rest, range, facets, facets_at, search, known: Mutex::default() }
+        Self { surface, rest, range, facets, search, known: Mutex::default() }
     }
 
     /// The pairs that are not through the solid, and those that are, both in their order.
@@ -113,11 +109,7 @@ impl Solid {
         if distance >= REACH * self.range {
             return false;
         }
-        let at = |corners: Range<usize>| {
-            let closest = corners.filter(|&i| closest.coefficients[i] != 0.0);
-            self.facets_with(&closest.map(|i| pair.corners()[i]).collect::<Vec<_>>())
-        };
-        let ends = [at(0..first), at(first..4)];
+        let ends = self.facets.ends(pair, &closest);
         let n = -closest.offset / distance;
         if distance >= self.range && !self.is_wall(&ends, n, distance) {
             return false;
@@ -144,22 +136,14 @@ impl Solid {
         steep || (beside && first.iter().any(|&f| away(self.normal(f), second)))
     }
 
-    /// The facets that have all these vertices.
-    fn facets_with(&self, vertices: &[usize]) -> Vec<usize> {
-        let Some((first, others)) = vertices.split_first() else { return Vec::new() };
-        let has_all = |f: &&usize| others.iter().all(|v| self.facets[**f].contains(v));
-        self.facets_at[*first].iter().filter(has_all).copied().collect()
-    }
-
     fn normal(&self, facet: usize) -> Vec3 {
-        let [a, b, c] = self.facets[facet].map(|v| self.rest[v]);
-        (b - a).cross(&(c - a)).normalize()
+        self.facets.normal(facet, &self.rest)
     }
 
     fn search(&self) -> &(SurfaceBvh, WindingNumber) {
         self.search.get_or_init(|| {
             let vertices = self.rest.clone();
-            let surface = SurfaceMesh { vertices, triangles: self.facets.clone() };
+            let surface = SurfaceMesh { vertices, triangles: self.facets.all().to_vec() };
             (SurfaceBvh::new(&surface), WindingNumber::new(&surface))
         })
     }

@@ -15,7 +15,7 @@ use crate::meaning::meaning;
 
 use super::{
     ChamberDesign, ConstraintConfig, LevelConfig, LimitGoal, ObjectiveConfig, ParameterDesign,
-    RobustConfig, ScenarioConfig, refuse_outside_of_chambers, scenario,
+    RobustConfig, ScenarioConfig, SymmetricConfig, refuse_outside_of_chambers, scenario,
 };
 
 const KEYS: Keys = Keys {
@@ -162,6 +162,9 @@ pub struct ShapeConfig {
     /// move along them only, so that a flat floor stays flat and its mold can be pulled off it.
     #[serde(default)]
     pub keep: Vec<KeepConfig>,
+    /// Tags that move alike: one has the variables, the others are its images.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub symmetric: Vec<SymmetricConfig>,
     /// How far from where it is the surface that moves may be re-meshed, where elements at it are
     /// poor; 0: it keeps its vertices; by default a twentieth of its mean edge [m].
     pub surface_tolerance: Option<f64>,
@@ -438,6 +441,7 @@ impl DesignConfig {
             );
             shape.keep.iter().try_for_each(KeepConfig::check)?;
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
+            shape.check_symmetric()?;
         }
         self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;
         self.optimizer.check(&KeyPath::table("optimizer"))?;

@@ -20,6 +20,7 @@ mod relaxation;
 mod rigid;
 mod scenario;
 mod solver;
+mod symmetric;
 mod symmetry;
 mod uncertainty;
 mod winding;
@@ -50,11 +51,12 @@ pub use relaxation::RelaxationConfig;
 pub use rigid::RigidConfig;
 pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
 pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
+pub use symmetric::{MirrorConfig, SymmetricConfig, TurnConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use design::{
-    DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod, ShapeConfig,
-    Spread,
+    Axis, DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod,
+    ShapeConfig, Spread,
 };
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;

@@ -121,7 +121,7 @@ impl Cascade<'_> {
     /// A body improved where the level that has ended moved its surface.
     fn remeshed(&self, body: &Body, ended: &LevelConfig) -> Result<Body> {
         let Some(shape) = &self.design.shape else { return Ok(body.clone()) };
-        let moved = shape.on.all().iter().filter(|on| ended.moves(on).is_some());
+        let moved = shape.on.all().iter().filter(|on| shape.moves(ended, on).is_some());
         let facets: Vec<_> = moved.map(|on| body.facets(on)).collect::<Result<_, _>>()?;
         remesh(body, &facets.concat(), shape.surface_tolerance)
     }
