@@ -234,6 +234,9 @@ pub struct Iteration {
     pub forward_s: f64,
     /// Time for gradients [s].
     pub gradient_s: f64,
+    /// Time of `fab plan` [s], of a design with `[mold]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mold_s: Option<f64>,
     /// Computing time of all levels so far [s].
     pub time_s: f64,
     /// Degrees of freedom, those that are fixed included.

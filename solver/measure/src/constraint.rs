@@ -231,6 +231,15 @@ impl Constraint {
         }
     }
 
+    /// A number of it, which `least` is, in words.
+    #[must_use]
+    pub fn in_words(&self, number: f64) -> String {
+        match &self.form {
+            Form::Draft { .. } => format!("{:.2}°", number.clamp(-1.0, 1.0).asin().to_degrees()),
+            _ => format!("{number:.4e} {}", self.unit),
+        }
+    }
+
     /// How far c may be below 0 at the end.
     #[must_use]
     pub fn tolerance(&self) -> f64 {

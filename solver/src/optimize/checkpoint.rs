@@ -82,6 +82,9 @@ pub struct Checkpoint {
     /// Iterations that gained little, one after the other, up to now.
     #[serde(default)]
     pub quiet: usize,
+    /// Trials that were rejected in these.
+    #[serde(default)]
+    pub quiet_rejections: usize,
     /// Part by which the last iteration lowered the objective [1].
     #[serde(default)]
     pub last_fall: f64,
@@ -144,6 +147,7 @@ impl Checkpoint {
             ending: None,
             endings_before: Vec::new(),
             quiet: 0,
+            quiet_rejections: 0,
             last_fall: 0.0,
             rejections: Rejections::default(),
             multipliers: Vec::new(),

@@ -41,6 +41,17 @@ impl End {
     }
 }
 
+/// What a rejected trial had.
+#[derive(Clone, Copy)]
+pub enum Had {
+    /// An equilibrium and a value of the objective.
+    Value,
+    /// A value, and no way to cast it.
+    NoMold,
+    /// No equilibrium, or none that is usable.
+    NoRun,
+}
+
 /// What was tried and not taken, by its reason.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rejections {
@@ -50,6 +61,9 @@ pub struct Rejections {
     pub shape: usize,
     /// Runs without an equilibrium.
     pub run: usize,
+    /// Shapes that cannot be cast.
+    #[serde(default)]
+    pub mold: usize,
     /// Runs that did not lower the objective enough.
     pub high: usize,
     /// The last reason.
@@ -57,9 +71,14 @@ pub struct Rejections {
 }
 
 impl Rejections {
-    /// Counts a trial that had a value, or had no run.
-    pub fn add(&mut self, has_value: bool, why: &str) {
-        *if has_value { &mut self.high } else { &mut self.run } += 1;
+    /// Counts a trial that had a value, a run, or a shape that cannot be cast.
+    pub fn add(&mut self, had: Had, why: &str) {
+        let count = match had {
+            Had::Value => &mut self.high,
+            Had::NoMold => &mut self.mold,
+            Had::NoRun => &mut self.run,
+        };
+        *count += 1;
         why.clone_into(&mut self.last);
     }
 
@@ -75,6 +94,7 @@ impl Rejections {
         self.flat += other.flat;
         self.shape += other.shape;
         self.run += other.run;
+        self.mold += other.mold;
         self.high += other.high;
         if !other.last.is_empty() {
             self.last = other.last;
@@ -84,18 +104,19 @@ impl Rejections {
     /// In words; none where nothing was rejected.
     #[must_use]
     pub fn describe(&self) -> Option<String> {
-        let all = self.flat + self.shape + self.run + self.high;
+        let all = self.flat + self.shape + self.run + self.mold + self.high;
         let kinds = [
-            (self.flat, "had flat elements"),
-            (self.shape, "were no valid shapes"),
-            (self.run, "had no usable run, or no mold"),
-            (self.high, "did not lower the objective"),
+            (self.flat, "with flat elements"),
+            (self.shape, "not valid as shapes"),
+            (self.run, "without an equilibrium"),
+            (self.mold, "not to be cast"),
+            (self.high, "with a higher objective"),
         ];
         let said: Vec<String> = kinds
             .iter()
             .filter(|(count, _)| *count > 0)
             .map(|(count, what)| format!("{count} {what}"))
             .collect();
-        (all > 0).then(|| format!("of {all} rejected trials {}", said.join(", ")))
+        (all > 0).then(|| format!("rejected trials: {}", said.join(", ")))
     }
 }

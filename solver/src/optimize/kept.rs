@@ -74,14 +74,13 @@ impl Level {
         all.into_iter().map(one).filter(|kept| !kept.row.a.is_empty()).collect()
     }
 
-    /// The worst inequality of each constraint at a rest shape, over its tolerance: those below −1 are violated.
-    fn worst(&self, rest: &[Vec3]) -> Vec<(f64, f64, Vec3)> {
-        let of_one = |kept: &Constraint| {
+    /// The worst inequality of each constraint at a rest shape.
+    fn worst(&self, rest: &[Vec3]) -> Vec<Option<Inequality>> {
+        let least = |kept: &Constraint| {
             let near = kept.near(rest, 0.0).into_iter();
-            let worst = near.min_by(|a, b| a.value.total_cmp(&b.value));
-            worst.map_or((0.0, 0.0, Vec3::zeros()), |c| (c.value / kept.tolerance(), c.value, c.at))
+            near.min_by(|a, b| a.value.total_cmp(&b.value))
         };
-        self.constraints.iter().map(of_one).collect()
+        self.constraints.iter().map(least).collect()
     }
 
     /// How far one may be violated.
@@ -100,18 +99,23 @@ impl Level {
     /// # Errors
     /// With the constraints that it does not keep, by how much and where.
     pub fn check_kept(&self, rest: &[Vec3]) -> Result<(), Rejected> {
-        let violated = self.constraints.iter().zip(self.worst(rest));
-        let violated = violated.filter(|(_, (relative, _, _))| *relative < -1.0);
-        let said: Vec<String> = violated
-            .map(|(kept, (_, by, at))| {
-                let (found, least, unit) = (kept.least() + by, kept.least(), kept.unit);
-                format!(
-                    "[[constraint]] \"{}\": {found:.4e} {unit} at ({:.5}, {:.5}, {:.5}) m, and at least {least:.4e} \
-                     {unit} is to be kept",
-                    kept.name, at.x, at.y, at.z
-                )
-            })
-            .collect();
+        let rests = |worst: &Inequality| {
+            let zero = vec![0.0; self.variables()];
+            self.map().by_surface(&zero, &worst.by).is_empty()
+        };
+        let one = |(kept, worst): (&Constraint, Option<Inequality>)| {
+            let worst = worst.filter(|worst| worst.value < -kept.tolerance())?;
+            let [x, y, z] = worst.at.into();
+            let place = if rests(&worst) { ", which the level does not move," } else { "" };
+            Some(format!(
+                "[[constraint]] \"{}\": {} at ({x:.5}, {y:.5}, {z:.5}) m{place} where at least {} is to be kept",
+                kept.name,
+                kept.in_words(kept.least() + worst.value),
+                kept.in_words(kept.least())
+            ))
+        };
+        let said: Vec<String> =
+            self.constraints.iter().zip(self.worst(rest)).filter_map(one).collect();
         if said.is_empty() { Ok(()) } else { Err(Rejected(said.join("; "))) }
     }
 
@@ -142,7 +146,9 @@ impl Level {
             let part = (LONGEST * self.map().mean_edge() / motion).min(1.0);
             theta = added(&theta, &d, part);
         }
-        self.check_kept(&self.map().surface(&theta))?;
+        self.check_kept(&self.map().surface(&theta)).map_err(|Rejected(said)| {
+            Rejected(format!("no shape was found next to this one that keeps all constraints: the nearest has {said}"))
+        })?;
         Ok(theta)
     }
 

@@ -460,10 +460,14 @@ impl Level {
         self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, &self.body, moving))
     }
 
-    /// Whether the rest shape at θ has flat or inverted elements.
-    #[must_use]
-    pub fn is_flat(&self, theta: &[f64]) -> bool {
-        validity::check_volumes(&self.map.shape(theta), &self.body.mesh.tets).is_err()
+    /// Whether the rest shape at θ has no elements that are too flat for a trial.
+    ///
+    /// # Errors
+    /// With the worst element.
+    pub fn check_flat(&self, theta: &[f64]) -> Result<(), Rejected> {
+        let (shape, least) = (self.map.shape(theta), validity::SMALLEST_OF_TRIALS);
+        let found = validity::check_volumes(&shape, &self.body.mesh.tets, least);
+        found.map_err(|flat| Rejected(flat.to_string()))
     }
 
     /// The solution's grid of the first scenario for ParaView.

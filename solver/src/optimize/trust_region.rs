@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use super::quadratic::{Minimum, Problem};
 
-/// Smallest eigenvalue of a model relative to its largest, where it has no curvature.
-const LEAST_CURVATURE: f64 = 1e-8;
+/// Smallest eigenvalue of a model relative to its largest. Its entries are off by about 1e-5, and so are the
+/// directions that have no curvature: with less, the part of the gradient along these would be followed for a long way.
+const LEAST_CURVATURE: f64 = 1e-6;
 /// How much of the radius a step uses at least, where it is held back.
 const USED: f64 = 0.8;
 /// The first λ over the mean curvature.

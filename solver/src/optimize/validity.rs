@@ -11,8 +11,10 @@ use mesh::crossings::self_intersecting_pairs;
 use mesh::measure::tet_volume;
 use mesh::{SurfaceMesh, Vec3, facet_key};
 
-/// Smallest volume of a tetrahedron in units of the mean volume [1].
-const SMALLEST: f64 = 1e-5;
+/// Smallest volume of a tetrahedron at the start of a level in units of the mean volume [1].
+pub const SMALLEST: f64 = 1e-5;
+/// That of a trial, which is more: the next level begins on a mesh that may differ.
+pub const SMALLEST_OF_TRIALS: f64 = 3e-5;
 
 /// Why a rest shape is not valid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -20,7 +22,7 @@ pub enum Invalid {
     /// Elements are inverted or flat.
     #[error(
         "{count} elements are flat or inverted, the worst is {tet} at {} with a volume of \
-         {relative:.1e} of the mean; expected at least {SMALLEST:.0e}", point(.at)
+         {relative:.1e} of the mean; expected at least {least:.0e}", point(.at)
     )]
     Inverted {
         /// Number of such elements.
@@ -29,6 +31,8 @@ pub enum Invalid {
         tet: usize,
         /// The volume in units of the mean.
         relative: f64,
+        /// The smallest that is allowed.
+        least: f64,
         /// The center [m].
         at: Vec3,
     },
@@ -62,7 +66,7 @@ fn point(p: &Vec3) -> String {
 /// # Errors
 /// [`Invalid`] with what is wrong and where.
 pub fn check(rest: &[Vec3], body: &Body, moving: &[[usize; 3]]) -> Result<(), Invalid> {
-    check_volumes(rest, &body.mesh.tets)?;
+    check_volumes(rest, &body.mesh.tets, SMALLEST)?;
     check_sides(rest, body)?;
     check_intersections(rest, body.boundary(), moving)
 }
@@ -85,15 +89,15 @@ fn check_sides(rest: &[Vec3], body: &Body) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks that no tetrahedron is flat or inverted.
-pub(super) fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), Invalid> {
+/// Checks that no tetrahedron is flat, with less than `least` of the mean volume, or inverted.
+pub(super) fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]], least: f64) -> Result<(), Invalid> {
     let volume = |tet: &[usize; 4]| {
         let [a, b, c, d] = tet.map(|v| rest[v]);
         tet_volume(a, b, c, d)
     };
     let volumes: Vec<f64> = tets.iter().map(volume).collect();
     let mean = volumes.iter().map(|v| v.abs()).sum::<f64>() / volumes.len() as f64;
-    let is_bad = |&t: &usize| volumes[t].is_nan() || volumes[t] <= SMALLEST * mean;
+    let is_bad = |&t: &usize| volumes[t].is_nan() || volumes[t] <= least * mean;
     let bad: Vec<usize> = (0..tets.len()).filter(is_bad).collect();
     match bad.iter().min_by(|&&a, &&b| volumes[a].total_cmp(&volumes[b])) {
         None => Ok(()),
@@ -101,6 +105,7 @@ pub(super) fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Result<(), In
             count: bad.len(),
             tet,
             relative: volumes[tet] / mean,
+            least,
             at: tets[tet].iter().map(|&v| rest[v]).sum::<Vec3>() / 4.0,
         }),
     }

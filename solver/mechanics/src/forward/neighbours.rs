@@ -22,8 +22,8 @@ use super::{Integrator, Linearizations, Problem, Trajectory, Workspace, solve_mu
 use crate::energy::{Constraint, Contact, Iterate, Multiplier, TimeStep};
 use crate::math::linear::{SYSTEMS, dot};
 
-/// Relative residual of the changes: a neighbour is one to first order anyway.
-const TOLERANCE: f64 = 1e-5;
+/// Relative residual of the changes.
+const TOLERANCE: f64 = 1e-7;
 
 /// A problem and a rest shape [m] that differ little from those of a run.
 pub struct Varied {

@@ -6,7 +6,7 @@ use reports::{Castable, Ended, Iteration, numbers};
 use scene::config::OptimizerConfig;
 
 use super::say::{time_left, variables};
-use super::step::projected_norm;
+use super::step::promise;
 use super::{CASTABLE, Cascade, LATEST, Step};
 use crate::optimize::history::{handles, probes, scenarios, spread};
 use crate::optimize::remesh::write_bodies;
@@ -14,6 +14,10 @@ use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
 
 /// Iterations that gain little, one after the other, before the level ends.
 const QUIET: usize = 2;
+/// Motion over a mean edge along which the gradient is believed [1], ...
+const NEAR: f64 = 0.1;
+/// ... and the part of the objective that it promises there where a level is not at its minimum [1].
+const STEEP: f64 = 0.1;
 /// Part of what the design began with that is nothing left.
 const NOTHING: f64 = 1e-5;
 /// How many times what ends a level a model promises that is taken for right, though the steps do not give it.
@@ -44,15 +48,20 @@ impl Cascade<'_> {
         // down the gradient, before anything is known of the curvature
         let is_quiet = fall < optimizer.stagnation && !held_back && !step.blind;
         checkpoint.quiet = if is_quiet { checkpoint.quiet + 1 } else { 0 };
+        checkpoint.quiet_rejections = match is_quiet {
+            true => checkpoint.quiet_rejections + step.trials - 1,
+            false => 0,
+        };
         checkpoint.last_fall = fall;
         checkpoint.rejections.merge(step.rejections.clone());
         let mut ended = None;
+        let near = NEAR * level.map().mean_edge();
+        let (steepest, hoped) = promise(level, &step, &checkpoint.penalties, near);
         if checkpoint.quiet >= QUIET {
-            // the model promises no more than it gave
-            let ending = match step.predicted < PROMISES * optimizer.stagnation * before.abs() {
-                true => Ended::Converged,
-                false => Ended::Jammed,
-            };
+            // neither the model nor the gradient promises more, or nothing stood in the way
+            let has_more = step.predicted >= PROMISES * optimizer.stagnation * before.abs()
+                || hoped > STEEP * before.abs() && checkpoint.quiet_rejections > 0;
+            let ending = if has_more { Ended::Jammed } else { Ended::Converged };
             let why =
                 format!("the objective fell by only {fall:.1e} in each of {QUIET} iterations");
             ended = Some((ending, why));
@@ -68,12 +77,12 @@ impl Cascade<'_> {
             );
             ended = Some((Ended::StoppedEarly, why));
         }
-        let left = projected_norm(level, &step, &checkpoint.penalties) / checkpoint.first_gradient;
+        let left = steepest / checkpoint.first_gradient;
         if left < optimizer.gradient_tolerance {
             ended =
                 Some((Ended::Converged, format!("the gradient fell to {left:.1e} of its first")));
         }
-        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s;
+        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s + step.mold_s;
         if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
             ended = Some((Ended::StoppedEarly, format!("{spent:.0} s were spent on the level")));
         }
@@ -93,7 +102,7 @@ impl Cascade<'_> {
         let levels = self.design.levels();
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
-        checkpoint.spend(step.forward_s + step.gradient_s);
+        checkpoint.spend(step.forward_s + step.gradient_s + step.mold_s);
         // the same shape on another mesh is no progress
         if checkpoint.iteration == 0 || checkpoint.has_moved() {
             checkpoint
@@ -117,6 +126,7 @@ impl Cascade<'_> {
             newton_iterations: evaluation.newton_iterations,
             forward_s: step.forward_s,
             gradient_s: step.gradient_s,
+            mold_s: step.mold.as_ref().map(|_| step.mold_s),
             time_s: checkpoint.total_s,
             dofs: level.dofs(),
             time_steps: level.steps(),
@@ -145,7 +155,7 @@ impl Cascade<'_> {
         );
         checkpoint.history += 1;
         if checkpoint.iteration == 0 {
-            checkpoint.first_gradient = projected_norm(level, &step, &checkpoint.penalties);
+            checkpoint.first_gradient = promise(level, &step, &checkpoint.penalties, 0.0).0;
         }
         checkpoint.objective = evaluation.objective;
         checkpoint.merit = level.merit(evaluation, &checkpoint.penalties);

@@ -7,9 +7,15 @@ use anyhow::Result;
 use mechanics::body::{Body, Part};
 use scene::config::LevelConfig;
 
+use super::spread::tidied;
 use super::{Cascade, MEMORY};
 use crate::optimize::remesh::{mesh_file, remesh};
 use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level, Rejected, Start};
+
+/// Rounds of motion and meshing in which a start gets to where its constraints are kept.
+const ROUNDS: usize = 8;
+/// How often such a motion is halved until it gives a valid shape.
+const HALVINGS: i32 = 5;
 
 impl Cascade<'_> {
     /// The mesh that a level began with, or that its iteration `meshed_at` made; of a later level's mesh
@@ -40,6 +46,9 @@ impl Cascade<'_> {
     pub(super) fn begin(&self) -> Result<Checkpoint> {
         let mut start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
         let modelled = &self.scene.body;
+        if self.start == 1 && self.meshes.others().next().is_none() {
+            return self.begin_mesh(&self.kept(modelled)?, None, start);
+        }
         if self.start == 1 {
             return self.begin_mesh(modelled, self.meshes.others(), start);
         }
@@ -50,6 +59,40 @@ impl Cascade<'_> {
         };
         let others = self.meshes.others().map(follow).collect::<Result<Vec<_>>>()?;
         self.begin_mesh(&tidied, others.iter().map(|(index, body)| (*index, body)), start)
+    }
+
+    /// A body moved to where its constraints are kept, by the variables of the first level; its interior is meshed anew on the
+    /// way, so that elements do not get flat. As it is where there is no such way: the level says why.
+    fn kept(&self, body: &Body) -> Result<Body> {
+        let mut body = body.clone();
+        if self.design.constraint.iter().all(|kept| kept.bound().is_some()) {
+            return Ok(body);
+        }
+        let settings = &self.design.levels()[0];
+        let scene = self.scene.with_fidelity(settings)?;
+        for _ in 0..ROUNDS {
+            let level = Level::new(&scene, self.objectives, body.clone(), self.design, settings)?;
+            let zero = level.map().start(&[]);
+            let Ok(there) = level.restored(&zero) else { return Ok(body) };
+            let motion = level.map().vertex_motion(&zero, &there);
+            if motion == 0.0 {
+                return Ok(body);
+            }
+            let at = |part: f64| -> Vec<f64> { there.iter().map(|d| part * d).collect() };
+            let mut parts = (0..HALVINGS).map(|k| 0.5_f64.powi(k));
+            let valid = |part: &f64| {
+                level.free_fraction(&zero, &at(*part)) >= 1.0
+                    && level.check_flat(&at(*part)).is_ok()
+            };
+            let Some(part) = parts.find(valid) else { return Ok(body) };
+            body.mesh.vertices = level.map().shape(&at(part));
+            body = tidied(&body, level.map().moving())?;
+            let moved = 1e3 * part * motion;
+            log::info!(
+                "the start is moved by up to {moved:.3} mm, to where its constraints are kept"
+            );
+        }
+        Ok(body)
     }
 
     /// Puts the mesh of a level, those of later ones and the checkpoint before its first solve on disk.

@@ -22,7 +22,7 @@ use reports::{Castable, Ended, LevelEnd, NoStart, Optimization, Status};
 use scene::config::{DesignConfig, ObjectiveConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
-use self::say::say_gain;
+use self::say::{say_bounds, say_gain};
 use super::bounds::BoundRow;
 use super::checkpoint::Checkpoint;
 use super::curvature::MOST_VARIABLES;
@@ -113,6 +113,7 @@ struct Step {
     blind: bool,
     forward_s: f64,
     gradient_s: f64,
+    mold_s: f64,
 }
 
 impl Cascade<'_> {
@@ -241,6 +242,7 @@ impl Cascade<'_> {
         }
         if checkpoint.has_moved() && !checkpoint.flat {
             say_gain(checkpoint);
+            say_bounds(&level, checkpoint);
         }
         Ok((level, current))
     }
@@ -257,10 +259,10 @@ impl Cascade<'_> {
         }
         let theta = level.map().start(&checkpoint.loads);
         let context = || format!("level {}", checkpoint.level + 1);
-        level.admit(&level.body.mesh.vertices).with_context(context)?;
-        let theta = level.restored(&theta).with_context(context)?;
-        level.admit(&level.map().shape(&theta)).with_context(|| {
-            format!("level {}: moved to where its constraints are kept", checkpoint.level + 1)
+        let theta = beginning(level, &theta).map_err(|rejected| -> anyhow::Error {
+            let said = format!("level {}: {rejected}", checkpoint.level + 1);
+            // the design of the level before is kept
+            if checkpoint.level > 0 { Unusable(said).into() } else { anyhow::anyhow!(said) }
         })?;
         let mut evaluation = match self.solve_near(level, &theta, checkpoint)? {
             Some(evaluation) => evaluation,
@@ -279,6 +281,9 @@ impl Cascade<'_> {
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
         let bounds = level.bound_rows(&theta, &evaluation).with_context(context)?;
+        let gradient_s = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        let mold = self.verdict(level, &evaluation)?;
         if checkpoint.penalties.is_empty() {
             checkpoint.penalties = level.first_penalties(&evaluation, norm(&gradient));
             checkpoint.first_merit = level.merit(&evaluation, &checkpoint.penalties);
@@ -296,10 +301,11 @@ impl Cascade<'_> {
             trials: 1,
             flat: false,
             rejections: Rejections::default(),
-            mold: self.verdict(level, &evaluation)?,
+            mold,
             blind: true,
             forward_s: evaluation.forward_s,
-            gradient_s: clock.elapsed().as_secs_f64(),
+            gradient_s,
+            mold_s: clock.elapsed().as_secs_f64(),
             evaluation: evaluation.clone(),
         };
         self.record(level, checkpoint, step)?;
@@ -321,7 +327,7 @@ impl Cascade<'_> {
                 log::warn!(
                     "objective \"{name}\" does not change with any variable at the start, so that the design cannot \
                      improve it: if it is a force, nothing touches there; begin from a shape or a pressure with which \
-                     it does, or add an objective of kind \"distance\" or \"contact-proxy\" that leads there"
+                     it does, or add what leads there: an objective \"probe\" of a probe \"gap\" or \"distance\", or \"contact-proxy\""
                 );
             }
         }
@@ -353,4 +359,21 @@ impl Cascade<'_> {
         let report = Optimization { status, usable: false, designed: None, failed: Some(failed) };
         results::write_report(&self.folder, &report)
     }
+}
+
+/// The variables next to these that keep the constraints, of a valid shape.
+fn beginning(level: &Level, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
+    level.admit(&level.body.mesh.vertices)?;
+    let kept = level.restored(theta)?;
+    let motion = level.map().vertex_motion(theta, &kept);
+    if motion > 0.0 {
+        log::info!(
+            "the start is moved by up to {:.3} mm, to where its constraints are kept",
+            1e3 * motion
+        );
+    }
+    level.admit(&level.map().shape(&kept)).map_err(|Rejected(why)| {
+        Rejected(format!("moved to where its constraints are kept: {why}"))
+    })?;
+    Ok(kept)
 }

@@ -28,6 +28,31 @@ pub fn say_gain(checkpoint: &Checkpoint) {
     }
 }
 
+/// Names the variables of loads that are held back by their bounds.
+pub fn say_bounds(level: &Level, checkpoint: &Checkpoint) {
+    let Some((low, high)) = level.map().bounds(&checkpoint.theta) else { return };
+    let first = level.map().shape_variables();
+    let named = level.map().named_load_variables().into_iter().enumerate();
+    let held: Vec<String> = named
+        .filter(|(k, _)| {
+            let i = first + k;
+            let (own, slope) = (checkpoint.theta[i], checkpoint.gradient[i]);
+            let near = 1e-6 * (high[i] - low[i]);
+            own - low[i] <= near && slope > 0.0 || high[i] - own <= near && slope < 0.0
+        })
+        .map(|(_, variable)| variable.path)
+        .collect();
+    if let [first, others @ ..] = &held[..] {
+        let more = match others.len() {
+            0 => String::new(),
+            count => format!(" and {count} more"),
+        };
+        log::info!(
+            "{first}{more}: at the bounds of the design, beyond which the objective would fall"
+        );
+    }
+}
+
 /// What changes in a level, for the log.
 pub fn variables(level: &Level, settings: &LevelConfig) -> String {
     match settings.describe() {

@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 use reports::Castable;
 use scene::config::{OptimizerConfig, OptimizerMethod};
 
-use super::trial::{ahead, lower};
+use super::trial::{Refused, ahead, lower};
 use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS};
 use crate::optimize::bounds::raise;
 use crate::optimize::checkpoint::Checkpoint;
@@ -113,14 +113,15 @@ impl Cascade<'_> {
                 let bounds = level.bound_rows(&there, &e)?;
                 Ok((level.gradient(&there, &e)?, bounds, e))
             });
+            let gradient_s = clock.elapsed().as_secs_f64();
+            let clock = Instant::now();
             let mold = match &outcome {
                 Ok((.., evaluation)) => self.verdict(level, evaluation)?,
                 Err(_) => None,
             };
+            let mold_s = clock.elapsed().as_secs_f64();
             let outcome = match (&mold, self.requires_mold()) {
-                (Some(Castable::Refused { refused }), true) => {
-                    Err(Rejected(format!("fab plan: it cannot be cast: {refused}")).into())
-                }
+                (Some(Castable::Refused { refused }), true) => Err(Refused::mold(refused)),
                 _ => outcome,
             };
             let refused = match outcome {
@@ -155,13 +156,14 @@ impl Cascade<'_> {
                         mold,
                         blind: is_blind,
                         forward_s,
-                        gradient_s: clock.elapsed().as_secs_f64(),
+                        gradient_s,
+                        mold_s,
                     }));
                 }
                 Err(refused) => refused,
             };
             log::info!("trial {trials} rejected: {}", refused.reason);
-            rejections.add(refused.has_value(), &refused.reason);
+            rejections.add(refused.had(), &refused.reason);
             region.radius = motion * refused.shorter(before, dot(&slope, &d));
         }
         let why = format!(
@@ -258,6 +260,7 @@ fn propose(
             if level.free_fraction(theta, &d) < 1.0 {
                 return Err(Rejected("the surface would pass through itself".to_owned()));
             }
+            level.check_flat(&there)?;
             level.admit(&level.map().shape(&there))?;
             Ok(d)
         });
@@ -273,7 +276,7 @@ fn propose(
                 return Some(Proposal { motion, d, change, multipliers });
             }
             Err(refused) => {
-                rejections.add_shape(level.is_flat(&moved(theta, &found.d)), &refused);
+                rejections.add_shape(level.check_flat(&moved(theta, &found.d)).is_err(), &refused);
                 let cut = (2.0 * radius / motion(&found.d)).clamp(2.0, 1e3);
                 shorter *= cut;
                 // the region of a full model is kept by its metric
@@ -314,9 +317,8 @@ fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
     there
 }
 
-/// The largest component of the step down the gradient that the constraints and bounds leave.
-#[must_use]
-pub(super) fn projected_norm(level: &Level, step: &Step, penalties: &[f64]) -> f64 {
+/// The step down the gradient of the merit that the constraints and bounds leave.
+fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
     let (theta, mut gradient) = (&step.theta, step.gradient.clone());
     let mut kept = level.kept_rows(theta, 0.0);
     kept.extend(level.bounded(&step.bounds, penalties, &mut gradient));
@@ -326,8 +328,21 @@ pub(super) fn projected_norm(level: &Level, step: &Step, penalties: &[f64]) -> f
     all.iter_mut().take(kept.len()).for_each(|row| row.c = 0.0);
     let (model, metric) = (Model::round(gradient.len(), 1.0), DMatrix::zeros(0, 0));
     let problem = Problem::new(&model, &gradient, &metric, &all, length);
-    let step = problem.minimum(0.0).map_or_else(|| gradient.clone(), |found| found.d);
-    step.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()))
+    problem.minimum(0.0).map_or(gradient, |found| found.d)
+}
+
+/// The largest component of that step, and by how much the merit would fall along it over a motion [m], to first order.
+#[must_use]
+pub(super) fn promise(level: &Level, step: &Step, penalties: &[f64], motion: f64) -> (f64, f64) {
+    let d = downhill(level, step, penalties);
+    let largest = d.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+    if largest == 0.0 {
+        return (0.0, 0.0);
+    }
+    let small = 1e-3 * level.map().mean_edge() / largest;
+    let there: Vec<f64> = step.theta.iter().zip(&d).map(|(t, d)| t + small * d).collect();
+    let per_unit = level.map().motion(&step.theta, &there) / small;
+    (largest, dot(&d, &d) / per_unit * motion)
 }
 
 fn moved(theta: &[f64], d: &[f64]) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! A trial of a step, and how the next one follows from one that was not taken.
 
+use crate::optimize::ending::Had;
 use crate::optimize::level::Start;
 use crate::optimize::{Evaluation, Level, Rejected, Run};
 
@@ -20,7 +21,7 @@ pub(super) fn lower(
     // a barrier with a negative weight may be −∞
     if !(objective.is_finite() && objective <= wanted) {
         let reason = format!("objective {objective:.6e} is not low enough");
-        return Err(Refused { reason, objective: Some(objective) });
+        return Err(Refused { reason, objective: Some(objective), is_mold: false });
     }
     level.linearize(&evaluation);
     Ok(evaluation)
@@ -32,18 +33,30 @@ pub(super) struct Refused {
     pub reason: String,
     /// What it came to, where it had a value.
     objective: Option<f64>,
+    /// It cannot be cast.
+    is_mold: bool,
 }
 
 impl From<Rejected> for Refused {
     fn from(Rejected(reason): Rejected) -> Self {
-        Self { reason, objective: None }
+        Self { reason, objective: None, is_mold: false }
     }
 }
 
 impl Refused {
-    /// Whether it had an equilibrium and a value.
-    pub fn has_value(&self) -> bool {
-        self.objective.is_some()
+    /// What it had.
+    pub fn had(&self) -> Had {
+        match self.objective {
+            _ if self.is_mold => Had::NoMold,
+            Some(_) => Had::Value,
+            None => Had::NoRun,
+        }
+    }
+
+    /// A shape that `fab plan` refuses.
+    pub fn mold(refused: &str) -> Self {
+        let reason = format!("fab plan: it cannot be cast: {refused}");
+        Self { reason, objective: None, is_mold: true }
     }
 
     /// Length of the next trial over that of this one, along which the objective had a slope at its start: where a
@@ -75,7 +88,7 @@ mod tests {
     /// J = −α + 5 α²/2 has its minimum at α = 1/5; after 1 ≤ α, J − J₀ = 3/2.
     #[test]
     fn the_next_trial_is_where_the_parabola_has_its_minimum() {
-        let refused = |objective| Refused { reason: String::new(), objective };
+        let refused = |objective| Refused { reason: String::new(), objective, is_mold: false };
         assert!((refused(Some(8.5)).shorter(7.0, -1.0) - 0.2).abs() < 1e-15);
         assert_eq!(refused(Some(1e9)).shorter(7.0, -1.0), SHORTEST_RETRIAL);
         for without_a_minimum in [None, Some(f64::NAN), Some(f64::NEG_INFINITY), Some(7.0)] {
