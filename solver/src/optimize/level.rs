@@ -465,8 +465,9 @@ impl Level {
     /// # Errors
     /// With the worst element.
     pub fn check_flat(&self, theta: &[f64]) -> Result<(), Rejected> {
-        let (shape, least) = (self.map.shape(theta), validity::SMALLEST_OF_TRIALS);
-        let found = validity::check_volumes(&shape, &self.body.mesh.tets, least);
+        let tets = &self.body.mesh.tets;
+        let least = validity::smallest_of_trials(&self.body.mesh.vertices, tets);
+        let found = validity::check_volumes(&self.map.shape(theta), tets, least);
         found.map_err(|flat| Rejected(flat.to_string()))
     }
 

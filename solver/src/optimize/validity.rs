@@ -11,10 +11,10 @@ use mesh::crossings::self_intersecting_pairs;
 use mesh::measure::tet_volume;
 use mesh::{SurfaceMesh, Vec3, facet_key};
 
-/// Smallest volume of a tetrahedron at the start of a level in units of the mean volume [1].
-pub const SMALLEST: f64 = 1e-5;
-/// That of a trial, which is more: the next level begins on a mesh that may differ.
-pub const SMALLEST_OF_TRIALS: f64 = 3e-5;
+/// Smallest volume of a tetrahedron that can be simulated in units of the mean volume [1].
+const SMALLEST: f64 = 1e-7;
+/// That of a shape that a design moves to, where its start has no smaller one.
+const SMALLEST_OF_TRIALS: f64 = 1e-5;
 
 /// Why a rest shape is not valid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -89,22 +89,35 @@ fn check_sides(rest: &[Vec3], body: &Body) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks that no tetrahedron is flat, with less than `least` of the mean volume, or inverted.
-pub(super) fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]], least: f64) -> Result<(), Invalid> {
+/// Volumes of tetrahedra in units of their mean.
+fn volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Vec<f64> {
     let volume = |tet: &[usize; 4]| {
         let [a, b, c, d] = tet.map(|v| rest[v]);
         tet_volume(a, b, c, d)
     };
     let volumes: Vec<f64> = tets.iter().map(volume).collect();
     let mean = volumes.iter().map(|v| v.abs()).sum::<f64>() / volumes.len() as f64;
-    let is_bad = |&t: &usize| volumes[t].is_nan() || volumes[t] <= least * mean;
+    volumes.iter().map(|volume| volume / mean).collect()
+}
+
+/// The smallest volume over the mean of shapes that a design moves to from a start: meshing anew may leave smaller ones there.
+#[must_use]
+pub fn smallest_of_trials(start: &[Vec3], tets: &[[usize; 4]]) -> f64 {
+    let smallest = volumes(start, tets).into_iter().fold(f64::INFINITY, f64::min);
+    (0.5 * smallest).clamp(SMALLEST, SMALLEST_OF_TRIALS)
+}
+
+/// Checks that no tetrahedron is flat, with less than `least` of the mean volume, or inverted.
+pub(super) fn check_volumes(rest: &[Vec3], tets: &[[usize; 4]], least: f64) -> Result<(), Invalid> {
+    let volumes = volumes(rest, tets);
+    let is_bad = |&t: &usize| volumes[t].is_nan() || volumes[t] <= least;
     let bad: Vec<usize> = (0..tets.len()).filter(is_bad).collect();
     match bad.iter().min_by(|&&a, &&b| volumes[a].total_cmp(&volumes[b])) {
         None => Ok(()),
         Some(&tet) => Err(Invalid::Inverted {
             count: bad.len(),
             tet,
-            relative: volumes[tet] / mean,
+            relative: volumes[tet],
             least,
             at: tets[tet].iter().map(|&v| rest[v]).sum::<Vec3>() / 4.0,
         }),

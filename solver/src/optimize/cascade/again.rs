@@ -27,8 +27,7 @@ impl Cascade<'_> {
         if before.map().moving().is_empty() {
             return Ok(None);
         }
-        let levels = self.design.levels();
-        let settings = &levels[levels.len() - 1];
+        let settings = &self.design.levels()[finished.level];
         let scene = self.scene.with_fidelity(settings)?;
         let body = tidied(&finished.body, before.map().moving())?;
         let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;

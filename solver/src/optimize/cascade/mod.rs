@@ -73,6 +73,8 @@ pub struct Finished {
     pub body: Body,
     /// The last level and its last evaluation.
     pub last: (Level, Evaluation),
+    /// Index of that level.
+    pub level: usize,
     /// The variables.
     pub theta: Vec<f64>,
     /// How each level ended.
@@ -166,6 +168,7 @@ impl Cascade<'_> {
                 checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
             }
             let finished = Finished {
+                level: reached.level,
                 body: level.shape(&evaluation),
                 theta: reached.theta.clone(),
                 endings: reached.all_endings(),
