@@ -126,7 +126,7 @@ pub struct Designed {
     /// Surfaces that have passed through each other in a scene without contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crossing: Option<Crossing>,
-    /// The design on a mesh whose interior is made anew, where a shape moves: another value says that elements are poor.
+    /// The design with a re-meshed interior, where a shape moves: another value says that elements are poor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remeshed: Option<Remeshed>,
     /// Lines of the history.

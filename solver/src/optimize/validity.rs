@@ -100,7 +100,7 @@ fn volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Vec<f64> {
     volumes.iter().map(|volume| volume / mean).collect()
 }
 
-/// The smallest volume over the mean of shapes that a design moves to from a start: meshing anew may leave smaller ones there.
+/// The smallest volume over the mean of shapes that a design moves to from a start: re-meshing may leave smaller ones there.
 #[must_use]
 pub fn smallest_of_trials(start: &[Vec3], tets: &[[usize; 4]]) -> f64 {
     let smallest = volumes(start, tets).into_iter().fold(f64::INFINITY, f64::min);

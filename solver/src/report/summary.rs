@@ -32,7 +32,7 @@ pub fn in_words(found: &End) -> String {
     parts.join(", ")
 }
 
-/// What a constraint that holds a design back is worth: what the objective would fall by where it gave way by a tenth.
+/// What a constraint that holds a design back is worth: what the objective would fall by with a tenth less or more.
 #[must_use]
 pub fn of_constraint(name: &str, kept: &Kept) -> Option<String> {
     let Kept { unit, least, most, found, worth } = kept;

@@ -175,14 +175,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The design on a mesh whose interior is made anew.
+/// The design with a re-meshed interior.
 fn remeshed(cascade: &Cascade, finished: &Finished, designed: &Designed) -> Option<Remeshed> {
     let again = match cascade.again(finished) {
         Ok(again) => again?,
         Err(error) => {
-            log::warn!(
-                "on a mesh whose interior is made anew the design was not simulated: {error:#}"
-            );
+            log::warn!("with a re-meshed interior the design was not simulated: {error:#}");
             return None;
         }
     };
@@ -197,7 +195,7 @@ fn remeshed(cascade: &Cascade, finished: &Finished, designed: &Designed) -> Opti
         })
         .collect();
     let said = format!(
-        "on a mesh whose interior is made anew the objective is {other:.4e} in place of {own:.4e}{}",
+        "with a re-meshed interior the objective is {other:.4e} in place of {own:.4e}{}",
         probes.concat()
     );
     match (other - own).abs() > OFF * gain {

@@ -1,4 +1,4 @@
-//! The design at the end on a mesh whose interior is made anew: flat elements that a design came to are stiff, and what it
+//! The design at the end with a re-meshed interior: flat elements that a design came to are stiff, and what it
 //! gained by them is no gain of the body.
 
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ pub struct Again {
 }
 
 impl Cascade<'_> {
-    /// The design on a mesh whose interior is made anew; none where no shape moves.
+    /// The design with a re-meshed interior; none where no shape moves.
     ///
     /// # Errors
     /// When there is no equilibrium, which the first error says, or the mesh cannot be made.

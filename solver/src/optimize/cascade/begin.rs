@@ -61,7 +61,7 @@ impl Cascade<'_> {
         self.begin_mesh(&tidied, others.iter().map(|(index, body)| (*index, body)), start)
     }
 
-    /// A body moved to where its constraints are kept, by the variables of the first level; its interior is meshed anew on the
+    /// A body moved to where its constraints are kept, by the variables of the first level; its interior is re-meshed on the
     /// way, so that elements do not get flat. As it is where there is no such way: the level says why.
     fn kept(&self, body: &Body) -> Result<Body> {
         let mut body = body.clone();

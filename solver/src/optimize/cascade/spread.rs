@@ -18,7 +18,7 @@ const LOADS: f64 = 2.0;
 const HALVINGS: usize = 8;
 
 impl Cascade<'_> {
-    /// The body, as it is and with its interior meshed anew, and the loads of the start with this number, the second or a later
+    /// The body, as it is and with its interior re-meshed, and the loads of the start with this number, the second or a later
     /// one: all handles of the first level that
     /// has some move at random, as far as shapes are valid and keep the constraints.
     ///
@@ -69,7 +69,7 @@ impl Cascade<'_> {
 
 /// A body with better elements inside, and its surface as it is.
 pub(super) fn tidied(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
-    remesh(body, moving, Some(0.0)).context("its interior could not be meshed anew")
+    remesh(body, moving, Some(0.0)).context("its interior could not be re-meshed")
 }
 
 /// The variables next to these that keep the constraints, if they give a valid shape.
