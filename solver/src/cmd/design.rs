@@ -21,6 +21,11 @@ const SCALE: f64 = 0.05;
 const STEPS: f64 = 12.0;
 const STEPS_PER_VARIABLE: f64 = 0.12;
 
+/// The mold that is looked for beside the scene.
+const MOLD: &str = "mold.toml";
+/// The thinnest wall where nothing says another one [m].
+const WALL: f64 = 1e-3;
+
 /// Iterations of the level in which the whole wall moves along its normals.
 const OFFSET: usize = 6;
 /// Handles and iterations of the levels after it.
@@ -40,9 +45,10 @@ pub struct Arguments {
     /// Tag whose surface may move; the only chamber of the scene if not given
     #[arg(long = "move", value_name = "TAG")]
     moved: Option<String>,
-    /// The thinnest wall allowed between it and the outside [m]
-    #[arg(long, value_name = "METRES", default_value_t = 1e-3)]
-    wall: f64,
+    /// The thinnest wall allowed between it and the outside [m]; casting.least_wall of a mold.toml beside the scene if not given,
+    /// or 1 mm
+    #[arg(long, value_name = "METRES")]
+    wall: Option<f64>,
     /// The thinnest core allowed [m]; casting.least_core of a mold.toml beside the scene if not given
     #[arg(long, value_name = "METRES")]
     core: Option<f64>,
@@ -74,12 +80,7 @@ fn target(text: &str) -> Result<Target, String> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = number::read(&arguments.scene, &[], &[])?;
     let place = || arguments.scene.display().to_string();
-    ensure!(
-        arguments.wall > 0.0 && arguments.wall.is_finite(),
-        "--wall {}: must be positive, in metres",
-        arguments.wall
-    );
-    let core = least_core(arguments)?;
+    let casting = Casting::of(arguments)?;
     let moved = moved(arguments, &scene).with_context(place)?;
     let path = arguments
         .output
@@ -102,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     files.push((
         path.clone(),
-        problem(arguments, &scene, &name, (&moved, core)).with_context(place)?,
+        problem(arguments, &scene, &name, (&moved, &casting)).with_context(place)?,
     ));
     write(&files)?;
     if let Some(said) = cost(&scene) {
@@ -143,26 +144,45 @@ fn file_name(path: &Path) -> Result<String> {
     Ok(name.with_context(|| format!("{}: not a name in UTF-8", path.display()))?.to_owned())
 }
 
-/// The thinnest core [m] that was asked for, or that the mold beside the scene allows.
-fn least_core(arguments: &Arguments) -> Result<Option<f64>> {
-    if let Some(core) = arguments.core {
-        ensure!(core > 0.0 && core.is_finite(), "--core {core}: must be positive, in metres");
-        return Ok(Some(core));
+/// What can be cast: as was asked for, or as the mold beside the scene says.
+struct Casting {
+    /// The thinnest wall [m].
+    wall: f64,
+    /// The thinnest core [m], if there is a limit.
+    core: Option<f64>,
+    /// Whether there is a mold.toml.
+    has_mold: bool,
+}
+
+impl Casting {
+    fn of(arguments: &Arguments) -> Result<Self> {
+        for (key, asked) in [("--wall", arguments.wall), ("--core", arguments.core)] {
+            let asked = asked.unwrap_or(1.0);
+            ensure!(asked > 0.0 && asked.is_finite(), "{key} {asked}: must be positive, in metres");
+        }
+        let path = beside(&arguments.scene, Path::new(MOLD));
+        let has_mold = path.exists();
+        let mold: toml::Table = match has_mold {
+            true => {
+                let text = mesh::io::read_text(&path)?;
+                text.parse().with_context(|| path.display().to_string())?
+            }
+            false => toml::Table::new(),
+        };
+        let number = |key: &str| {
+            let found = mold.get("casting").and_then(|casting| casting.get(key));
+            let least = found.and_then(toml::Value::as_float).filter(|least| *least > 0.0);
+            ensure!(
+                found.is_none() || least.is_some(),
+                "{}: casting.{key} must be a number above 0, in metres",
+                path.display()
+            );
+            Ok(least)
+        };
+        let wall = arguments.wall.or(number("least_wall")?).unwrap_or(WALL);
+        let core = arguments.core.or(number("least_core")?);
+        Ok(Self { wall, core, has_mold })
     }
-    let path = beside(&arguments.scene, Path::new("mold.toml"));
-    if !path.exists() {
-        return Ok(None);
-    }
-    let text = mesh::io::read_text(&path)?;
-    let mold: toml::Table = text.parse().with_context(|| path.display().to_string())?;
-    let key = mold.get("casting").and_then(|casting| casting.get("least_core"));
-    let least = key.and_then(toml::Value::as_float).filter(|least| *least > 0.0);
-    ensure!(
-        key.is_none() || least.is_some(),
-        "{}: casting.least_core must be a number above 0, in metres",
-        path.display()
-    );
-    Ok(least)
 }
 
 /// The tag that may move.
@@ -200,9 +220,10 @@ fn problem(
     arguments: &Arguments,
     scene: &Scene,
     name: &str,
-    (moved, core): (&str, Option<f64>),
+    (moved, casting): (&str, &Casting),
 ) -> Result<String> {
     let against: Vec<_> = outside(&scene.body, moved)?.iter().map(|tag| quoted(tag)).collect();
+    let tag = moved;
     let (name, moved) = (quoted(name), quoted(moved));
     let mut text = format!(
         "# What `solver design` wrote; edit it as you like. SI units; paths from this folder.\n\
@@ -233,14 +254,14 @@ fn problem(
     if against.is_empty() {
         log::warn!("no tag lies off the rim of {moved}: walls are not kept");
     } else {
-        let (wall, against) = (arguments.wall, toml::Value::Array(against));
+        let (wall, against) = (casting.wall, toml::Value::Array(against));
         write!(
             text,
             "\n# No wall is thinner.\n[[constraint]]\nkind = \"wall\"\nname = \"wall\"\n\
              on = {moved}\nagainst = {against}\nleast = {wall:?}    # [m]\n"
         )?;
     }
-    if let Some(core) = core {
+    if let Some(core) = casting.core {
         write!(
             text,
             "\n# No part of the core that makes the chamber is thinner.\n[[constraint]]\nkind = \"core\"\nname = \"core\"\n\
@@ -253,6 +274,16 @@ fn problem(
          name = \"smooth\"\nweight = 0.02\non = {moved}\n\n[[objective]]\nkind = \"clearance\"\n\
          name = \"clear\"\nweight = 1.0                    # [1/m^4]\nactivation = 5e-5               # [m]\n"
     )?;
+    if casting.has_mold {
+        write!(
+            text,
+            "\n# What cannot be cast so is no step, where the file names a method.\n[mold]\nconfig = \"{MOLD}\"\n"
+        )?;
+        let mut bodies = scene.body.parts.iter().filter_map(|part| part.name.as_ref());
+        if let Some(body) = bodies.find(|body| tag.starts_with(&format!("{body}."))) {
+            writeln!(text, "body = {}", quoted(body))?;
+        }
+    }
     Ok(text)
 }
 
