@@ -1,7 +1,6 @@
 //! `--starts`: the same design from several starts side by side, and the best of them.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -104,9 +103,10 @@ fn folder_of(arguments: &Arguments, number: usize) -> PathBuf {
 /// The program with one start, its messages in a file.
 fn spawn(arguments: &Arguments, number: usize, threads: usize) -> Result<Process> {
     let folder = folder_of(arguments, number);
-    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    mesh::io::make_results(&folder)?;
     let path = folder.join("log.txt");
-    let messages = File::create(&path).with_context(|| path.display().to_string())?;
+    mesh::io::remove_output(&path)?;
+    let messages = mesh::io::create_new(&path)?;
     let mut command = Command::new(std::env::current_exe()?);
     command.arg("optimize").arg(&arguments.design).arg("--output").arg(&folder);
     command.arg("--start").arg(number.to_string());
@@ -114,7 +114,7 @@ fn spawn(arguments: &Arguments, number: usize, threads: usize) -> Result<Process
         command.arg("--restart");
     }
     for change in &arguments.changes.set {
-        command.arg("--set").arg(change.text());
+        command.arg("--set").arg(change.to_string());
     }
     command.env("RAYON_NUM_THREADS", threads.max(1).to_string());
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(messages);
@@ -196,17 +196,18 @@ pub(super) fn take_over(from: &Path, folder: &Path) -> Result<()> {
     let names = checkpoint.files.keys().map(String::as_str);
     let castable = ["history.jsonl", "checkpoint.json"].into_iter();
     for name in names.chain(castable) {
-        let bytes = std::fs::read(from.join(name))
-            .with_context(|| from.join(name).display().to_string())?;
-        mesh::io::write_atomic(&folder.join(name), |out| out.write_all(&bytes))?;
+        copy(&from.join(name), &folder.join(name))?;
     }
     for entry in std::fs::read_dir(from).with_context(|| from.display().to_string())? {
-        let path = entry?.path();
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-        if let Some(name) = name.filter(|name| name.starts_with("castable.")) {
-            let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-            mesh::io::write_atomic(&folder.join(name), |out| out.write_all(&bytes))?;
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if name.starts_with("castable.") {
+            copy(&from.join(&name), &folder.join(name))?;
         }
     }
     Ok(())
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    let bytes = mesh::io::read_bytes(from)?;
+    Ok(mesh::io::write_atomic(to, |out| out.write_all(&bytes))?)
 }
