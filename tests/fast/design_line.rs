@@ -52,11 +52,17 @@ fn the_core_is_that_of_the_line_or_of_the_mold() {
         dir.text(file)
     };
     assert!(!line("", "none.toml").contains("kind = \"core\""));
-    dir.write("mold.toml", "method = \"soluble\"\n\n[casting]\nleast_core = 1.2e-3\nleast_wall = 1.4e-3\n");
+    dir.write(
+        "mold.toml",
+        "method = \"soluble\"\n\n[casting]\nleast_core = 1.2e-3\nleast_wall = 1.4e-3\n",
+    );
     let kept = "kind = \"core\"\nname = \"core\"\non = \"cavity\"\nleast = ";
     assert!(line("", "mold.design.toml").contains(&format!("{kept}0.0012 ")));
     let text = line("", "wall.toml");
-    assert!(text.contains("least = 0.0014 ") && text.contains("[mold]\nconfig = \"mold.toml\"\n"), "{text}");
+    assert!(
+        text.contains("least = 0.0014 ") && text.contains("[mold]\nconfig = \"mold.toml\"\n"),
+        "{text}"
+    );
     assert!(line(" --wall 3e-3", "thick.toml").contains("least = 0.003 "));
     assert!(line(" --core 2e-3", "line.toml").contains(&format!("{kept}0.002 ")));
     dir.solver("check line.toml --design-only --handles 1").assert_good();

@@ -247,7 +247,12 @@ fn a_burst_that_a_design_cannot_have_is_refused() {
     refused("design.toml", goal, "burst = { least = 1, weight = 1 }", &["burst", "above 1"]);
     refused("design.toml", goal, "burst = { least = 5, weight = 1 }", &["burst", "most = 4"]);
     refused("design.toml", goal, "burst = { least = 2, weight = 0 }", &["burst", "positive"]);
-    refused("design.toml", "least = 3\nweight = 100\nburst", "weight = 100\nburst", &["weight", "without least"]);
+    refused(
+        "design.toml",
+        "least = 3\nweight = 100\nburst",
+        "weight = 100\nburst",
+        &["weight", "without least"],
+    );
     let both = format!("least = 3\nweight = 100\n{goal}");
     refused("design.toml", &both, "", &["[limit]", "empty", "burst = {"]);
     refused("design.toml", "name = \"clear\"", "name = \"burst\"", &["burst", "another"]);

@@ -101,7 +101,8 @@ fn gradients_are_exact_at_the_start_and_at_the_design() {
         ("", &three[..2]),
         // three handles bend the objective more: steps shorter than a tenth of an edge
         ("--design-only --handles 3 --random 2 --motion 3e-4", &three),
-        ("--design-only --handles 3 --mesh out/design.msh --random 2 --motion 3e-4", &three),
+        // at the design another side of the chamber is nearest to the wall after longer steps: the barrier has a kink there
+        ("--design-only --handles 3 --mesh out/design.msh --random 2 --motion 3e-5", &three),
     ] {
         let run = dir.solver(&format!("check design.toml {arguments}"));
         run.assert_good();
