@@ -11,7 +11,7 @@ use super::terms::{Forces, add_partials};
 use super::{Bound, Rejected, Run, Scenario};
 
 impl Scenario {
-    /// dJ of all terms, of those of a name, or dc of a [`Bound`](super::Bound) of a name, times a factor, by all that a run depends on, the designed rest
+    /// dJ of all terms, of those of a name, or dc of a bound of a name, times a factor, by all that a run depends on, the designed rest
     /// shape among it. Where it is linearised at the run, that saves factorisations.
     ///
     /// # Errors

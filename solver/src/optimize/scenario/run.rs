@@ -24,7 +24,7 @@ pub struct Run {
     pub objective: f64,
     /// Weighted value of each term, by the user's name.
     pub terms: BTreeMap<String, f64>,
-    /// c of each [`Bound`](super::Bound), which is to be 0 or more, in its unit.
+    /// c of each bound, which is to be 0 or more, in its unit.
     pub kept: Vec<f64>,
     /// Newton iterations.
     pub newton_iterations: usize,
