@@ -19,7 +19,7 @@ fn top(bound: &str) -> String {
 
 fn workdir() -> Workdir {
     let dir = chamber::workdir();
-    dir.write("p1.toml", &(dir.text("p1.toml") + chamber::PROBES + "\n[limit]\nmost = 3\n"));
+    dir.write("p1.toml", &(dir.text("p1.toml") + chamber::PROBES));
     dir
 }
 
@@ -61,12 +61,13 @@ fn a_probe_is_kept_below_its_bound_and_the_worth_is_the_derivative_of_the_optimu
 #[test]
 fn the_slope_of_the_pressure_is_kept() {
     let dir = workdir();
-    let goal = |least: f64| {
-        format!(
-            "[limit]\nslope = {{ least = {least:e} }}\n\n[[scenario]]\nname = \"drawn\"\n\n[[scenario]]\nname = \"thin\"\nwall = -2e-4\n"
-        )
+    let slope = |least: f64| {
+        format!("[[constraint]]\nkind = \"slope\"\nname = \"slope\"\nleast = {least:e}\n\n")
     };
-    let free = report(&dir, &design(3e-5, "[limit]\nslope = { least = 1e-3 }\n"));
+    let scenarios =
+        "[[scenario]]\nname = \"drawn\"\n\n[[scenario]]\nname = \"thin\"\nwall = -2e-4\n";
+    let goal = |least: f64| slope(least) + scenarios;
+    let free = report(&dir, &design(3e-5, &slope(1e-3)));
     let found = number(&free["constraints"]["slope"]["found"]);
     let least = found + 0.3 * (1.0 - found);
     let kept = report(&dir, &design(3e-5, &goal(least)));
@@ -99,7 +100,6 @@ fn a_bound_that_is_not_kept_is_an_error() {
 fn pressures_over_time_keep_within_bounds() {
     let dir = workdir();
     let scene = dir.text("p1.toml").replace("pressure = 8e3", "pressure = \"8e3*t\"");
-    let scene = scene.replace("[limit]\nmost = 3\n", "");
     let timed = "[time]\nend = 1\nsteps = 4\nmethod = \"quasistatic\"\n";
     dir.write("p1.toml", &(scene + timed));
     let design = |high: f64| {

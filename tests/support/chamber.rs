@@ -159,36 +159,19 @@ pub fn workdir() -> Workdir {
     dir
 }
 
-/// The folder of [`workdir`] with seven and a half times the pressure, and a design that asks for a limit farther away.
-///
-/// # Panics
-/// When the folder cannot be written.
-#[must_use]
-pub fn near_its_limit() -> Workdir {
-    let dir = workdir();
-    let scene = dir.text("p1.toml").replace("8e3", "60e3");
-    dir.write("p1.toml", &(scene + "\n[limit]\nmost = 4\n"));
-    let design = dir.text("design.toml");
-    dir.write("design.toml", &(design + "\n[limit]\nleast = 3\nweight = 100\n"));
-    dir
-}
-
 /// When the silicone of [`near_its_edges`] tears: between its state under pressure and its limit.
 pub const STRETCH_AT_BREAK: &str = "stretch_at_break = 2";
 
-/// How far its design is to stay from there.
-pub const BURST_GOAL: &str = "burst = { least = 3, weight = 100 }";
-
-/// The folder of [`near_its_limit`] with a silicone that tears, and a design that asks for that farther away, too.
+/// A folder whose `p1.toml` has a pressure not far from where it balloons, and a silicone that tears before.
 ///
 /// # Panics
 /// When the folder cannot be written.
 #[must_use]
 pub fn near_its_edges() -> Workdir {
-    let dir = near_its_limit();
+    let dir = workdir();
     let tears = format!("d1 = 1e6\n{STRETCH_AT_BREAK}");
-    dir.write("p1.toml", &dir.text("p1.toml").replace("d1 = 1e6", &tears));
-    dir.write("design.toml", &(dir.text("design.toml") + BURST_GOAL + "\n"));
+    let scene = dir.text("p1.toml").replace("8e3", "60e3").replace("d1 = 1e6", &tears);
+    dir.write("p1.toml", &(scene + "\n[limit]\nmost = 4\n"));
     dir
 }
 

@@ -1,4 +1,4 @@
-//! `kind = "probe"` of a `[[constraint]]`: a probe of the scene stays above, below or between bounds at the end of a run.
+//! `[[constraint]]` of the end of a run: a probe of the scene, or the slope of the pressure, stays within bounds.
 
 use anyhow::{Result, ensure};
 use program::{KeyPath, misfit};
@@ -37,6 +37,31 @@ impl ProbeBound {
             misfit!(
                 KeyPath::of("least"),
                 " = {low} and most = {high}: expected numbers, least below most"
+            )
+        );
+        Ok(())
+    }
+}
+
+/// The least slope of the pressure by the volume, over pressure by change of volume from rest: 1 where the body answers in
+/// proportion, 0 where it balloons.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SlopeBound {
+    /// As reports call it.
+    pub(crate) name: String,
+    /// Its smallest value [1].
+    pub least: f64,
+}
+
+impl SlopeBound {
+    pub(crate) fn check(&self) -> Result<()> {
+        ensure!(
+            self.least.is_finite() && self.least > 0.0,
+            misfit!(
+                KeyPath::of("least"),
+                " = {}: must be above 0, the slope where it balloons",
+                self.least
             )
         );
         Ok(())

@@ -23,7 +23,7 @@ use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::bound::ProbeBound;
+use crate::bound::{ProbeBound, SlopeBound};
 use crate::quantity::{Cores, Walls, positive};
 use crate::written::Names;
 
@@ -42,6 +42,9 @@ pub enum ConstraintConfig {
     Draft(DraftConfig),
     /// A probe of the scene stays within bounds.
     Probe(ProbeBound),
+    /// The pressure rises as steeply as this, or more: how far the body stays from where it balloons. In contact it has no
+    /// gradient.
+    Slope(SlopeBound),
 }
 
 /// `kind = "wall"`.
@@ -94,16 +97,32 @@ impl ConstraintConfig {
             Self::Core(core) => &core.name,
             Self::Draft(draft) => &draft.name,
             Self::Probe(bound) => &bound.name,
+            Self::Slope(bound) => &bound.name,
         }
     }
 
-    /// What it says of a probe; none of one on the rest shape.
+    /// What it says of a probe, if it does.
     #[must_use]
     pub fn bound(&self) -> Option<&ProbeBound> {
         match self {
             Self::Probe(bound) => Some(bound),
             _ => None,
         }
+    }
+
+    /// What it says of the slope of the pressure, if it does.
+    #[must_use]
+    pub fn slope(&self) -> Option<&SlopeBound> {
+        match self {
+            Self::Slope(bound) => Some(bound),
+            _ => None,
+        }
+    }
+
+    /// Whether it is kept by the shape alone, without a run.
+    #[must_use]
+    pub fn is_of_shape(&self) -> bool {
+        self.bound().is_none() && self.slope().is_none()
     }
 
     /// What messages call it.
@@ -146,6 +165,7 @@ impl ConstraintConfig {
                 );
             }
             Self::Probe(bound) => bound.check()?,
+            Self::Slope(bound) => bound.check()?,
         }
         Ok(())
     }
@@ -159,7 +179,7 @@ impl ConstraintConfig {
             Self::Wall(wall) => (wall.build(body), "m"),
             Self::Core(core) => (core.build(body), "m"),
             Self::Draft(draft) => (draft.build(body), "1"),
-            Self::Probe(_) => return Ok(None),
+            Self::Probe(_) | Self::Slope(_) => return Ok(None),
         };
         let form = built.with_context(|| self.title())?;
         Ok(Some(Constraint { name: self.name().to_owned(), unit, form }))

@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use super::bounds::BoundRow;
 use super::ending::{Rejections, at_the_last};
 use super::progress::LevelProgress;
-use super::scenario::{Margin, SavedMargin};
 use super::trust_region::TrustRegion;
 use super::{Lbfgs, Run};
 
@@ -112,9 +111,6 @@ pub struct Checkpoint {
     /// What `fab plan` says of the shape at θ, where it is asked.
     #[serde(default)]
     pub mold: Option<Castable>,
-    /// How far the accepted runs are from their edges, one run after the other, where that is asked.
-    #[serde(default)]
-    pub margins: Vec<SavedMargin>,
 }
 
 impl Checkpoint {
@@ -157,7 +153,6 @@ impl Checkpoint {
             began_outside: false,
             merit: f64::MAX,
             mold: None,
-            margins: Vec::new(),
         }
     }
 
@@ -320,14 +315,10 @@ impl Checkpoint {
     /// When it cannot be written; the one before then still stands.
     pub fn write_with_runs(&mut self, folder: &Path, runs: &[Run]) -> Result<()> {
         let path = self.run_path(folder);
-        self.margins = runs.iter().flat_map(|run| &run.margins).map(Margin::saved).collect();
         let steps: usize = runs.iter().map(|run| run.states.steps()).sum();
         let dofs = runs.first().map_or(0, |run| run.states.last().len());
-        let displacements = runs.iter().flat_map(|run| {
-            let at_edges = run.margins.iter().map(move |margin| margin.displacement(dofs));
-            run.states.displacements().chain(at_edges)
-        });
-        npy::write_rows(&path, [steps + self.margins.len(), dofs], displacements)?;
+        let displacements = runs.iter().flat_map(|run| run.states.displacements());
+        npy::write_rows(&path, [steps, dofs], displacements)?;
         self.files.retain(|name, _| !is_run(name));
         self.add_file(&path)?;
         self.write(folder)?;

@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use mechanics::forward::Trajectory;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
-use scene::config::{BURST, LIMIT, SLOPE};
 
 use super::scenario::{Run, Scenario};
 use super::{Evaluation, Level, Rejected};
@@ -59,31 +58,18 @@ impl Level {
         }
         let of_runs =
             DMatrix::from_fn(theta.len(), theta.len(), |i, j| sum[(i, j)] / (sizes[i] * sizes[j]));
-        let matrix = of_runs + self.own_curvature(theta, at)?;
+        let matrix = of_runs + self.own_curvature(theta.len());
         Ok(Some(Curvature { matrix, sizes, states }))
     }
 
-    /// Second derivatives of the objective that no run is needed for: of what keeps parameters small, and of the edges of
-    /// a run, whose terms are squares.
-    ///
-    /// # Errors
-    /// When an adjoint system has no accurate solution.
-    fn own_curvature(&mut self, theta: &[f64], at: &Evaluation) -> Result<DMatrix<f64>, Rejected> {
-        let mut matrix = DMatrix::zeros(theta.len(), theta.len());
+    /// Second derivatives of what keeps parameters small.
+    fn own_curvature(&self, variables: usize) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(variables, variables);
         let shape = self.map.shape_variables();
         for (i, bend) in self.costs.bends() {
             matrix[(shape + i, shape + i)] += bend;
         }
-        for edge in [LIMIT, BURST, SLOPE] {
-            let value = at.terms.get(edge).copied().unwrap_or(0.0);
-            if value > 0.0 && value.is_finite() {
-                // of w r² the gradient is g = 2 w r ∇r, and 2 w ∇r ∇rᵀ = g gᵀ / (2 w r²)
-                let swept = self.sweep(at, Some(edge))?;
-                let slope = DVector::from_vec(self.vjp(theta, &swept));
-                matrix += &slope * slope.transpose() / (2.0 * value);
-            }
-        }
-        Ok(matrix)
+        matrix
     }
 
     /// The runs after a step d from an evaluation, to first order.

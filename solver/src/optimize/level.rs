@@ -21,7 +21,7 @@ use scene::{ObjectiveBuilder, Scene};
 use super::costs::Costs;
 use super::rest_path::RestPath;
 use super::robust::Robust;
-use super::scenario::{Margin, Near, Rejected, Run, SavedMargin, Scenario};
+use super::scenario::{Near, Rejected, Run, Scenario};
 use super::{shares, validity};
 use crate::design::DesignMap;
 use crate::report::crossing::Crossing;
@@ -207,7 +207,7 @@ impl Level {
     }
 
     /// An evaluation as it was, from the displacements of all scenarios at the ends of time
-    /// steps, one scenario after the other [m], with those at their edges, where these are known.
+    /// steps, one scenario after the other [m].
     ///
     /// # Errors
     /// When one of them cannot be read.
@@ -215,20 +215,13 @@ impl Level {
         &mut self,
         theta: &[f64],
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-        margins: &[SavedMargin],
     ) -> Result<Evaluation> {
         let rest = self.map.shape(theta);
         let (loads, steps) = (self.map.load_variables(theta), self.steps());
         let mut runs = Vec::new();
-        let mut margins = margins.iter();
         for scenario in &mut self.scenarios {
             let states: Vec<_> = displacements.by_ref().take(steps).collect();
-            let saved = margins.by_ref().take(scenario.edges());
-            let at_edges =
-                saved.zip(displacements.by_ref()).map(|(saved, u)| Ok(Margin::of(*saved, u?)));
-            let at_edges: Result<Vec<Margin>, E> = at_edges.collect();
-            let found = at_edges.map_err(Into::into)?;
-            runs.push(scenario.recall(loads, &rest, states.into_iter(), found)?);
+            runs.push(scenario.recall(loads, &rest, states.into_iter())?);
         }
         let loads = loads.to_vec();
         Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs, loads) })

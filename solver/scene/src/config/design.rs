@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::meaning::meaning;
 
 use super::{
-    ChamberDesign, ConstraintConfig, LevelConfig, LimitGoal, ObjectiveConfig, ParameterDesign,
-    RobustConfig, ScenarioConfig, SymmetricConfig, refuse_outside_of_chambers, scenario,
+    ChamberDesign, ConstraintConfig, LevelConfig, ObjectiveConfig, ParameterDesign, RobustConfig,
+    ScenarioConfig, SymmetricConfig, refuse_outside_of_chambers, scenario,
 };
 
 const KEYS: Keys = Keys {
@@ -52,9 +52,6 @@ pub struct DesignConfig {
     /// How the body is to be cast: `fab plan` is asked about every accepted shape.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mold: Option<MoldConfig>,
-    /// How far to stay from where the body balloons, buckles or tears.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub limit: Option<LimitGoal>,
     /// How to go down.
     #[serde(default)]
     pub optimizer: OptimizerConfig,
@@ -383,11 +380,7 @@ impl DesignConfig {
             }
             _ => {}
         }
-        let mut objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
-        if let Some(limit) = &self.limit {
-            limit.check(&objectives)?;
-            objectives.extend(limit.goals().iter().map(|(name, _)| *name));
-        }
+        let objectives: Vec<&str> = self.objective.iter().map(ObjectiveConfig::name).collect();
         check_shares(&self.objective)?;
         for (i, kept) in self.constraint.iter().enumerate() {
             kept.check()?;
@@ -396,11 +389,11 @@ impl DesignConfig {
                 misfit!(kept.title(), ": the name is used twice; expected another")
             );
             ensure!(
-                kept.bound().is_some() || self.shape.is_some(),
+                !kept.is_of_shape() || self.shape.is_some(),
                 misfit!(kept.title(), " without [shape]: no shape changes")
             );
             ensure!(
-                kept.bound().is_none() || !objectives.contains(&kept.name()),
+                kept.is_of_shape() || !objectives.contains(&kept.name()),
                 misfit!(kept.title(), ": an objective has this name; expected another")
             );
         }

@@ -37,7 +37,7 @@ use serde::{Deserialize, Serialize};
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
 pub use fibre::{FibreConfig, Source};
-pub use limit::{BURST, LIMIT, Least, LimitConfig, LimitGoal, SLOPE};
+pub use limit::LimitConfig;
 pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::constraint::ConstraintConfig;

@@ -254,9 +254,9 @@ impl Cascade<'_> {
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
             checkpoint.check_sizes(&self.folder, level.variables())?;
-            let rows = level.scenarios().len() * level.steps() + checkpoint.margins.len();
+            let rows = level.scenarios().len() * level.steps();
             let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
-            let evaluation = level.recall(&checkpoint.theta, runs, &checkpoint.margins)?;
+            let evaluation = level.recall(&checkpoint.theta, runs)?;
             level.linearize(&evaluation);
             return Ok(evaluation);
         }

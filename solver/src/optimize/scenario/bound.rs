@@ -2,15 +2,14 @@
 //!
 //! c = s (q − b)
 //!
-//! q   a probe of the scene, in its unit, or one of the edges of the run: the factor on the pressures at which the body
-//!     balloons, buckles or tears, or the slope of the pressure [1]
+//! q   a probe of the scene, in its unit, or the slope of the pressure [1]
 //! b   the bound, s = 1 of a smallest value, −1 of a largest one
 
 use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::forward::Problem;
 use program::{KeyPath, misfit};
-use scene::config::{DesignConfig, Least, LimitGoal, SLOPE};
+use scene::config::DesignConfig;
 use scene::{Scene, Weighted};
 
 /// Tolerance of a bound over its size.
@@ -26,7 +25,7 @@ pub struct Bound {
     pub value: f64,
     /// Whether it is the smallest value; else it is the largest.
     pub is_least: bool,
-    /// s q, the probe; none of an edge.
+    /// s q, the probe; none of the slope.
     probe: Option<Weighted>,
 }
 
@@ -41,16 +40,11 @@ impl Bound {
         body: &Body,
         problem: &Problem,
     ) -> Result<Vec<Self>> {
-        let of_edge = |(name, Least { least, .. }): (&str, Least)| Self {
-            name: name.to_owned(),
-            unit: "1",
-            value: least,
-            is_least: true,
-            probe: None,
-        };
-        let goals = design.limit.iter().flat_map(LimitGoal::goals);
-        let mut all: Vec<Self> =
-            goals.filter(|(_, goal)| goal.weight.is_none()).map(of_edge).collect();
+        let of_slope = design.constraint.iter().filter_map(|kept| {
+            let (value, name) = (kept.slope()?.least, kept.name().to_owned());
+            Some(Self { name, unit: "1", value, is_least: true, probe: None })
+        });
+        let mut all: Vec<Self> = of_slope.collect();
         let of_probes = design.constraint.iter().filter_map(|kept| Some((kept, kept.bound()?)));
         for (config, bound) in of_probes {
             let probes = scene.probes(body, &problem.space)?;
@@ -89,7 +83,13 @@ impl Bound {
         Ok(all)
     }
 
-    /// Its probe, times s, as a term at the end; none of an edge.
+    /// Whether it is that of the slope of the pressure.
+    #[must_use]
+    pub fn is_slope(&self) -> bool {
+        self.probe.is_none()
+    }
+
+    /// Its probe, times s, as a term at the end; none of the slope.
     pub(super) fn probe(&self) -> Option<&Weighted> {
         self.probe.as_ref()
     }
@@ -121,11 +121,7 @@ impl Bound {
     /// Where it is written.
     #[must_use]
     pub fn title(&self) -> KeyPath {
-        match &self.probe {
-            Some(_) => KeyPath::list("constraint").named(&self.name),
-            None if self.name == SLOPE => KeyPath::table("limit").key(&self.name),
-            None => KeyPath::table("limit"),
-        }
+        KeyPath::list("constraint").named(&self.name)
     }
 }
 

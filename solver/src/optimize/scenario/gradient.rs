@@ -41,7 +41,9 @@ impl Scenario {
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         self.add_by_parameters(run, &forces, of, factor, &mut gradient);
-        self.add_edges(run, of, factor, &mut gradient)?;
+        if self.bounds.iter().any(|bound| bound.is_slope() && of == Some(&*bound.name)) {
+            self.add_slope(run, factor, &mut gradient)?;
+        }
         if let Some(offset) = &self.offset {
             offset.add_vjp(designed, &mut gradient.rest);
         }

@@ -5,8 +5,8 @@ mod bound;
 mod changes;
 mod curvature;
 mod gradient;
-mod limit;
 mod run;
+mod slope;
 mod solve;
 mod terms;
 
@@ -23,13 +23,11 @@ use mechanics::forward::{
 };
 use mechanics::memory::Need;
 use mesh::Vec3;
-use scene::config::{DesignConfig, Least, LevelConfig, LimitGoal, ScenarioConfig};
+use scene::config::{DesignConfig, LevelConfig, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
 
 pub use self::bound::Bound;
 pub use self::changes::scene_of;
-use self::limit::Edge;
-pub use self::limit::{Margin, SavedMargin};
 pub use self::run::Run;
 use super::offset::Offset;
 use super::validity;
@@ -87,12 +85,10 @@ pub struct Scenario {
     /// Whether the scene goes through time; else it is one equilibrium.
     transient: bool,
     terms: Vec<Weighted>,
-    /// The edges of a run that count or are kept, in the order of [`LimitGoal::goals`].
-    edges: Vec<Edge>,
     /// What its end keeps.
     bounds: Vec<Bound>,
-    /// The run that was linearised last, where its edges are known.
-    nearby: Option<Run>,
+    /// What the last slope of the pressure was solved with.
+    growing: Option<Workspace>,
     /// What the last solve from rest did not reach, if it failed, and why.
     unreached: Option<(Arc<Problem>, Unreached)>,
 }
@@ -120,17 +116,9 @@ impl Scenario {
             of(&level.weights) * of(&config.weights)
         };
         terms.iter_mut().for_each(|term| term.factor = factor(&term.name));
-        if let Some(goal) = &design.limit {
-            goal.check_scene(&scene.config, scene.stretch_at_break())?;
+        for kept in design.constraint.iter().filter(|kept| kept.slope().is_some()) {
+            scene.config.check_slope(&kept.title())?;
         }
-        let goals = design.limit.iter().flat_map(LimitGoal::goals);
-        let counted = |(name, Least { least, weight }): (&'static str, Least)| Edge {
-            name,
-            least,
-            is_term: weight.is_some(),
-            weight: weight.map_or(0.0, |weight| weight * factor(name)),
-        };
-        let edges = goals.map(counted).collect();
         let bounds = Bound::all(design, &scene, body, &problem)?;
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
@@ -143,9 +131,8 @@ impl Scenario {
             state_memory: design.optimizer.state_memory / design.scenarios().len() as f64,
             transient: scene.config.time.is_some(),
             terms,
-            edges,
             bounds,
-            nearby: None,
+            growing: None,
             unreached: None,
             linearized: None,
             config: config.clone(),
@@ -162,11 +149,11 @@ impl Scenario {
         &self.problem
     }
 
-    /// What its solves need; those of its edges have a factor of their own.
+    /// What its solves need; those of a slope have a factor of their own.
     #[must_use]
     pub fn memory(&self) -> Need {
         let one = self.workspace.memory();
-        std::iter::once(one).chain((!self.edges.is_empty()).then_some(one)).sum()
+        std::iter::once(one).chain(self.bounds.iter().any(Bound::is_slope).then_some(one)).sum()
     }
 
     /// Whether the scene goes through time.
@@ -181,16 +168,9 @@ impl Scenario {
         self.times.len()
     }
 
-    /// Number of edges that the objective counts, each with a margin of every run.
-    #[must_use]
-    pub fn edges(&self) -> usize {
-        self.edges.len()
-    }
-
     /// Names of the terms, in the order of the design file.
     pub fn term_names(&self) -> impl Iterator<Item = &str> {
-        let edges = self.edges.iter().filter(|edge| edge.is_term).map(|edge| edge.name);
-        self.terms.iter().map(|term| term.name.as_str()).chain(edges)
+        self.terms.iter().map(|term| term.name.as_str())
     }
 
     /// What the end of each run keeps.
@@ -254,11 +234,11 @@ impl Scenario {
             Near::Carried(guide) => self.solve(&problem, &rest, guided(guide), self.patient())?,
             Near::Rest => self.solve(&problem, &rest, None, self.patient())?,
         };
-        let margins = self.margins(&problem, &rest, &states)?;
-        Ok(self.evaluated(problem, rest, (states, margins), newton_iterations))
+        let slope = self.slope(&problem, &rest, &states)?;
+        Ok(self.evaluated(problem, rest, (states, slope), newton_iterations))
     }
 
-    /// A run as it was, from its displacements at the ends of time steps [m], and its margins.
+    /// A run as it was, from its displacements at the ends of time steps [m].
     ///
     /// # Errors
     /// When one of them cannot be read, or the scene does not admit the loads.
@@ -267,11 +247,12 @@ impl Scenario {
         loads: &[f64],
         designed: &[Vec3],
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-        margins: Vec<Margin>,
     ) -> Result<Run> {
         let times = self.times.clone().into_iter();
         let states = self.states(loads, designed, times.zip(displacements))?;
-        Ok(self.evaluated(self.under(loads)?, self.rest(designed), (states, margins), 0))
+        let (problem, rest) = (self.under(loads)?, self.rest(designed));
+        let slope = self.slope(&problem, &rest, &states)?;
+        Ok(self.evaluated(problem, rest, (states, slope), 0))
     }
 
     /// States with displacements at times [s, m], as those of a run.
@@ -302,13 +283,13 @@ impl Scenario {
         &mut self,
         problem: Arc<Problem>,
         rest: Vec<Vec3>,
-        (states, margins): (Trajectory, Vec<Margin>),
+        (states, slope): (Trajectory, Option<f64>),
         newton_iterations: usize,
     ) -> Run {
         let (states, terms) = (Arc::new(states), BTreeMap::new());
         let kept = Vec::new();
         let objective = 0.0;
-        let run = Run { problem, rest, states, margins, objective, terms, kept, newton_iterations };
+        let run = Run { problem, rest, states, slope, objective, terms, kept, newton_iterations };
         self.rated(&run)
     }
 
@@ -332,7 +313,6 @@ impl Scenario {
     /// depends on that run alone, not on how it was reached: an interrupted search continues with the same bits.
     pub fn linearize(&mut self, run: &Run) {
         self.linearized = None;
-        self.nearby = (!run.margins.is_empty()).then(|| run.clone());
         let Run { problem, rest, states, .. } = run;
         let known = if !self.transient {
             Linearizations::at_end(problem, &mut self.workspace, rest, states)
@@ -383,7 +363,7 @@ impl Scenario {
         body.used_tags().map(one).collect()
     }
 
-    /// The probes of the scene at the end of a run, in the units of their kinds, and the factors of its edges.
+    /// The probes of the scene at the end of a run, in the units of their kinds, and the slope of the pressure, where it is kept.
     ///
     /// # Errors
     /// As [`Scene::probes`].
@@ -392,8 +372,7 @@ impl Scenario {
         body.mesh.vertices.clone_from(&run.rest);
         let probes = self.scene.probes(&body, &run.problem.space)?;
         let mut found = run.at_end(|end| measure(&probes, &run.problem, end));
-        let edges = self.edges.iter().zip(&run.margins);
-        found.extend(edges.map(|(edge, margin)| (edge.name.to_owned(), margin.factor)));
+        found.extend(run.slope.map(|slope| ("slope".to_owned(), slope)));
         Ok(found)
     }
 

@@ -7,8 +7,6 @@ use mechanics::energy::Iterate;
 use mechanics::forward::{Linearizations, Problem, Trajectory};
 use mesh::Vec3;
 
-use super::limit::Margin;
-
 /// A run and its objective.
 #[derive(Clone)]
 pub struct Run {
@@ -18,8 +16,8 @@ pub struct Run {
     pub rest: Vec<Vec3>,
     /// All states.
     pub states: Arc<Trajectory>,
-    /// How far its end is from each of the edges that the objective counts.
-    pub margins: Vec<Margin>,
+    /// The slope of the pressure at its end [1], where it is kept.
+    pub slope: Option<f64>,
     /// Σ of the terms.
     pub objective: f64,
     /// Weighted value of each term, by the user's name.

@@ -70,9 +70,6 @@ impl Scenario {
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
-        for (edge, margin) in self.edges.iter().zip(&run.margins).filter(|(edge, _)| edge.is_term) {
-            terms.insert(edge.name.to_owned(), edge.counts(margin.factor));
-        }
         terms
     }
 
@@ -88,10 +85,9 @@ impl Scenario {
         let (contact, reaction) = (&contact, &reaction);
         let threads = &run.problem.energies.windings;
         let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
-        let edge = |name: &str| self.edges.iter().position(|edge| edge.name == name);
         let one = |bound: &Bound| match bound.probe() {
             Some(probe) => bound.kept(probe.quantity.value(&at)),
-            None => edge(&bound.name).map_or(0.0, |i| bound.kept(run.margins[i].factor)),
+            None => bound.kept(run.slope.unwrap_or(f64::NAN)),
         };
         self.bounds.iter().map(one).collect()
     }
