@@ -5,7 +5,6 @@
 //! with the Lagrangian L of [`volumes`](super::volumes). Supports are where they are at t. The derivatives by t are
 //! differences of the whole equations, so that no term has to know its own.
 
-use mesh::Vec3;
 use nalgebra::DMatrix;
 
 use super::bordered::Bordered;
@@ -16,8 +15,6 @@ use crate::math::linear::{Factorization, Precision, dot, norm};
 /// Half of the difference of loads that gives derivatives by the load. Most loads are linear in t: what counts is
 /// rounding.
 pub const DIFFERENCE: f64 = 1e-4;
-/// Half of the difference of rest shapes, as a fraction of the motion.
-const OF_MOTION: f64 = 1e-5;
 /// Largest motion of the differences of tangents, beside the extent of the body.
 const MOTION: f64 = 1e-5;
 /// Fraction of the free path of surfaces that a step goes.
@@ -41,28 +38,6 @@ impl Residual {
         let (gradient, scale) = workspace.gradient(problem, at);
         let constraints = problem.constraints(at);
         Self { force: problem.restrict(&gradient), scale, constraints }
-    }
-
-    /// What a motion of the rest vertices [m] changes of the equations, to first order, with all else held.
-    pub fn change(
-        problem: &Problem,
-        workspace: &mut Workspace,
-        at: &Iterate,
-        motion: &[Vec3],
-    ) -> Self {
-        let mut moved = |by: f64| {
-            let rest: Vec<Vec3> = at.rest.iter().zip(motion).map(|(x, d)| x + by * d).collect();
-            Residual::of(problem, workspace, &Iterate { rest: &rest, ..*at })
-        };
-        let (mut change, after) = (moved(-OF_MOTION), moved(OF_MOTION));
-        let slope = |before: f64, after: f64| (after - before) / (2.0 * OF_MOTION);
-        change.force.iter_mut().zip(&after.force).for_each(|(r, after)| *r = slope(*r, *after));
-        let gaps: Vec<f64> =
-            change.gaps().iter().zip(after.gaps()).map(|(r, after)| slope(*r, after)).collect();
-        for (constraint, gap) in change.constraints.iter_mut().zip(gaps) {
-            constraint.volume = constraint.wanted + gap;
-        }
-        change
     }
 
     /// Norm of R [N].

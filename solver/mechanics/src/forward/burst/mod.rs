@@ -16,8 +16,6 @@ mod search;
 
 pub use search::{BurstSearch, Torn};
 
-use mesh::Vec3;
-
 use super::limit::Covector;
 use super::newton::Newton;
 use super::stability::negative_eigenvalues;
@@ -91,24 +89,6 @@ impl Burst {
             changed = (state.time - before).abs();
         }
         unreachable!("the last iteration returns")
-    }
-
-    /// A state near the burst of a moved rest shape, from that at the burst: all equations to first order.
-    ///
-    /// # Errors
-    /// [`Failure`] where they have no solution.
-    pub fn predicted<'a>(
-        problem: &Problem,
-        workspace: &mut Workspace,
-        burst: &Configuration<'a>,
-        motion: &[Vec3],
-    ) -> Result<Configuration<'a>, Failure> {
-        let at = burst.iterate(problem);
-        let change = Residual::change(problem, workspace, &at, motion);
-        let largest = LargestStretch::of(at.space, at.rest, at.u);
-        let (_, by_rest) = largest.partials(at.space, at.rest, at.u);
-        let over = by_rest.chunks(3).zip(motion).map(|(by, d)| dot(by, d.as_slice())).sum();
-        step(problem, workspace, burst, &change, (&largest, over))
     }
 
     /// What is known of a state that is found.

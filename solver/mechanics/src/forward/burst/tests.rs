@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use mesh::Vec3;
+
 use super::*;
 use crate::adjoint::Grown;
 use crate::energy::{ChamberId, Iterate, ParameterId};
@@ -63,17 +65,13 @@ impl Case {
         }
     }
 
-    /// The load of the burst of another rest shape, from the first-order change of this one.
+    /// The load of the burst of another rest shape, from the burst of this one.
     fn moved(&self, motion: &[Vec3], by: f64) -> Result<f64, Failure> {
         let burst = self.burst();
         let mut workspace = Workspace::new(&self.held);
         let (u, multipliers) = (burst.u.clone(), burst.multipliers.clone());
-        let there =
-            Configuration { rest: &self.rest, time: burst.load, step: None, u, multipliers };
-        let motion: Vec<Vec3> = motion.iter().map(|m| by * m).collect();
-        let moved: Vec<Vec3> = self.rest.iter().zip(&motion).map(|(x, m)| x + m).collect();
-        let start = Burst::predicted(&self.held, &mut workspace, &there, &motion)?;
-        let start = Configuration { rest: &moved, ..start };
+        let moved: Vec<Vec3> = self.rest.iter().zip(motion).map(|(x, m)| x + by * m).collect();
+        let start = Configuration { rest: &moved, time: burst.load, step: None, u, multipliers };
         Burst::near(&self.held, &mut workspace, &start, AT_BREAK, &NEWTON).map(|b| b.load)
     }
 }

@@ -20,7 +20,6 @@
 
 mod by_load;
 mod derivative;
-mod predict;
 mod search;
 
 pub use derivative::Covector;
