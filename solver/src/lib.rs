@@ -13,5 +13,5 @@ pub mod design; // design variables to rest shape and loads, with transposed der
 pub mod report; // what programs write of states, runs, failures and comparisons
 pub mod export; // scenes as decks of other programs
 pub mod study; // runs of a scene with other numbers: error bars, calibration, validation
-pub mod optimize; // outer loop: quasi-Newton steps to a better shape
+pub mod optimize; // outer loop: steps of quadratic programs to a better shape
 pub mod cmd; // the verbs of the program, one per file

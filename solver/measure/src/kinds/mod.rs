@@ -8,7 +8,6 @@ mod contact_proxy;
 mod curvature;
 mod displacement;
 mod distance;
-mod draft;
 mod gap;
 mod motion;
 mod point;
@@ -60,7 +59,6 @@ pub const KINDS: &[Kind] = &[
     stress::KIND,
     strain_limit::KIND,
     wanted::KIND,
-    draft::KIND,
 ];
 
 /// The kinds that a list may have.

@@ -36,7 +36,7 @@ fn every_kind_is_read_and_has_its_row() {
         let all = keys.iter().filter(|key| **key != "kind");
         all.for_each(|key| assert!(error.contains(&format!("`{key}`")), "{key}: {error}"));
     }
-    let over = |over: &str| read(&(sound("draft") + over), "1").unwrap().over().clone();
+    let over = |over: &str| read(&(sound("smoothness") + over), "1").unwrap().over().clone();
     assert_eq!(over("\nover = 'simpson'"), TimeIntegral::Simpson);
     assert_eq!(over("\nover = { steps = [53, 54] }"), TimeIntegral::Steps(vec![53, 54]));
     assert_eq!(over(""), TimeIntegral::Final);
