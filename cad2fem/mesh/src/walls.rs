@@ -77,11 +77,6 @@ impl<'a> Walls<'a> {
         (0..self.surface.triangles.len()).into_par_iter().filter_map(wall)
     }
 
-    /// The thickness at each triangle where there is a wall, and its centroid.
-    fn all(&self) -> impl ParallelIterator<Item = (f64, Vec3)> {
-        self.opposite().map(|(thickness, [t, _])| (thickness, self.surface.centroid(t)))
-    }
-
     /// Whether the surface leads from one triangle to the one across within a ball around the middle between them.
     fn leads_around(&self, thickness: f64, [t, across]: [usize; 2]) -> bool {
         let triangles = &self.surface.triangles;
@@ -119,13 +114,16 @@ impl<'a> Walls<'a> {
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let at = |pair: [usize; 2]| self.surface.centroid(pair[0]);
         all.retain(|&(_, pair)| counts(&at(pair)));
-        let thick = THICK * diagonal(&self.surface.vertices);
-        let is_edge = |thickness: f64, pair: [usize; 2]| match thickness < thick {
+        let wall = all.iter().find(|&&(thickness, pair)| !self.is_edge(thickness, pair));
+        wall.map(|&(thickness, pair)| (thickness, at(pair)))
+    }
+
+    /// Whether what is between two triangles is an edge of the body, and no wall.
+    fn is_edge(&self, thickness: f64, pair: [usize; 2]) -> bool {
+        match thickness < THICK * diagonal(&self.surface.vertices) {
             true => self.leads_around(thickness, pair),
             false => self.have_a_corner(pair),
-        };
-        let wall = all.iter().find(|&&(thickness, pair)| !is_edge(thickness, pair));
-        wall.map(|&(thickness, pair)| (thickness, at(pair)))
+        }
     }
 
     /// Whether two triangles have a corner in common.
@@ -178,16 +176,19 @@ pub fn thinner(
 ) -> Option<(f64, f64, Vec3)> {
     let model = Walls::new(model);
     let least = model.thinnest()?.0 - 2.0 * envelope;
-    let thin = |(thickness, at): (f64, Vec3)| {
+    let walls = Walls::new(surface);
+    let thin = |(thickness, pair): (f64, [usize; 2])| {
         if thickness >= least {
             return None;
         }
+        let at = surface.centroid(pair[0]);
         let nearest = model.bvh.closest(&at);
         let (wanted, _) = model.across(nearest.triangle, &nearest.point)?;
         let is_thin = thickness < THINNER * (wanted - 2.0 * envelope);
-        is_thin.then_some((thickness, wanted, at))
+        // edges of the model are no walls of it, either
+        (is_thin && !walls.is_edge(thickness, pair)).then_some((thickness, wanted, at))
     };
-    Walls::new(surface).all().filter_map(thin).min_by(|a, b| a.0.total_cmp(&b.0))
+    walls.opposite().filter_map(thin).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The air between triangles that face each other: how wide it is, straight out of the middle of the first to the
@@ -230,7 +231,7 @@ mod tests {
             spike.trim_by_plane(&inward, inward.dot(&tip))
         });
         let spiked = plate.union(&spike).to_surface();
-        assert!(Walls::new(&spiked).all().any(|(thickness, _)| thickness < 0.5));
+        assert!(Walls::new(&spiked).opposite().any(|(thickness, _)| thickness < 0.5));
         let (thickness, _) = thinnest(&spiked).unwrap();
         assert!((thickness - 2.0).abs() < 1e-9, "{thickness}");
     }
