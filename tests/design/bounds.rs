@@ -141,6 +141,10 @@ fn the_best_of_several_starts_is_kept() {
     assert!(starts[0] != starts[1] && starts[1] != starts[2], "{starts:?}");
     dir.solver("optimize design.toml -o out --starts 3").assert_good();
     assert_eq!(dir.json("out/report.json")["objective_after"], found["objective_after"]);
+    // A design of one start is not thrown away.
+    dir.solver("optimize design.toml -o single").assert_good();
+    dir.solver("optimize design.toml -o single --starts 2")
+        .assert_refused(2, &["one start", "--restart"]);
     dir.write("design.toml", &handles(design(2.4e-5, "")).replace("weight = 1e11", "share = 1"));
     let run = dir.solver("optimize design.toml -o other --starts 2");
     run.assert_refused(2, &["--starts", "weight"]);

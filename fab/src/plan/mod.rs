@@ -128,7 +128,7 @@ pub enum PlanError {
         thickness * 1e3, least * 1e3, x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
     )]
     ThinCore {
-        /// Of which chamber; empty where it has no name.
+        /// The chamber of the core, as the message names it; empty where it has no name.
         of: String,
         /// Thickness of the core [m].
         thickness: f64,

@@ -13,10 +13,10 @@ pub struct ProbeBound {
     pub(crate) name: String,
     /// Name of a probe of the scene.
     pub probe: String,
-    /// Its smallest value.
+    /// The smallest value that the probe may have.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
-    /// Its largest value.
+    /// The largest value that the probe may have.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub most: Option<f64>,
 }
@@ -50,7 +50,7 @@ impl ProbeBound {
 pub struct SlopeBound {
     /// As reports call it.
     pub(crate) name: String,
-    /// Its smallest value [1].
+    /// The smallest slope [1].
     pub least: f64,
 }
 

@@ -79,7 +79,7 @@ pub enum HandleError {
 /// Where a handle is, and whose motion it has.
 #[derive(Clone, Debug)]
 struct Seat {
-    /// Its vertex in the patch.
+    /// The vertex of the patch that it is at.
     vertex: usize,
     /// c [m].
     center: Vec3,

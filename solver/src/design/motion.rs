@@ -27,7 +27,7 @@ impl Motion {
         self.image(z.0 * y.0 * x.0)
     }
 
-    /// Its derivatives by α₁, α₂, α₃.
+    /// The derivatives of the rotation by α₁, α₂, α₃.
     #[must_use]
     pub fn rotation_slopes(&self) -> [Mat3; 3] {
         let [x, y, z] = self.axes();

@@ -28,7 +28,7 @@ pub struct BoundRow {
     bound: usize,
     /// c.
     c: f64,
-    /// Its derivatives by the variables.
+    /// The derivatives of c by the variables.
     a: Vec<f64>,
 }
 

@@ -147,7 +147,7 @@ impl Level {
             theta = added(&theta, &d, part);
         }
         self.check_kept(&self.map().surface(&theta)).map_err(|Rejected(said)| {
-            Rejected(format!("no shape was found next to this one that keeps all constraints: the nearest has {said}"))
+            Rejected(format!("no shape was found next to this one that keeps all constraints: the last one has {said}"))
         })?;
         Ok(theta)
     }

@@ -78,21 +78,29 @@ impl StrainLimit {
     }
 
     fn density(&self, grad_u: &Mat3) -> (f64, Mat3) {
-        let f = Mat3::identity() + grad_u;
-        let eigen = (f.transpose() * f).symmetric_eigen();
-        let (mut value, mut by_f) = (0.0, Mat3::zeros());
-        for i in 0..3 {
-            let stretch = eigen.eigenvalues[i].max(0.0).sqrt();
+        over_stretches(grad_u, |stretch| {
             let beyond = (stretch - self.largest).max(0.0) - (self.smallest - stretch).max(0.0);
-            if beyond != 0.0 {
-                let direction = eigen.eigenvectors.column(i);
-                let slope = 2.0 * beyond / stretch.max(f64::MIN_POSITIVE);
-                value += beyond * beyond;
-                by_f += slope * (f * direction) * direction.transpose();
-            }
-        }
-        (value, by_f)
+            (beyond * beyond, 2.0 * beyond)
+        })
     }
+}
+
+/// Σ g(λ_i) over the principal stretches, with its derivative by F; `of` gives g and g′.
+pub(super) fn over_stretches(grad_u: &Mat3, of: impl Fn(f64) -> (f64, f64)) -> (f64, Mat3) {
+    let f = Mat3::identity() + grad_u;
+    let eigen = (f.transpose() * f).symmetric_eigen();
+    let (mut sum, mut by_f) = (0.0, Mat3::zeros());
+    for i in 0..3 {
+        let stretch = eigen.eigenvalues[i].max(0.0).sqrt();
+        let (value, slope) = of(stretch);
+        if slope != 0.0 {
+            let direction = eigen.eigenvectors.column(i);
+            sum += value;
+            by_f +=
+                slope / stretch.max(f64::MIN_POSITIVE) * (f * direction) * direction.transpose();
+        }
+    }
+    (sum, by_f)
 }
 
 impl Quantity for StrainLimit {

@@ -16,6 +16,7 @@ use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::strain_limit::over_stretches;
 use crate::quantity::{
     Equilibrium, Kind, List, Partials, Quantity, Site, Specification, solid_integral,
 };
@@ -66,19 +67,10 @@ struct Stretch {
 impl Stretch {
     /// Σ (λ_i − 1)₊^p with its derivative by F.
     fn density(&self, grad_u: &Mat3) -> (f64, Mat3) {
-        let f = Mat3::identity() + grad_u;
-        let eigen = (f.transpose() * f).symmetric_eigen();
-        let (mut value, mut by_f) = (0.0, Mat3::zeros());
-        for i in 0..3 {
-            let stretch = eigen.eigenvalues[i].max(0.0).sqrt();
-            if stretch > 1.0 {
-                let direction = eigen.eigenvectors.column(i);
-                let slope = self.power * (stretch - 1.0).powf(self.power - 1.0) / stretch;
-                value += (stretch - 1.0).powf(self.power);
-                by_f += slope * (f * direction) * direction.transpose();
-            }
-        }
-        (value, by_f)
+        over_stretches(grad_u, |stretch| {
+            let beyond = (stretch - 1.0).max(0.0);
+            (beyond.powf(self.power), self.power * beyond.powf(self.power - 1.0))
+        })
     }
 
     /// I and V.

@@ -58,7 +58,7 @@ pub struct Solid {
     surface: Arc<Surface>,
     rest: Vec<Vec3>,
     range: f64,
-    /// Those of the bodies.
+    /// Facets of the bodies.
     facets: Facets,
     search: OnceLock<(SurfaceBvh, WindingNumber)>,
     /// Pairs that were asked for before, as the same come with every step of a search.

@@ -15,6 +15,8 @@ use serde::Deserialize;
 use super::Arguments;
 use crate::optimize::{Checkpoint, History};
 
+/// What the starts came to.
+const TABLE: &str = "starts.csv";
 /// How often the programs are asked whether they have ended.
 const EVERY: Duration = Duration::from_millis(100);
 
@@ -58,6 +60,12 @@ pub(super) fn check(design: &DesignConfig) -> Result<()> {
 /// # Errors
 /// When a program cannot be run, or none of the starts came to a usable design.
 pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
+    let [checkpoint, table] = ["checkpoint.json", TABLE].map(|name| arguments.output.join(name));
+    ensure!(
+        arguments.restart || !checkpoint.exists() || table.exists(),
+        "{}: is of a design of one start; expected another folder for --starts, or --restart",
+        checkpoint.display()
+    );
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let at_once = arguments.starts.min(threads);
     let mut waiting: Vec<usize> = (1..=arguments.starts).rev().collect();
@@ -81,7 +89,7 @@ pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
         heartbeat.say(|| progress(arguments, &running));
     }
     let all: Vec<Outcome> = (1..=arguments.starts).map(|k| outcome(arguments, k)).collect();
-    write_table(&arguments.output.join("starts.csv"), &all)?;
+    write_table(&table, &all)?;
     let usable = all.iter().filter_map(|one| Some((one.objective()?, one)));
     let best = usable.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, one)| one);
     let best = best.ok_or_else(|| {
@@ -194,8 +202,7 @@ fn write_table(path: &Path, all: &[Outcome]) -> Result<()> {
 pub(super) fn take_over(from: &Path, folder: &Path) -> Result<()> {
     let checkpoint = Checkpoint::read(from)?.context("the best start has no checkpoint")?;
     let names = checkpoint.files.keys().map(String::as_str);
-    let castable = ["history.jsonl", "checkpoint.json"].into_iter();
-    for name in names.chain(castable) {
+    for name in names.chain(["history.jsonl", "checkpoint.json"]) {
         copy(&from.join(name), &folder.join(name))?;
     }
     for entry in std::fs::read_dir(from).with_context(|| from.display().to_string())? {

@@ -65,7 +65,7 @@ impl Cascade<'_> {
     /// way, so that elements do not get flat. As it is where there is no such way: the level says why.
     fn kept(&self, body: &Body) -> Result<Body> {
         let mut body = body.clone();
-        if self.design.constraint.iter().all(|kept| kept.bound().is_some()) {
+        if !self.design.constraint.iter().any(|kept| kept.is_of_shape()) {
             return Ok(body);
         }
         let settings = &self.design.levels()[0];

@@ -4,8 +4,8 @@
 //! Source: Gjoka et al. 2024, section 4.5.
 
 mod accept;
-mod begin;
 mod again;
+mod begin;
 mod say;
 mod spread;
 mod step;
