@@ -56,7 +56,6 @@ const KUHN: [[usize; 4]; 6] =
 
 /// A block of `cells` cubes of edge `edge` [m] without the cells for which
 /// `empty` holds, its vertices moved by `distort`.
-#[must_use]
 pub fn block(
     cells: [usize; 3],
     edge: f64,
@@ -93,7 +92,6 @@ pub fn block(
 }
 
 /// Tags boundary facets by the first rule that holds at their centroid.
-#[must_use]
 pub fn tag(mesh: TetMesh, rules: &[(&str, &dyn Fn(Vec3) -> bool)]) -> Body {
     let mut tags = Tags::new(rules.iter().map(|r| r.0.to_owned()).collect());
     for facet in mesh::topology::boundary(&mesh).facets {
@@ -107,7 +105,6 @@ pub fn tag(mesh: TetMesh, rules: &[(&str, &dyn Fn(Vec3) -> bool)]) -> Body {
 
 /// A file beside the repository that is not part of it; none where it is absent,
 /// and the test is counted as skipped.
-#[must_use]
 pub fn shared(path: &str) -> Option<PathBuf> {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
     if file.exists() {

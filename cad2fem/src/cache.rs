@@ -27,7 +27,6 @@ impl Cache {
     /// `meshes` in the folder named by [`CACHE_VARIABLE`], else in `.cache` of the
     /// checkout that the program was built in, or in the user's folder of caches where the program was installed
     /// with its rules for make; else `None`.
-    #[must_use]
     pub fn open() -> Option<Self> {
         let named = std::env::var_os(CACHE_VARIABLE).map(PathBuf::from);
         let installed = || installed::share().and_then(|_| users());
@@ -37,7 +36,6 @@ impl Cache {
     }
 
     /// The mesh of `key`, if there is a sound one.
-    #[must_use]
     pub fn get(&self, key: &str) -> Option<TetMesh> {
         let (file, print) = self.entry(key);
         let expected = read_own_text(&print).ok()?;
@@ -50,9 +48,6 @@ impl Cache {
     }
 
     /// Keeps a mesh.
-    ///
-    /// # Errors
-    /// If the files cannot be written.
     pub fn put(&self, key: &str, mesh: &TetMesh) -> Result<()> {
         let (file, print) = self.entry(key);
         write_tets(&file, mesh, &Tags::default())?;
@@ -74,9 +69,6 @@ fn users() -> Option<PathBuf> {
 }
 
 /// SHA-256 of the bits of a surface and of everything else that determines a mesh.
-///
-/// # Errors
-/// If `rest` cannot be written as JSON.
 pub fn key(surface: &SurfaceMesh, rest: &impl Serialize) -> Result<String> {
     let coordinates = surface.vertices.iter().flat_map(|v| v.iter());
     let mut bytes: Vec<u8> = coordinates.flat_map(|x| x.to_le_bytes()).collect();

@@ -37,18 +37,12 @@ pub struct CadOptions {
 /// Meshes the faces of a CAD file; one region per physical surface, of other files than scripts
 /// one per name, colour or face, and what solids it has. Outer shells face outward, cavities inward. Physical surfaces
 /// between two volumes or embedded in one are inside; of each physical volume there is the boundary.
-///
-/// # Errors
-/// If the unit is not clear, or gmsh cannot run or mesh the file.
 pub fn read(path: &Path, options: &CadOptions) -> Result<(LabelledSurface, Solids)> {
     let faces = read_faces(path, options)?;
     Ok((labelled(&faces), Solids::of(&faces)))
 }
 
 /// The faces of a CAD file [m].
-///
-/// # Errors
-/// As [`read`].
 pub fn read_faces(path: &Path, options: &CadOptions) -> Result<Faces> {
     let (scale, unit) = scale(path, options)?;
     let options = FaceOptions {
@@ -132,9 +126,6 @@ fn scale(path: &Path, options: &CadOptions) -> Result<(f64, Option<&'static str>
 }
 
 /// Reads `NAME=VALUE`.
-///
-/// # Errors
-/// If it is not a name, an equals sign and a finite number.
 pub fn parse_number(text: &str) -> Result<(String, f64)> {
     let (name, value) = text.split_once('=').context("NAME=VALUE is needed")?;
     let value: f64 = value.trim().parse().with_context(|| format!("{value:?} is not a number"))?;

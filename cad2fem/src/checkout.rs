@@ -11,7 +11,6 @@ const LINK: &str = "lib/puffer/checkout";
 /// that it was installed from. The working directory does not count: what lies there by chance is
 /// neither run nor used, and neither is a folder that others than the user, root and the owner of the program
 /// can change.
-#[must_use]
 pub fn checkout() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let holds_sources = |folder: &&Path| folder.join("cad2fem/Cargo.toml").is_file();

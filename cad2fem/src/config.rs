@@ -98,9 +98,6 @@ impl Default for Tetmesh {
 
 impl Config {
     /// Reads a configuration, with changes from outside, or gives the defaults.
-    ///
-    /// # Errors
-    /// If the file cannot be read or has an unknown key, or there is no file to change.
     pub fn read(path: Option<&Path>, changes: &[Change]) -> Result<Self> {
         let Some(path) = path else {
             ensure!(changes.is_empty(), "--set changes a key of a file: name it with --config");
@@ -112,9 +109,6 @@ impl Config {
 
 impl Tetmesh {
     /// The meshers that may be tried on a surface, in this order, when edges are to have a length [m].
-    ///
-    /// # Errors
-    /// If the name is unknown.
     pub fn meshers(
         &self,
         surface: &SurfaceMesh,
@@ -138,9 +132,6 @@ impl Tetmesh {
     }
 
     /// The settings in metres for an input of the given diagonal [m].
-    ///
-    /// # Errors
-    /// If a value makes no sense or a length is given twice.
     pub fn options(&self, diagonal: f64) -> Result<Options> {
         let length =
             |name, absolute, relative, default| length(name, absolute, relative, default, diagonal);

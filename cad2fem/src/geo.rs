@@ -50,10 +50,6 @@ const LONGEST_STRING: usize = 1000;
 const PADDING: &[u8] = b"        ";
 
 /// The script as it may be run.
-///
-/// # Errors
-/// If it reaches outside of its geometry, or has text that gmsh and we may read differently; with
-/// the line.
 pub fn without_reach(script: &[u8]) -> Result<Vec<u8>> {
     let tokens = tokens(script)?;
     refuse_reach(&tokens)?;

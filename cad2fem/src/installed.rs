@@ -15,7 +15,6 @@ const SHARE: &str = "share/puffer";
 const RULES: [&str; 2] = ["folder.mk", "chain.mk"];
 
 /// The folder of files that came with this program, if nobody else can change its rules for make.
-#[must_use]
 pub fn share() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let folder = program.parent()?.parent()?.join(SHARE);
@@ -23,7 +22,6 @@ pub fn share() -> Option<PathBuf> {
 }
 
 /// The rules that the Makefile of a body includes: those that came with this program, else those of its checkout.
-#[must_use]
 pub fn rules() -> Option<PathBuf> {
     let of_checkout = || checkout().map(|top| top.join("pipelines")).filter(|f| holds_rules(f));
     share().or_else(of_checkout).map(|folder| folder.join(RULES[0]))
@@ -35,7 +33,6 @@ fn holds_rules(folder: &Path) -> bool {
 
 /// The Python of the environment that this program was installed into by pip, if nobody else can change it: of
 /// `PREFIX/lib/python3.11/site-packages/softpuffer/bin/cad2fem` this is `PREFIX/bin/python3.11`.
-#[must_use]
 pub fn python() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let packages = program.ancestors().nth(3)?;

@@ -167,10 +167,6 @@ impl LabelledSurface {
 
     /// Writes the folder. `model.json` disappears first and comes back last, so that
     /// it stands for a complete folder.
-    ///
-    /// # Errors
-    /// If a region is empty, if the surface as it reads back is not closed and
-    /// manifold ([`Unusable`]), or if a file cannot be written.
     pub fn write(&self, folder: &Path, input: Input, start: Instant) -> Result<Report> {
         remove_stamp(folder)?;
         let model = folder.join("model.stl");
@@ -305,9 +301,6 @@ impl Report {
 }
 
 /// Removes the report that stands for a complete folder.
-///
-/// # Errors
-/// If there is one that cannot be removed.
 pub fn remove_stamp(folder: &Path) -> Result<()> {
     remove_output(&folder.join(STAMP))?;
     Ok(())

@@ -20,9 +20,6 @@ pub struct Layers {
 
 impl Layers {
     /// Reads the files, in metres or the unit that is said.
-    ///
-    /// # Errors
-    /// If one cannot be read or has degenerate triangles.
     pub fn read(files: &[PathBuf], unit: Option<Unit>, boundary: &SurfaceMesh) -> Result<Self> {
         let mut known: BTreeSet<_> =
             (0..boundary.triangles.len()).map(|t| key(boundary, t)).collect();
@@ -35,14 +32,12 @@ impl Layers {
     }
 
     /// Whether there are none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.surfaces.is_empty()
     }
 
     /// The triangles of a closed surface, then those inside, whose number is the second; vertices
     /// at the same place are one.
-    #[must_use]
     pub fn beside(&self, boundary: &SurfaceMesh) -> (SurfaceMesh, usize) {
         let mut all = boundary.clone();
         if self.is_empty() {
@@ -71,7 +66,6 @@ pub fn append(all: &mut SurfaceMesh, surface: &SurfaceMesh) {
 
 /// The facets of a mesh that are triangles of the surfaces, if all of these are facets; a mesher
 /// that keeps to an envelope has others.
-#[must_use]
 pub fn exact_facets(layers: &Layers, mesh: &TetMesh) -> Option<BTreeSet<[usize; 3]>> {
     let vertex: HashMap<[u64; 3], usize> = mesh.vertices.iter().map(place_key).zip(0..).collect();
     let facets_of = |tet: &[usize; 4]| TET_FACETS.map(|facet| facet_key(facet.map(|c| tet[c])));
@@ -87,9 +81,6 @@ pub fn exact_facets(layers: &Layers, mesh: &TetMesh) -> Option<BTreeSet<[usize; 
 
 /// Checks that all triangles meet in common vertices and edges only, as a mesher needs that keeps
 /// them.
-///
-/// # Errors
-/// With the places where they cross.
 pub fn require_conforming(all: &SurfaceMesh) -> Result<()> {
     let found = run(all, &["intersecting"]);
     ensure!(

@@ -12,10 +12,6 @@ use program::Unusable;
 use crate::report::findings;
 
 /// The volume within `distance` [m] of `patch` along its normals.
-///
-/// # Errors
-/// If the patch is not an oriented manifold, or the result is not closed
-/// ([`Unusable`]).
 pub fn offset(patch: &SurfaceMesh, distance: f64) -> Result<SurfaceMesh> {
     ensure!(
         distance > 0.0 && distance.is_finite(),

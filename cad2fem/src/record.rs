@@ -56,7 +56,6 @@ pub struct Source {
 
 impl Source {
     /// Says how large the body is and how the unit is known.
-    #[must_use]
     pub fn described(&self) -> String {
         let size = format!("{:.4} mm from corner to corner", self.diagonal * 1e3);
         match self.unit_is {

@@ -27,18 +27,12 @@ pub struct Input {
 
 impl Input {
     /// Fingerprints a file.
-    ///
-    /// # Errors
-    /// If it cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
         Ok(Self { path: path.display().to_string(), sha256: sha256_file(path)?, set: Vec::new() })
     }
 }
 
 /// Reads a surface whose lengths are metres or in the unit that the user says.
-///
-/// # Errors
-/// If it cannot be read, or if no unit is said and metres are unlikely.
 pub fn read_in(path: &Path, unit: Option<Unit>) -> Result<SurfaceMesh> {
     let mut surface = read_surface(path)?;
     let unlikely = unlikely_size(&surface.vertices).is_some();
@@ -58,7 +52,6 @@ pub fn remark_on_size(file: &Path, surface: &SurfaceMesh) {
 }
 
 /// Findings of validity checks, one indented line each.
-#[must_use]
 pub fn findings(found: &[Finding]) -> String {
     found.iter().fold(String::new(), |mut text, f| {
         // Writing to a String cannot fail.

@@ -30,7 +30,6 @@ struct Solid {
 
 impl Solids {
     /// The solids of a file whose faces have been meshed.
-    #[must_use]
     pub fn of(faces: &Faces) -> Self {
         let solid = |(name, triangles): &(String, Vec<usize>)| {
             let triangles: Vec<_> = triangles.iter().map(|&t| faces.surface.triangles[t]).collect();
@@ -72,7 +71,6 @@ impl Solids {
 
     /// Why the solids are no body, and what to do; none if they do not meet. `command` is what the
     /// user wrote up to the option.
-    #[must_use]
     pub fn complaint(&self, file: &Path, command: &str) -> Option<String> {
         if self.all.len() < 2 || !self.meet() {
             return None;

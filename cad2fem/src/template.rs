@@ -41,9 +41,6 @@ pub const TEMPLATES: &[Template] = &[
 
 impl Template {
     /// The template of this name.
-    ///
-    /// # Errors
-    /// If there is none.
     pub fn find(name: &str) -> Result<&'static Self, String> {
         TEMPLATES.iter().find(|template| template.name == name).ok_or_else(|| {
             let names = || TEMPLATES.iter().map(|template| template.name);
@@ -57,7 +54,6 @@ impl Template {
     }
 
     /// Whether the folder has rules for make of its own, beyond those of any body.
-    #[must_use]
     pub fn has_rules(&self) -> bool {
         self.files.iter().any(|(name, _)| *name == "rules.mk")
     }

@@ -14,9 +14,6 @@ use serde::{Deserialize, Serialize};
 const BODIES: std::ops::RangeInclusive<f64> = 5e-3..=1.5;
 
 /// The unit of a file that states none, by its size: metres or millimetres.
-///
-/// # Errors
-/// If neither is likely.
 pub fn guess(file: &Path, diagonal: f64) -> Result<Unit> {
     let likely = |unit: &Unit| BODIES.contains(&(diagonal * unit.metres()));
     match [Unit::M, Unit::Mm].into_iter().find(likely) {
@@ -26,7 +23,6 @@ pub fn guess(file: &Path, diagonal: f64) -> Result<Unit> {
 }
 
 /// How large a file is in each unit, and what to do.
-#[must_use]
 pub fn sizes(diagonal: f64) -> String {
     format!(
         "no unit is stated, and it is {} as metres, {} as millimetres, {} as inches from corner to \
@@ -64,7 +60,6 @@ pub enum Unit {
 
 impl Unit {
     /// Metres per unit [m].
-    #[must_use]
     pub fn metres(self) -> f64 {
         match self {
             Self::M => 1.0,
@@ -75,7 +70,6 @@ impl Unit {
     }
 
     /// The sign, as in "0.8 mm".
-    #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
             Self::M => "m",
@@ -86,7 +80,6 @@ impl Unit {
     }
 
     /// As OpenCASCADE calls it.
-    #[must_use]
     pub fn of_cad(self) -> &'static str {
         match self {
             Self::M => "M",

@@ -47,9 +47,6 @@ struct System {
 
 impl Extension {
     /// The map of a body at its present vertex positions.
-    ///
-    /// # Errors
-    /// [`NotPositive`] if an element is so flat that K is singular.
     pub fn new(body: &Body) -> Result<Self, NotPositive> {
         let mut inside = vec![false; body.mesh.vertices.len()];
         body.mesh.tets.iter().flatten().for_each(|&v| inside[v] = true);

@@ -71,10 +71,6 @@ pub struct Series {
 }
 
 /// Draws series as SVG or, where the name ends with .png, the same as PNG.
-///
-/// # Errors
-/// When the name ends otherwise, there is no point, there is one that cannot be drawn (not finite,
-/// or not positive on a logarithmic axis), or the file cannot be written.
 pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
     let context = |e| anyhow!("{}: {e}", path.display());
     let format = mesh::io::extension(path);

@@ -40,7 +40,6 @@ pub struct Tally {
 
 impl Tally {
     /// |area − expected| / expected if that is more than 3 %.
-    #[must_use]
     pub fn area_mismatch(&self) -> Option<f64> {
         let expected = self.expected_area?;
         let relative = (self.area - expected).abs() / expected;
@@ -50,13 +49,11 @@ impl Tally {
 
 impl Assignment {
     /// Facets without a tag.
-    #[must_use]
     pub fn left_over(&self) -> usize {
         self.owners.iter().filter(|o| o.is_none()).count()
     }
 
     /// Ids and names for the facets, in the order of the tag file.
-    #[must_use]
     pub fn tags(&self, config: &Config, facets: &Facets) -> Tags {
         let mut tags = Tags::new(config.tags.iter().map(|t| t.name.clone()).collect());
         for (triangle, owner) in facets.triangles.iter().zip(&self.owners) {
@@ -75,10 +72,6 @@ impl Assignment {
 
 /// Gives every facet to the first selection that holds it, fills pinholes and
 /// checks that the result can be simulated.
-///
-/// # Errors
-/// If a selection cannot be read; [`Unusable`] if a tag is empty or a pressure
-/// wall is not a manifold patch whose rim is fixed.
 pub fn assign(
     config: &Config,
     mesh: &TetMesh,

@@ -58,7 +58,6 @@ pub enum Epsilon {
 
 impl Epsilon {
     /// The distance for a mesh with this diagonal [m].
-    #[must_use]
     pub fn length(self, diagonal: f64) -> f64 {
         match self {
             Self::Absolute(length) => length,
@@ -174,10 +173,6 @@ fn selections(generator: &mut SchemaGenerator, more: &[(&str, Value, bool)]) -> 
 
 impl Config {
     /// Reads and checks a tag file, with changes from outside.
-    ///
-    /// # Errors
-    /// If the file cannot be read, a key is unknown or has a wrong value, a
-    /// name is used twice or a rim names no tag.
     pub fn read(path: &Path, changes: &[Change]) -> Result<Self> {
         Settings::read(path, changes, KEYS)?.checked(Self::of)
     }

@@ -18,7 +18,6 @@ pub struct Facets {
 
 impl Facets {
     /// The facets of `mesh` that belong to exactly one tetrahedron.
-    #[must_use]
     pub fn of(mesh: &TetMesh) -> Self {
         let triangles = topology::boundary(mesh).facets;
         let corners = |t: &[usize; 3]| t.map(|v| mesh.vertices[v]);
@@ -40,7 +39,6 @@ impl Facets {
     }
 
     /// The least height of a facet [m].
-    #[must_use]
     pub fn height(&self, facet: usize) -> f64 {
         let [a, b, c] = self.triangles[facet].map(|v| self.vertices[v]);
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
@@ -48,13 +46,11 @@ impl Facets {
     }
 
     /// Number of facets.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.triangles.len()
     }
 
     /// Whether there is no facet.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }

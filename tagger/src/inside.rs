@@ -18,9 +18,6 @@ use program::Unusable;
 const ALONG: f64 = 0.999;
 
 /// The facets on a surface, sorted.
-///
-/// # Errors
-/// [`Unusable`] if there are none, or the mesh does not follow the surface.
 pub fn select(
     mesh: &TetMesh,
     surface: &SurfaceMesh,
@@ -88,7 +85,6 @@ fn between(mesh: &TetMesh, heights: &[f64]) -> Vec<[usize; 3]> {
 }
 
 /// Area of some facets [m²].
-#[must_use]
 pub fn area(mesh: &TetMesh, facets: &[[usize; 3]]) -> f64 {
     measure::area(&topology::submesh(&mesh.vertices, facets).0)
 }

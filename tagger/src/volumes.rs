@@ -12,10 +12,6 @@ use crate::select::{SELECTORS, Selector, Sources};
 
 /// The volume of each tetrahedron; those in no selection are called as before, and all are none
 /// where the file has no `[[volume]]`.
-///
-/// # Errors
-/// If a selection cannot be read or selects facets only; [`Unusable`] if it holds no tetrahedron, or
-/// one that another holds, too.
 pub fn assign(
     config: &Config,
     mesh: &TetMesh,

@@ -40,9 +40,6 @@ pub fn fill_pinholes(
 }
 
 /// Checks that a wall is a manifold patch, closed, plugged or with a fixed rim.
-///
-/// # Errors
-/// A message with the boundary loops, their lengths and the first offending vertex.
 pub fn check(
     facets: &Facets,
     owners: &[Option<usize>],

@@ -41,7 +41,6 @@ pub struct Simulated {
 ///
 /// # Panics
 /// When the scene is refused or has no equilibrium.
-#[must_use]
 pub fn simulate(loads: &str) -> Simulated {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mesh = block([7, 3, 3], 0.01, |c| c[1..] == [1, 1] && c[0] % 2 == 1, |p| p);
@@ -73,13 +72,11 @@ pub fn simulate(loads: &str) -> Simulated {
 
 impl Simulated {
     /// The ends of time steps.
-    #[must_use]
     pub fn ends(&self) -> Vec<LoadStep> {
         self.solution.steps.iter().filter(|s| s.ends_time_step).cloned().collect()
     }
 
     /// The chambers at a load step.
-    #[must_use]
     pub fn chambers(&self, step: &LoadStep) -> BTreeMap<String, Chamber> {
         let at = step.iterate(&self.problem, &self.scene.body.mesh.vertices);
         results::chambers(&self.problem.energies, &at)
@@ -89,7 +86,6 @@ impl Simulated {
     ///
     /// # Panics
     /// Never for a scene that was solved.
-    #[must_use]
     pub fn last_chambers(&self) -> BTreeMap<String, Chamber> {
         let last = self.ends().pop().expect("there is a step");
         self.chambers(&last)
@@ -97,7 +93,6 @@ impl Simulated {
 }
 
 /// Largest difference of two fields relative to the largest value.
-#[must_use]
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     let largest = a.iter().chain(b).fold(0.0_f64, |m, x| m.max(x.abs()));
     let gap = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

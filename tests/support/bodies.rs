@@ -36,7 +36,6 @@ const KINDS: [Kind; 14] = [
 
 impl Body {
     /// The body of a seed. Kinds take turns, so that 14 seeds in a row have them all.
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         let (kind, build) = KINDS[(seed % KINDS.len() as u64) as usize];
         let mut builder = Builder::new(seed);
@@ -46,7 +45,6 @@ impl Body {
 }
 
 /// The tags of bodies, whose patches have these names.
-#[must_use]
 pub fn tags(patches: &[&str]) -> String {
     let tag = |name: &&str| format!("[[tag]]\nname = \"{name}\"\npatch = \"{name}.stl\"\n");
     "relative_epsilon = 4e-3\n".to_owned() + &patches.iter().map(tag).collect::<String>()

@@ -24,7 +24,6 @@ pub struct Chapter {
 ///
 /// # Panics
 /// When one cannot be read.
-#[must_use]
 pub fn chapters() -> Vec<Chapter> {
     let folder = repository().join("pipelines/book");
     let entries = fs::read_dir(folder).expect("the book");
@@ -43,7 +42,6 @@ pub fn chapters() -> Vec<Chapter> {
 ///
 /// # Panics
 /// When one cannot be read.
-#[must_use]
 pub fn readmes() -> Vec<Chapter> {
     let read = |folder: &str| {
         let path = repository().join(folder).join("README.md");
@@ -60,7 +58,6 @@ fn check(line: &str) -> Option<&str> {
 
 impl Chapter {
     /// The commands in blocks with one of these marks and their checks, one block after the other.
-    #[must_use]
     pub fn commands(&self, marks: &[&str]) -> String {
         let mut commands = String::new();
         let (mut inside, mut wanted) = (false, false);
@@ -83,7 +80,6 @@ impl Chapter {
     }
 
     /// First lines of the blocks that tests run without a check below them.
-    #[must_use]
     pub fn unchecked(&self) -> Vec<&str> {
         let (mut found, mut first, mut inside) = (Vec::new(), None, false);
         let mut lines = self.text.lines().peekable();
@@ -101,7 +97,6 @@ impl Chapter {
     }
 
     /// What links to its headings end with, as GitHub and mdBook make it.
-    #[must_use]
     pub fn anchors(&self) -> BTreeSet<String> {
         let (mut anchors, mut inside) = (BTreeSet::new(), false);
         for line in self.text.lines() {

@@ -12,7 +12,6 @@ use crate::workdir::Workdir;
 const CCX: &str = "ccx";
 
 /// Whether CalculiX is on this machine.
-#[must_use]
 pub fn is_installed() -> bool {
     Command::new(CCX).arg("-v").output().is_ok()
 }
@@ -42,7 +41,6 @@ fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
 ///
 /// # Panics
 /// When CalculiX does not run, or the two are not of the same nodes.
-#[must_use]
 pub fn apart(dir: &Workdir, name: &str, result: &str) -> f64 {
     let theirs = displacement(&dir.path(""), name);
     let (ours, _) =

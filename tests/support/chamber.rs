@@ -119,13 +119,11 @@ measure = "deformed"
 /// 50 × 40 × 40 mm with a chamber of 40 × 20 × 20 mm that opens to x = 0, of 384
 /// tetrahedra. Tags: `seat` around the mouth, `cavity`, `top`, and `skin` for
 /// the rest.
-#[must_use]
 pub fn chamber() -> Body {
     refined(1)
 }
 
 /// The same in cells of 10 mm / n.
-#[must_use]
 pub fn refined(n: usize) -> Body {
     let middle = |i: usize| (n..3 * n).contains(&i);
     let hollow = |c: [usize; 3]| c[0] < 4 * n && middle(c[1]) && middle(c[2]);
@@ -147,7 +145,6 @@ pub fn refined(n: usize) -> Body {
 ///
 /// # Panics
 /// When the folder cannot be written.
-#[must_use]
 pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     let body = chamber();
@@ -166,7 +163,6 @@ pub const STRETCH_AT_BREAK: &str = "stretch_at_break = 2";
 ///
 /// # Panics
 /// When the folder cannot be written.
-#[must_use]
 pub fn near_its_edges() -> Workdir {
     let dir = workdir();
     let tears = format!("d1 = 1e6\n{STRETCH_AT_BREAK}");
@@ -176,7 +172,6 @@ pub fn near_its_edges() -> Workdir {
 }
 
 /// A scene with a pressure above the limit point, and settings that end the search soon.
-#[must_use]
 pub fn beyond_any_equilibrium(scene: &str) -> String {
     let soon = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 8\n\n[material]";
     scene.replace("8e3", "1e8").replace("[material]", soon)

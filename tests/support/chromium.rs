@@ -44,7 +44,6 @@ pub struct Picture {
 
 impl Picture {
     /// Number of different colours.
-    #[must_use]
     pub fn colors(&self) -> usize {
         let mut colors = self.pixels.clone();
         colors.sort_unstable();
@@ -53,7 +52,6 @@ impl Picture {
     }
 
     /// Share of pixels that are not the same as in another picture.
-    #[must_use]
     pub fn differing(&self, other: &Self) -> f64 {
         assert_eq!(self.size, other.size);
         let pairs = self.pixels.iter().zip(&other.pixels);
@@ -63,7 +61,6 @@ impl Picture {
 
 impl Chromium {
     /// The Chromium of this machine; none where there is none, and the test is counted as skipped.
-    #[must_use]
     pub fn installed() -> Option<&'static str> {
         let known = |name: &&&str| {
             let found = Command::new("bash").args(["-c", "command -v \"$0\"", name]).output();
@@ -80,7 +77,6 @@ impl Chromium {
     ///
     /// # Panics
     /// When it does not start.
-    #[must_use]
     pub fn start(program: &str, size: [u32; 2]) -> Self {
         let profile = tempfile::tempdir().expect("a temporary folder");
         // what is given to the shell as its input and output becomes 3 and 4
@@ -273,7 +269,6 @@ impl Chromium {
     }
 
     /// Exceptions, messages on the console, blocked requests and dialogs so far.
-    #[must_use]
     pub fn complaints(&self) -> Vec<String> {
         let methods = [
             "Runtime.exceptionThrown",
@@ -286,7 +281,6 @@ impl Chromium {
     }
 
     /// Addresses that were asked for so far, but for those that hold their data themselves.
-    #[must_use]
     pub fn requests(&self) -> Vec<String> {
         let sent = self.events.iter().filter(|e| e["method"] == "Network.requestWillBeSent");
         let url = |e: &Value| e["params"]["request"]["url"].as_str().unwrap_or_default().to_owned();

@@ -54,7 +54,6 @@ impl Equilibrium {
     ///
     /// # Panics
     /// When there is no equilibrium.
-    #[must_use]
     pub fn rise_of_end(
         mesh: TetMesh,
         energies: impl Fn(&FunctionSpace) -> Energies,
@@ -92,9 +91,6 @@ impl Equilibrium {
     }
 
     /// The same by Newton's method alone.
-    ///
-    /// # Errors
-    /// When there is none; the displacement is then that of the last iterate.
     pub fn balance(&mut self, newton: &Newton, load: f64) -> Result<Converged, Failure> {
         let u = std::mem::take(&mut self.u);
         let mut state = Configuration::new(&self.problem, &self.rest, u, load);
@@ -137,14 +133,12 @@ impl Equilibrium {
     }
 
     /// Rest and deformed positions of all nodes [m].
-    #[must_use]
     pub fn nodes(&self) -> Vec<(Vec3, Vec3)> {
         let rest = self.problem.space.node_positions(&self.rest);
         rest.into_iter().enumerate().map(|(i, x)| (x, x + at(&self.u, i))).collect()
     }
 
     /// Rest and deformed positions of the mesh vertices [m].
-    #[must_use]
     pub fn vertices(&self) -> Vec<(Vec3, Vec3)> {
         let mut nodes = self.nodes();
         nodes.truncate(self.rest.len());
@@ -163,20 +157,17 @@ fn at_rest(problem: &Problem) -> (Stepping, Integrator) {
 
 /// Boundary facets, oriented out of the solid, whose vertices all satisfy a
 /// condition.
-#[must_use]
 pub fn facets_where(mesh: &TetMesh, inside: impl Fn(Vec3) -> bool) -> Vec<[usize; 3]> {
     let facets = mesh::topology::boundary(mesh).facets;
     facets.into_iter().filter(|f| f.iter().all(|&v| inside(mesh.vertices[v]))).collect()
 }
 
 /// The mean of some numbers.
-#[must_use]
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Numbers in scientific notation, for tables.
-#[must_use]
 pub fn scientific(values: &[f64]) -> String {
     values.iter().map(|v| format!("{v:.3e}")).collect::<Vec<_>>().join(" ")
 }

@@ -15,7 +15,6 @@ pub const STEPS: usize = 16;
 ///
 /// # Panics
 /// When the folder cannot be written.
-#[must_use]
 pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     let top = |p: Vec3| p.z > 12e-3 - 1e-9;

@@ -32,7 +32,6 @@ pub struct Family {
 }
 
 /// The name of the family of a seed, and its model file.
-#[must_use]
 pub fn body(seed: u64) -> (&'static str, String) {
     let (name, build) = FAMILIES[(seed % FAMILIES.len() as u64) as usize];
     let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));

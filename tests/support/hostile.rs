@@ -35,13 +35,11 @@ pub struct Hostile {
 
 impl Hostile {
     /// Replaces all texts but those of the keys `places`, which say where files are.
-    #[must_use]
     pub fn but(places: Vec<&'static str>) -> Self {
         Self { places, ..Self::default() }
     }
 
     /// How many texts were replaced.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.numbers.len()
     }
@@ -116,7 +114,6 @@ impl Hostile {
 ///
 /// # Panics
 /// When it cannot be read.
-#[must_use]
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -185,7 +182,6 @@ pub fn assert_they_would_run(browser: &mut Chromium, page: &Path) {
 ///
 /// # Panics
 /// When it has none.
-#[must_use]
 pub fn without_policy(page: &Path) -> PathBuf {
     let text = fs::read_to_string(page).expect("a page");
     let policy = "http-equiv=\"Content-Security-Policy\"";

@@ -70,7 +70,6 @@ pub const PACKAGES: &str = "numpy, trimesh, manifold3d, lxml, networkx";
 
 /// The interpreter of the repository's `.venv` if it has the packages that a
 /// test needs; none if not, and the test is counted as skipped.
-#[must_use]
 pub fn python(packages: &str) -> Option<PathBuf> {
     // Of every package that includes this file the repository is the folder above.
     let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
@@ -83,7 +82,6 @@ pub fn python(packages: &str) -> Option<PathBuf> {
 }
 
 /// Whether a program is there; if not, the test is counted as skipped.
-#[must_use]
 pub fn installed(program: &str) -> bool {
     let found = Command::new(program).arg("--help").output().is_ok();
     if !found {
@@ -223,7 +221,6 @@ pub struct Lengths {
 ///
 /// # Panics
 /// If the slicer complains.
-#[must_use]
 pub fn slice(file: &Path, settings: &Path, options: &[&str], folder: &Path) -> Lengths {
     let gcode = folder.join("part.gcode");
     let mut command = Command::new("prusa-slicer");

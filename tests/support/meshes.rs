@@ -11,7 +11,6 @@ pub struct Plane {
 }
 
 /// The triangle (0, 0), (1, 0), (0, 1) with `n` segments per side.
-#[must_use]
 pub fn triangle(n: usize) -> Plane {
     let id = |i: usize, j: usize| j * (n + 1) - j * j.saturating_sub(1) / 2 + i;
     let mut plane = Plane { points: Vec::new(), triangles: Vec::new() };
@@ -30,7 +29,6 @@ pub fn triangle(n: usize) -> Plane {
 }
 
 /// The unit square with n[0] by n[1] cells of two triangles.
-#[must_use]
 pub fn square(n: [usize; 2]) -> Plane {
     let id = |i: usize, j: usize| j * (n[0] + 1) + i;
     let mut plane = Plane { points: Vec::new(), triangles: Vec::new() };
@@ -48,7 +46,6 @@ pub fn square(n: [usize; 2]) -> Plane {
 
 /// Prisms over a plane in `layers` layers, three tetrahedra each, at the places
 /// that `place` gives to parameters and height in [0, 1].
-#[must_use]
 pub fn extrude(plane: &Plane, layers: usize, place: impl Fn([f64; 2], f64) -> Vec3) -> TetMesh {
     let count = plane.points.len();
     let mut vertices = Vec::new();
@@ -60,7 +57,6 @@ pub fn extrude(plane: &Plane, layers: usize, place: impl Fn([f64; 2], f64) -> Ve
 
 /// Prisms between triangles and the same a layer of `count` vertices above, three tetrahedra each, for
 /// every layer of the vertices but the last. Diagonals go up from the lower vertex, so that neighbours agree.
-#[must_use]
 pub fn prisms(triangles: &[[usize; 3]], vertices: Vec<Vec3>, count: usize) -> TetMesh {
     let mut tets = Vec::new();
     for k in 0..vertices.len() / count - 1 {
@@ -83,7 +79,6 @@ pub fn prisms(triangles: &[[usize; 3]], vertices: Vec<Vec3>, count: usize) -> Te
 
 /// The octant x, y, z ≥ 0 of a spherical shell: `n` segments along each arc,
 /// `layers` through the wall.
-#[must_use]
 pub fn shell_octant(inner: f64, outer: f64, n: usize, layers: usize) -> TetMesh {
     extrude(&triangle(n), layers, |[s, t], h| {
         // equal angles along the sides instead of equal chords
@@ -94,7 +89,6 @@ pub fn shell_octant(inner: f64, outer: f64, n: usize, layers: usize) -> TetMesh 
 
 /// The quarter x, y ≥ 0 of a ring of rectangular section and a height, one
 /// element high: n[0] segments through the wall, n[1] around.
-#[must_use]
 pub fn ring_quarter(inner: f64, outer: f64, height: f64, n: [usize; 2]) -> TetMesh {
     extrude(&square(n), 1, |[s, t], h| {
         let (radius, angle) = (inner + s * (outer - inner), t * std::f64::consts::FRAC_PI_2);
@@ -104,7 +98,6 @@ pub fn ring_quarter(inner: f64, outer: f64, height: f64, n: [usize; 2]) -> TetMe
 
 /// The unit ball: an icosahedron whose triangles are split `levels` times, and
 /// tetrahedra from each of them to the centre, which is the last vertex.
-#[must_use]
 pub fn ball(levels: usize) -> TetMesh {
     let g = f64::midpoint(1.0, 5.0_f64.sqrt());
     let corner = |k: usize| {

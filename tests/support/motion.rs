@@ -32,7 +32,6 @@ pub struct Motion {
 ///
 /// # Panics
 /// When the scene is refused.
-#[must_use]
 pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: &str) -> Motion {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, body) in bodies {
@@ -54,7 +53,6 @@ impl Motion {
     ///
     /// # Panics
     /// When it is refused.
-    #[must_use]
     pub fn of(scene: Scene) -> Self {
         let (problem, workspace) = scene.problem(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
         let integrator = scene.integrator(&scene.body, &problem);
@@ -82,13 +80,11 @@ impl Motion {
     }
 
     /// Nodal displacements [m].
-    #[must_use]
     pub fn u(&self) -> &[f64] {
         self.stepper.progress.reached()
     }
 
     /// Nodal velocities [m/s].
-    #[must_use]
     pub fn v(&self) -> &[f64] {
         &self.stepper.progress.integrator.last().v
     }
@@ -107,7 +103,6 @@ impl Motion {
     }
 
     /// ∫ ρ w dX of a nodal field over all bodies, e.g. momentum [kg m/s].
-    #[must_use]
     pub fn momentum(&self, w: &[f64]) -> Vec3 {
         let rest = &self.scene.body.mesh.vertices;
         results::momentum(&self.problem.energies, &self.problem.space, rest, w)

@@ -60,7 +60,6 @@ pub struct Compared {
 ///
 /// # Panics
 /// When it is there and cannot be read.
-#[must_use]
 pub fn reference(name: &str) -> Option<Reference> {
     let path = shared(&format!("reference/{name}.json"))?;
     let text = std::fs::read_to_string(path).expect("readable");
@@ -102,7 +101,6 @@ fn probed(json: &Value, step: &Value) -> Option<Probed> {
 ///
 /// # Panics
 /// When it is there and refused.
-#[must_use]
 pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option<(Workdir, Scene)> {
     let path = shared(&format!("{FOLDER}/{file}"))?;
     let text = std::fs::read_to_string(&path).expect("readable");
@@ -131,7 +129,6 @@ pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option
 ///
 /// # Panics
 /// When a step is not reached.
-#[must_use]
 pub fn compare(scene: Scene, reference: &Reference, count: usize) -> Vec<Compared> {
     let mut motion = Motion::of(scene);
     let mut all = Vec::new();

@@ -18,7 +18,6 @@ pub const WORM_CHAMBERS: [u32; 10] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
 ///
 /// # Panics
 /// When its files are there and cannot be read.
-#[must_use]
 pub fn gripper() -> Option<Body> {
     let mesh = published("gripper_bellows/gripper_bellows_thick.msh", 1e-3)?;
     let selections = shared(&format!("{FOLDER}/gripper_bellows/surface_selections_thick.txt"))?;
@@ -32,7 +31,6 @@ pub fn gripper() -> Option<Body> {
 ///
 /// # Panics
 /// When its files are there and cannot be read.
-#[must_use]
 pub fn worm() -> Option<Body> {
     let mesh = published("worm/worm_long_clean.msh", 0.02)?;
     let ids = first_ids(&shared(&format!("{FOLDER}/worm/surface_selections_long.txt"))?);

@@ -59,7 +59,6 @@ pub struct Wall<'a> {
 
 impl Wall<'_> {
     /// The pressure [Pa] at which the inner radius is so many times that at rest, sought next to a guess [Pa].
-    #[must_use]
     pub fn pressure(&self, stretch: f64, guess: f64) -> f64 {
         let (mut last, mut now) = (guess, guess * 1.001);
         let mut before = self.outside(stretch, last);
@@ -77,7 +76,6 @@ impl Wall<'_> {
 
     /// Stretch of the inner wall and pressure [Pa] where the pressure has a maximum within a tenth of a stretch, with a
     /// guess of the pressure at a stretch.
-    #[must_use]
     pub fn limit(&self, near: f64, guess: impl Fn(f64) -> f64) -> [f64; 2] {
         let pressure = |stretch: f64| self.pressure(stretch, guess(stretch));
         maximum([0.9 * near, 1.1 * near], pressure).expect("a limit as without compressibility")
@@ -110,7 +108,6 @@ impl Wall<'_> {
 }
 
 /// y at the end of an interval, where y′ = `by`(x, y), by the classic rule of Runge and Kutta.
-#[must_use]
 pub fn runge_kutta(
     [from, to]: [f64; 2],
     steps: usize,
@@ -134,7 +131,6 @@ pub fn runge_kutta(
 }
 
 /// Where a smooth function has its largest value inside an interval, and that value; none where it is at an end.
-#[must_use]
 pub fn maximum([from, to]: [f64; 2], f: impl Fn(f64) -> f64) -> Option<[f64; 2]> {
     let grid = |i: usize| from + (to - from) * i as f64 / SCANNED as f64;
     let best = (0..=SCANNED).max_by(|&i, &j| f(grid(i)).total_cmp(&f(grid(j))))?;

@@ -17,7 +17,6 @@ const FAB: &[Format] = fab::cmd::schema::FORMATS;
 ///
 /// # Panics
 /// When it is none.
-#[must_use]
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
@@ -68,7 +67,6 @@ pub fn check_mold(report: &Value) {
 }
 
 /// Whether [`check_mold`] finds something in the report of a mold; and whether the schema alone does.
-#[must_use]
 pub fn is_no_mold(report: &Value) -> (bool, bool) {
     (misfit::<MoldReport>(&MOLD, report).is_some(), !MOLD.is_valid(report))
 }

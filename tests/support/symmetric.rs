@@ -47,7 +47,6 @@ pub const PARTS: [(&str, &str, f64); 3] = [
 ///
 /// # Panics
 /// When a program refuses its work.
-#[must_use]
 pub fn workdir(open: bool) -> Workdir {
     let from = usize::from(!open);
     let hollow = |c: [usize; 3]| (from..4).contains(&c[0]) && c[1] == 0 && c[2] == 0;
@@ -86,7 +85,6 @@ pub fn workdir(open: bool) -> Workdir {
 ///
 /// # Panics
 /// When there are none.
-#[must_use]
 pub fn nodes(dir: &Workdir, folder: &str) -> Vec<(Vec3, Vec3)> {
     let read = |name: &str| {
         let (values, _) = npy::read_f64(&dir.path(&format!("{folder}/{name}"))).expect("results");
@@ -99,7 +97,6 @@ pub fn nodes(dir: &Workdir, folder: &str) -> Vec<(Vec3, Vec3)> {
 ///
 /// # Panics
 /// When one is not there.
-#[must_use]
 pub fn find(points: &[Vec3], among: &[Vec3]) -> Vec<usize> {
     let one = |p: &Vec3| {
         let found = among.iter().position(|q| (p - q).norm() < 1e-9);
@@ -113,7 +110,6 @@ pub fn find(points: &[Vec3], among: &[Vec3]) -> Vec<usize> {
 ///
 /// # Panics
 /// When a point of the first is not in the second.
-#[must_use]
 pub fn difference(some: &[(Vec3, Vec3)], all: &[(Vec3, Vec3)]) -> f64 {
     let points = |nodes: &[(Vec3, Vec3)]| nodes.iter().map(|n| n.0).collect::<Vec<_>>();
     let same = find(&points(some), &points(all));

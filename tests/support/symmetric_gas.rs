@@ -28,7 +28,6 @@ pub struct SymmetricGas {
 
 impl SymmetricGas {
     /// Gas behind facets (vertex ids, oriented out of the solid).
-    #[must_use]
     pub fn new(
         space: &FunctionSpace,
         facets: &[[usize; 3]],
@@ -41,7 +40,6 @@ impl SymmetricGas {
     }
 
     /// Volume at node positions `x` [m³].
-    #[must_use]
     pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3) -> f64 {
         let table = space.facet_table();
         let (mask, share) = match self.planes {
@@ -63,7 +61,6 @@ impl SymmetricGas {
     }
 
     /// Volume, rest volume [m³] and gas.
-    #[must_use]
     pub fn state(&self, iterate: &Iterate) -> (f64, f64, Potential) {
         let rest = self.volume(iterate.space, |n| iterate.space.node_position(iterate.rest, n));
         let volume = self.volume(iterate.space, deformed(iterate));

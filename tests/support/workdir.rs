@@ -27,7 +27,6 @@ pub struct Run {
 }
 
 /// The top folder of the repository.
-#[must_use]
 pub fn repository() -> PathBuf {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
     tests.parent().expect("the package lies in the repository").to_path_buf()
@@ -37,7 +36,6 @@ pub fn repository() -> PathBuf {
 ///
 /// # Panics
 /// When it cannot be built.
-#[must_use]
 pub fn program(name: &str) -> PathBuf {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     BUILT.get_or_init(build_programs).join(name)
@@ -72,19 +70,16 @@ impl Workdir {
     ///
     /// # Panics
     /// When the system has no place for it.
-    #[must_use]
     pub fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
     /// An empty folder in memory, where the system has a place for it.
-    #[must_use]
     pub fn in_memory() -> Self {
         tempfile::tempdir_in("/dev/shm").map_or_else(|_| Self::new(), |folder| Self { folder })
     }
 
     /// A path in the folder.
-    #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -101,7 +96,6 @@ impl Workdir {
     ///
     /// # Panics
     /// When it cannot be read.
-    #[must_use]
     pub fn text(&self, name: &str) -> String {
         let path = self.path(name);
         std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
@@ -111,7 +105,6 @@ impl Workdir {
     ///
     /// # Panics
     /// When it cannot be read.
-    #[must_use]
     pub fn json(&self, name: &str) -> Value {
         serde_json::from_str(&self.text(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
@@ -120,13 +113,11 @@ impl Workdir {
     ///
     /// # Panics
     /// When the report has none.
-    #[must_use]
     pub fn probe(&self, folder: &str, name: &str) -> f64 {
         reported::number(&self.json(&format!("{folder}/report.json"))["probes"][name]["value"])
     }
 
     /// Names of the files in a subfolder, sorted; empty if there is no such folder.
-    #[must_use]
     pub fn files(&self, folder: &str) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(self.path(folder)) else { return Vec::new() };
         let name = |entry: std::fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
@@ -136,13 +127,11 @@ impl Workdir {
     }
 
     /// `solver` with arguments separated by blanks, to be run in the folder.
-    #[must_use]
     pub fn command(&self, arguments: &str) -> Command {
         self.command_of("solver", arguments)
     }
 
     /// A program of the workspace with arguments separated by blanks, to be run in the folder.
-    #[must_use]
     pub fn command_of(&self, name: &str, arguments: &str) -> Command {
         let mut command = Command::new(program(name));
         command.args(arguments.split_whitespace()).current_dir(self.folder.path());
@@ -153,7 +142,6 @@ impl Workdir {
     ///
     /// # Panics
     /// When the program cannot be started.
-    #[must_use]
     pub fn solver(&self, arguments: &str) -> Run {
         let run: Run = self.command(arguments).output().expect("the program starts").into();
         // where a run is refused, other files of that name may have been there before
@@ -191,7 +179,6 @@ impl Workdir {
     ///
     /// # Panics
     /// When bash cannot be started.
-    #[must_use]
     pub fn solver_on_small_disk(&self, limit: usize, arguments: &str) -> Run {
         let mut command = Command::new("bash");
         // without the trap the signal would end the program before it sees the error

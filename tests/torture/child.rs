@@ -20,9 +20,6 @@ pub struct End {
 
 impl End {
     /// Refuses panics, and ends that are none of these codes.
-    ///
-    /// # Errors
-    /// With what the program said.
     pub fn expect(&self, codes: &[i32]) -> Result<(), String> {
         if self.said.contains("panicked") {
             return Err(format!("a panic: {}", self.said));
@@ -73,9 +70,6 @@ impl Running {
     }
 
     /// Waits for its end.
-    ///
-    /// # Errors
-    /// When it hangs.
     pub fn end(mut self) -> Result<End, String> {
         let mut said = String::new();
         let pipe = self.child.stderr.take();
@@ -96,9 +90,6 @@ impl Running {
 }
 
 /// Runs a program to its end.
-///
-/// # Errors
-/// When it hangs.
 pub fn run(command: Command) -> Result<End, String> {
     Running::start(command).end()
 }

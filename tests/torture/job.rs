@@ -116,18 +116,12 @@ impl Sound {
     }
 
     /// Runs the command once more, which must now end well, with the same bits and no litter.
-    ///
-    /// # Errors
-    /// With what differs.
     pub fn ends_the_same(&self, dir: &Workdir) -> Result<(), String> {
         child::run(self.job.command(dir))?.expect(&[0])?;
         self.is_same(dir)
     }
 
     /// The same bits and no litter.
-    ///
-    /// # Errors
-    /// With what differs.
     pub fn is_same(&self, dir: &Workdir) -> Result<(), String> {
         let found = results(dir);
         for (name, bytes) in &self.results {

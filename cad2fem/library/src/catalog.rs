@@ -47,9 +47,6 @@ impl<T: DeserializeOwned> Catalog<T> {
 
 impl<T> Catalog<T> {
     /// The entry of a key.
-    ///
-    /// # Errors
-    /// If there is none; the message proposes a similar key and lists all.
     pub fn find(&self, key: &str) -> Result<&T, String> {
         self.entries.get(key).ok_or_else(|| {
             let similar = self
@@ -74,7 +71,6 @@ impl<T> Catalog<T> {
     ///
     /// # Panics
     /// If an entry names a source that the file does not have; tests check all entries.
-    #[must_use]
     pub fn source(&self, key: &str) -> &Source {
         self.known_source(key).expect("tests look up the sources of all entries")
     }

@@ -42,7 +42,6 @@ pub enum PrinterKind {
 
 impl PrinterKind {
     /// The usual plastic and its density [kg/m³]: PLA, and acrylic resin when cured.
-    #[must_use]
     pub fn plastic(self) -> (&'static str, f64) {
         match self {
             Self::Filament => ("PLA", 1240.0),
@@ -52,7 +51,6 @@ impl PrinterKind {
 }
 
 /// All printers.
-#[must_use]
 pub fn printers() -> &'static Catalog<Printer> {
     static CATALOG: LazyLock<Catalog<Printer>> =
         LazyLock::new(|| Catalog::new("printer", include_str!("../printers.toml")));
@@ -61,19 +59,16 @@ pub fn printers() -> &'static Catalog<Printer> {
 
 impl Printer {
     /// Where its numbers come from.
-    #[must_use]
     pub fn citation(&self) -> &'static str {
         &printers().source(&self.source).citation
     }
 
     /// Two lines side by side: what is thinner leaks, or is not printed at all [mm].
-    #[must_use]
     pub fn least_wall(&self) -> f64 {
         2.0 * self.nozzle
     }
 
     /// Whether a part of this size fits when turned about the vertical by quarters [mm].
-    #[must_use]
     pub fn holds(&self, size: [f64; 3]) -> bool {
         let Some([x, y, z]) = self.volume else { return true };
         let flat = |a: f64, b: f64| size[0] <= a && size[1] <= b;

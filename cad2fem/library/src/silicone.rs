@@ -126,7 +126,6 @@ pub enum Test {
 }
 
 /// All silicones.
-#[must_use]
 pub fn silicones() -> &'static Catalog<Silicone> {
     static CATALOG: LazyLock<Catalog<Silicone>> =
         LazyLock::new(|| Catalog::new("silicone", include_str!("../silicones.toml")));
@@ -134,7 +133,6 @@ pub fn silicones() -> &'static Catalog<Silicone> {
 }
 
 /// All elastomers that are printed.
-#[must_use]
 pub fn printed() -> &'static Catalog<Silicone> {
     static CATALOG: LazyLock<Catalog<Silicone>> =
         LazyLock::new(|| Catalog::new("printed elastomer", include_str!("../printed.toml")));
@@ -148,7 +146,6 @@ fn source(key: &str) -> &'static Source {
 
 impl Fit {
     /// Where its numbers come from, and their licence.
-    #[must_use]
     pub fn source(&self) -> &'static Source {
         source(&self.source)
     }
@@ -156,7 +153,6 @@ impl Fit {
 
 impl Test {
     /// The test in words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Tension => "tension",
@@ -172,14 +168,12 @@ impl Test {
 
 impl Silicone {
     /// Smallest and largest shear modulus at rest of all sources [Pa].
-    #[must_use]
     pub fn shear_moduli(&self) -> [f64; 2] {
         let moduli = self.fits.iter().map(|fit| fit.shear_modulus);
         moduli.fold([f64::INFINITY, 0.0], |[low, high], m| [m.min(low), m.max(high)])
     }
 
     /// The shear modulus of one of its fits, and what that is worth, in a line.
-    #[must_use]
     pub fn modulus_in_words(&self, fit: &Fit) -> String {
         let Fit { source, test, shear_modulus, .. } = fit;
         let [low, high] = self.shear_moduli();
@@ -201,14 +195,12 @@ impl Silicone {
     }
 
     /// Elongation at break [%], if known.
-    #[must_use]
     pub fn elongation(&self) -> Option<f64> {
         let cast = self.casting.as_ref().and_then(|casting| casting.elongation);
         cast.or_else(|| self.printed.as_ref()?.elongation)
     }
 
     /// Parts A and B by weight, which add up to 1.
-    #[must_use]
     pub fn shares(&self) -> Option<[f64; 2]> {
         let (a, b) = self.mix.as_ref()?.split_once(':')?;
         let part = |text: &str, letter| text.strip_suffix(letter)?.parse::<f64>().ok();
@@ -217,14 +209,12 @@ impl Silicone {
     }
 
     /// Where its numbers come from, if it has any but the fits.
-    #[must_use]
     pub fn citation(&self) -> Option<&'static str> {
         Some(&source(self.source.as_ref()?).citation)
     }
 }
 
 /// Three digits of a modulus in kPa.
-#[must_use]
 pub fn kilopascals(modulus: f64) -> String {
     let value = 1e-3 * modulus;
     match value {

@@ -21,7 +21,6 @@ pub struct Tube {
 }
 
 /// All tubes.
-#[must_use]
 pub fn tubes() -> &'static Catalog<Tube> {
     static CATALOG: LazyLock<Catalog<Tube>> =
         LazyLock::new(|| Catalog::new("tube", include_str!("../tubes.toml")));
@@ -30,7 +29,6 @@ pub fn tubes() -> &'static Catalog<Tube> {
 
 impl Tube {
     /// Where its numbers come from.
-    #[must_use]
     pub fn citation(&self) -> &'static str {
         &tubes().source(&self.source).citation
     }

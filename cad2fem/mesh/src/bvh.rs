@@ -27,7 +27,6 @@ pub struct Closest {
 
 impl SurfaceBvh {
     /// Builds the tree, O(n log n).
-    #[must_use]
     pub fn new(surface: &SurfaceMesh) -> Self {
         let corners: Vec<_> = (0..surface.triangles.len()).map(|t| surface.corners(t)).collect();
         let boxes: Vec<_> = corners.iter().map(triangle_box).collect();
@@ -38,7 +37,6 @@ impl SurfaceBvh {
     ///
     /// # Panics
     /// If the surface has no triangle or `p` is not finite.
-    #[must_use]
     pub fn closest(&self, p: &Vec3) -> Closest {
         let query = vector(p);
         let found = self.tree.find_best(
@@ -63,7 +61,6 @@ impl SurfaceBvh {
     /// numbers (Woop et al. 2013), so that no ray slips through a closed
     /// surface; one that passes exactly through an edge may hit both sides of
     /// it. Triangles seen edge-on are not hit.
-    #[must_use]
     pub fn ray(&self, origin: &Vec3, direction: &Vec3) -> Vec<(f64, usize)> {
         let mut hits = Vec::new();
         self.tree.traverse(|node| {
@@ -84,7 +81,6 @@ impl SurfaceBvh {
     }
 
     /// The triangles whose bounding box meets the box [min, max], ascending.
-    #[must_use]
     pub fn overlaps(&self, min: &Vec3, max: &Vec3) -> Vec<usize> {
         overlaps(&self.tree, &(*min, *max))
     }
@@ -92,7 +88,6 @@ impl SurfaceBvh {
 
 /// All pairs (i, j) such that the boxes `a[i]` and `b[j]`, each (min, max) [m],
 /// have a point in common; sorted.
-#[must_use]
 pub fn overlapping_pairs(a: &[(Vec3, Vec3)], b: &[(Vec3, Vec3)]) -> Vec<(usize, usize)> {
     let tree = tree(b);
     a.par_iter()
@@ -156,7 +151,6 @@ fn triangle_box([a, b, c]: &[Vec3; 3]) -> (Vec3, Vec3) {
 
 /// The point of a triangle nearest to `p`, by the Voronoi regions of its corners,
 /// edges and face (Ericson, Real-Time Collision Detection, 2005, §5.1.5).
-#[must_use]
 pub fn closest_on_triangle(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> Vec3 {
     let (ab, ac) = (b - a, c - a);
     let (ap, bp, cp) = (p - a, p - b, p - c);

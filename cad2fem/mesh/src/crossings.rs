@@ -20,14 +20,12 @@ const FIRST_BATCH: usize = 64;
 /// they share, decided exactly; sorted.
 ///
 /// Vertices are shared by index: coincident vertices must have been merged.
-#[must_use]
 pub fn self_intersecting_pairs(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
     some_self_intersecting_pairs(surface, usize::MAX)
 }
 
 /// As [`self_intersecting_pairs`]; where there are more than `most`, `most` or some more of them. A
 /// surface may have half of the square of its number of triangles.
-#[must_use]
 pub fn some_self_intersecting_pairs(surface: &SurfaceMesh, most: usize) -> Vec<(usize, usize)> {
     let edges = Edges::new(surface);
     let mut pairs = edges.folded(surface, most);

@@ -31,7 +31,6 @@ pub struct Face {
 
 impl Face {
     /// A face of some triangles of a surface, without neighbours.
-    #[must_use]
     pub fn of(surface: &SurfaceMesh, triangles: impl Iterator<Item = usize>) -> Self {
         let mut face = Self::default();
         for t in triangles {
@@ -47,7 +46,6 @@ impl Face {
     }
 
     /// The faces of one body, each a patch; they meet where they have edges with the same bits.
-    #[must_use]
     pub fn of_patches(patches: &[SurfaceMesh]) -> Vec<Self> {
         let mut at_edge: BTreeMap<[[u64; 3]; 2], BTreeSet<usize>> = BTreeMap::new();
         for (face, patch) in patches.iter().enumerate() {
@@ -70,7 +68,6 @@ impl Face {
     }
 
     /// By how much another face differs: its middle [m], the logarithm of its area [1], its normal [1].
-    #[must_use]
     pub fn differs(&self, other: &Self) -> [f64; 3] {
         let area = (other.area / self.area).ln().abs();
         [(other.middle - self.middle).norm(), area, (other.normal - self.normal).norm()]
@@ -101,7 +98,6 @@ struct Pair {
 ///
 /// Faces that measure the same are found first. The others follow by what differs least: their middles, areas, normals and
 /// the neighbours that are found already. In each round those pairs are taken of which neither face has a better one.
-#[must_use]
 pub fn found_again(before: &[Face], now: &[Face]) -> Vec<Option<Again>> {
     let mut pairs = pairs(before, now);
     let mut found: Vec<Option<Again>> = vec![None; before.len()];

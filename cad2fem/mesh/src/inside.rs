@@ -35,7 +35,6 @@ enum Content {
 
 impl WindingNumber {
     /// Divides the surface into nested patches, O(n log n).
-    #[must_use]
     pub fn new(surface: &SurfaceMesh) -> Self {
         let centroids: Vec<Vec3> =
             (0..surface.triangles.len()).map(|t| surface.centroid(t)).collect();
@@ -49,7 +48,6 @@ impl WindingNumber {
 
     /// The winding number about `p`: 1 inside a closed surface that faces
     /// outward, 0 outside; ill-defined on the surface itself.
-    #[must_use]
     pub fn at(&self, p: &Vec3) -> f64 {
         let mut angle = 0.0;
         let mut stack: Vec<usize> = (0..self.nodes.len().min(1)).collect();
@@ -66,7 +64,6 @@ impl WindingNumber {
     }
 
     /// Whether `p` is inside: winding number above ½.
-    #[must_use]
     pub fn contains(&self, p: &Vec3) -> bool {
         self.at(p) > 0.5
     }

@@ -9,14 +9,12 @@ use crate::topology::{TET_EDGES, tet_edges};
 use crate::{SurfaceMesh, TetMesh, Vec3};
 
 /// Area of a triangle [m²].
-#[must_use]
 pub fn triangle_area(a: Vec3, b: Vec3, c: Vec3) -> f64 {
     (b - a).cross(&(c - a)).norm() / 2.0
 }
 
 /// Whether a triangle has no area: its height is at most a 10¹²-th of its longest edge, so that 64 bits lose its
 /// normal, with a margin of 10⁴.
-#[must_use]
 pub fn is_flat(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
     2.0 * triangle_area(a, b, c) <= 1e-12 * longest * longest
@@ -24,13 +22,11 @@ pub fn is_flat(a: Vec3, b: Vec3, c: Vec3) -> bool {
 
 /// Unit normal of a triangle, pointing to where it is counter-clockwise; zero
 /// for a triangle without area.
-#[must_use]
 pub fn triangle_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
 }
 
 /// Area of a surface [m²].
-#[must_use]
 pub fn area(surface: &SurfaceMesh) -> f64 {
     (0..surface.triangles.len())
         .map(|t| surface.corners(t))
@@ -40,7 +36,6 @@ pub fn area(surface: &SurfaceMesh) -> f64 {
 
 /// Signed volume inside a closed surface [m³], positive if its triangles are
 /// counter-clockwise from outside: Σ det(a, b, c) / 6 by the divergence theorem.
-#[must_use]
 pub fn enclosed_volume(surface: &SurfaceMesh) -> f64 {
     // Any reference point is right; one of the surface keeps the terms small.
     let Some(&origin) = surface.vertices.first() else { return 0.0 };
@@ -51,7 +46,6 @@ pub fn enclosed_volume(surface: &SurfaceMesh) -> f64 {
 }
 
 /// Signed volume of a tetrahedron [m³]: det(b−a, c−a, d−a) / 6.
-#[must_use]
 pub fn tet_volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     Matrix3::from_columns(&[b - a, c - a, d - a]).determinant() / 6.0
 }
@@ -59,7 +53,6 @@ pub fn tet_volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
 /// Gradient of [`tet_volume`] by each corner [m²]: a sixth of the cross product of
 /// two edges of the opposite face; that of the first corner is minus the sum of
 /// the others.
-#[must_use]
 pub fn tet_volume_gradient(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [Vec3; 4] {
     let (p, q, s) = (b - a, c - a, d - a);
     let by = [q.cross(&s), s.cross(&p), p.cross(&q)].map(|n| n / 6.0);
@@ -67,7 +60,6 @@ pub fn tet_volume_gradient(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [Vec3; 4] {
 }
 
 /// Mean length of the edges of triangles [m]; NaN without any.
-#[must_use]
 pub fn mean_edge(vertices: &[Vec3], triangles: &[[usize; 3]]) -> f64 {
     let edges = crate::topology::edge_facets(triangles);
     let total: f64 = edges.keys().map(|&[a, b]| (vertices[a] - vertices[b]).norm()).sum();
@@ -75,21 +67,18 @@ pub fn mean_edge(vertices: &[Vec3], triangles: &[[usize; 3]]) -> f64 {
 }
 
 /// Volume of a tetrahedral mesh [m³].
-#[must_use]
 pub fn volume(mesh: &TetMesh) -> f64 {
     (0..mesh.tets.len()).map(|t| mesh.corners(t)).map(|[a, b, c, d]| tet_volume(a, b, c, d)).sum()
 }
 
 /// Lowest and highest corner of the axis-aligned bounding box [m]; (+∞, −∞) for
 /// no points.
-#[must_use]
 pub fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     points.iter().fold(empty, |(low, high), p| (low.inf(p), high.sup(p)))
 }
 
 /// Length of the diagonal of the bounding box [m]; zero for no points.
-#[must_use]
 pub fn diagonal(points: &[Vec3]) -> f64 {
     if points.is_empty() {
         return 0.0;
@@ -103,7 +92,6 @@ const LIKELY: std::ops::RangeInclusive<f64> = 1e-4..=5.0;
 
 /// What to say of points [m] that are as far apart as if their unit were another: bodies of
 /// 80 mm become bodies of 80 m.
-#[must_use]
 pub fn unlikely_size(points: &[Vec3]) -> Option<String> {
     let size = diagonal(points);
     (size > 0.0 && !LIKELY.contains(&size)).then(|| {
@@ -122,7 +110,6 @@ pub fn unlikely_size(points: &[Vec3]) -> Option<String> {
 ///
 /// With the edges p, q, s at one corner, r = 3V / ΣA and
 /// R = |p²(q×s) + q²(s×p) + s²(p×q)| / 12|V|.
-#[must_use]
 pub fn radius_ratio(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     let (p, q, s) = (b - a, c - a, d - a);
     let volume = tet_volume(a, b, c, d);
@@ -141,7 +128,6 @@ pub fn radius_ratio(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
 /// At an edge e with the other two corners at x and y from its start the angle
 /// is that between e×x and e×y, taken with atan2 so that it is accurate near 0
 /// and 180.
-#[must_use]
 pub fn dihedral_angles(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [f64; 6] {
     let corners = [a, b, c, d];
     // The corners that are not on edge k are those of edge 5 - k.
@@ -176,7 +162,6 @@ pub struct Quality {
 }
 
 /// Quality of a mesh; all zero if it has no tetrahedra.
-#[must_use]
 pub fn quality(mesh: &TetMesh) -> Quality {
     if mesh.tets.is_empty() {
         return Quality::default();
@@ -209,7 +194,6 @@ pub fn quality(mesh: &TetMesh) -> Quality {
 /// One-sided Hausdorff distance [m]: the largest distance from a point of `from`
 /// to `to`, over the vertices of `from` and about `samples` points spread evenly
 /// over its area. It is a lower bound that converges as samples are added.
-#[must_use]
 pub fn hausdorff(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> f64 {
     if from.triangles.is_empty() {
         return 0.0;
@@ -219,7 +203,6 @@ pub fn hausdorff(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> f64 {
 
 /// One-sided Hausdorff distance [m] of [`hausdorff`], and the point of `from` that has it. `None` if a
 /// surface is empty.
-#[must_use]
 pub fn farthest(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> Option<(f64, Vec3)> {
     if from.triangles.is_empty() || to.triangles.is_empty() {
         return None;
@@ -232,7 +215,6 @@ pub fn farthest(from: &SurfaceMesh, to: &SurfaceMesh, samples: usize) -> Option<
 }
 
 /// About `count` points spread evenly by area.
-#[must_use]
 pub fn spread(surface: &SurfaceMesh, count: usize) -> Vec<Vec3> {
     // Roberts' R2 sequence: powers of the plastic number fill the unit square evenly.
     const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];

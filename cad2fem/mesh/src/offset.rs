@@ -18,7 +18,6 @@ use crate::Vec3;
 const SMALLEST_EIGENVALUE: f64 = 0.03;
 
 /// Moves per distance of the vertices of facets, which turn their normals outward.
-#[must_use]
 pub fn shifts(x: &[Vec3], facets: &[[usize; 3]]) -> BTreeMap<usize, Vec3> {
     quadrics(x, facets).into_iter().map(|(v, quadric)| (v, quadric.least())).collect()
 }

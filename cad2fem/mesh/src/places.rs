@@ -5,14 +5,12 @@ use std::collections::HashMap;
 use crate::Vec3;
 
 /// The key of a place [m]: the bits of its coordinates, those of −0 as of 0.
-#[must_use]
 pub fn place_key(place: &Vec3) -> [u64; 3] {
     // adding zero turns −0 into 0
     [place.x, place.y, place.z].map(|x| (x + 0.0).to_bits())
 }
 
 /// For each place the index of the first that is the same.
-#[must_use]
 pub fn first_at_place(places: &[Vec3]) -> Vec<usize> {
     let mut first = HashMap::with_capacity(places.len());
     places.iter().enumerate().map(|(i, p)| *first.entry(place_key(p)).or_insert(i)).collect()

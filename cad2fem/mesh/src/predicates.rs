@@ -13,7 +13,6 @@ use robust::{Coord, Coord3D};
 /// The sign is exact: positive when d lies on the side of the plane (a, b, c)
 /// to which the normal (b − a) × (c − a) points, zero when the four points are
 /// coplanar. The magnitude carries rounding.
-#[must_use]
 pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
     // On a common coordinate plane, where only the slow exact path would find the zero.
     if (0..3).any(|k| a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) {
@@ -40,7 +39,6 @@ fn same_sign(values: &[f64]) -> bool {
 ///
 /// Where two triangles meet, an edge of one of them meets the other: their
 /// common set is convex, and each of its extreme points lies on an edge.
-#[must_use]
 pub fn triangles_intersect(t0: &[Vec3; 3], t1: &[Vec3; 3]) -> bool {
     if apart(t0, t1) || apart(t1, t0) {
         return false;
@@ -59,7 +57,6 @@ fn apart(plane: &[Vec3; 3], t: &[Vec3; 3]) -> bool {
 }
 
 /// Whether the segment pq and the triangle have a point in common.
-#[must_use]
 pub fn segment_intersects_triangle(p: &Vec3, q: &Vec3, triangle: &[Vec3; 3]) -> bool {
     let [a, b, c] = triangle;
     if boxes_apart(&[p, q], &[a, b, c]) {
@@ -120,7 +117,6 @@ fn segments_meet_2d(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> bool
 ///
 /// Their common set is star-shaped about v, so if it is more than v it reaches
 /// the edge opposite v of one of them.
-#[must_use]
 pub fn corner_sharing_intersect(v: &Vec3, ab: [&Vec3; 2], cd: [&Vec3; 2]) -> bool {
     segment_intersects_triangle(ab[0], ab[1], &[*v, *cd[0], *cd[1]])
         || segment_intersects_triangle(cd[0], cd[1], &[*v, *ab[0], *ab[1]])
@@ -128,7 +124,6 @@ pub fn corner_sharing_intersect(v: &Vec3, ab: [&Vec3; 2], cd: [&Vec3; 2]) -> boo
 
 /// Whether the triangles (u, v, a) and (u, v, b) meet anywhere but in uv: only
 /// when they are folded onto each other, coplanar and on the same side of uv.
-#[must_use]
 pub fn edge_sharing_intersect(u: &Vec3, v: &Vec3, a: &Vec3, b: &Vec3) -> bool {
     let same_side = |axis| {
         let (side_a, side_b) = (orient2d(axis, u, v, a), orient2d(axis, u, v, b));

@@ -23,7 +23,6 @@ pub struct Rounded {
 impl Rounded {
     /// Rounds a surface, and takes out needles no thicker than `thin`, in its unit, if it is not
     /// valid then.
-    #[must_use]
     pub fn new(surface: &SurfaceMesh, thin: f64) -> Self {
         // Adding zero turns -0 into +0.
         let round = |p: &crate::Vec3| p.map(|x| f64::from(x as f32) + 0.0);

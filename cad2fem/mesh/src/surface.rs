@@ -16,13 +16,11 @@ pub struct SurfaceMesh {
 
 impl SurfaceMesh {
     /// The three corners of triangle `t` [m].
-    #[must_use]
     pub fn corners(&self, t: usize) -> [Vec3; 3] {
         self.triangles[t].map(|v| self.vertices[v])
     }
 
     /// Centroid of triangle `t` [m].
-    #[must_use]
     pub fn centroid(&self, t: usize) -> Vec3 {
         let [a, b, c] = self.corners(t);
         (a + b + c) / 3.0

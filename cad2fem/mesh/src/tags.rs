@@ -27,7 +27,6 @@ pub struct Volumes {
 }
 
 /// The key of a facet: its vertex ids in ascending order.
-#[must_use]
 pub fn facet_key(mut facet: [usize; 3]) -> [usize; 3] {
     facet.sort_unstable();
     facet
@@ -35,20 +34,17 @@ pub fn facet_key(mut facet: [usize; 3]) -> [usize; 3] {
 
 impl Tags {
     /// No facets yet, ids in the order of `names`.
-    #[must_use]
     pub fn new(names: Vec<String>) -> Self {
         Self { names, ..Self::default() }
     }
 
     /// The id of a name.
-    #[must_use]
     pub fn id(&self, name: &str) -> Option<u32> {
         let index = self.names.iter().position(|n| n == name)?;
         u32::try_from(index + 1).ok()
     }
 
     /// The id of a facet, whatever the order of its vertices.
-    #[must_use]
     pub fn get(&self, facet: [usize; 3]) -> Option<u32> {
         self.facets.get(&facet_key(facet)).copied()
     }
@@ -59,7 +55,6 @@ impl Tags {
     }
 
     /// All facets of a tag, sorted.
-    #[must_use]
     pub fn facets_of(&self, id: u32) -> Vec<[usize; 3]> {
         self.facets.iter().filter(|&(_, &i)| i == id).map(|(&f, _)| f).collect()
     }

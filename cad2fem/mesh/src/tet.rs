@@ -15,7 +15,6 @@ pub struct TetMesh {
 
 impl TetMesh {
     /// The four corners of tetrahedron `t` [m].
-    #[must_use]
     pub fn corners(&self, t: usize) -> [Vec3; 4] {
         self.tets[t].map(|v| self.vertices[v])
     }

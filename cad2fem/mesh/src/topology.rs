@@ -29,14 +29,12 @@ pub struct Boundary {
 impl Boundary {
     /// The boundary as a surface without unused vertices, and for each of its
     /// vertices the id in `mesh`.
-    #[must_use]
     pub fn surface(&self, mesh: &TetMesh) -> (SurfaceMesh, Vec<usize>) {
         submesh(&mesh.vertices, &self.facets)
     }
 }
 
 /// The facets with exactly one incident tetrahedron, oriented out of the solid.
-#[must_use]
 pub fn boundary(mesh: &TetMesh) -> Boundary {
     let facet = |t: usize, i: usize| TET_FACETS[i].map(|c| mesh.tets[t][c]);
     let mut sides: Vec<_> = (0..mesh.tets.len())
@@ -62,7 +60,6 @@ fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
 
 /// The surface made of `facets` without the vertices they do not use, and for
 /// each of its vertices the index in `vertices`. Vertices keep their order.
-#[must_use]
 pub fn submesh(vertices: &[Vec3], facets: &[[usize; 3]]) -> (SurfaceMesh, Vec<usize>) {
     let mut used: Vec<usize> = facets.iter().flatten().copied().collect();
     used.sort_unstable();
@@ -79,13 +76,11 @@ pub fn submesh(vertices: &[Vec3], facets: &[[usize; 3]]) -> (SurfaceMesh, Vec<us
 }
 
 /// The three edges of a triangle in its direction.
-#[must_use]
 pub fn directed_edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
 /// Sorted edge → the triangles that have it, ascending.
-#[must_use]
 pub fn edge_facets(triangles: &[[usize; 3]]) -> BTreeMap<[usize; 2], Vec<usize>> {
     let sides = edge_sides(triangles);
     let same_edge = sides.chunk_by(|a, b| a.edge == b.edge);
@@ -126,7 +121,6 @@ fn edge_sides(triangles: &[[usize; 3]]) -> Vec<EdgeSide> {
 
 /// Edges with exactly one triangle, in the direction of that triangle, sorted
 /// by their sorted ids.
-#[must_use]
 pub fn boundary_edges(triangles: &[[usize; 3]]) -> Vec<[usize; 2]> {
     let sides = edge_sides(triangles);
     let single = sides.chunk_by(|a, b| a.edge == b.edge).filter(|same| same.len() == 1);
@@ -137,7 +131,6 @@ pub fn boundary_edges(triangles: &[[usize; 3]]) -> Vec<[usize; 2]> {
 /// along the boundary edges. Loops that touch at a vertex are separated there,
 /// so no loop visits a vertex twice. Boundary edges that close no loop, which
 /// exist only if neighbours disagree in orientation, are left out.
-#[must_use]
 pub fn boundary_loops(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
     let mut next = BTreeMap::<usize, Vec<usize>>::new();
     for [a, b] in boundary_edges(triangles) {
@@ -163,7 +156,6 @@ pub fn boundary_loops(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
 
 /// Edge-connected components: lists of ascending triangle indices, ordered by
 /// their first triangle.
-#[must_use]
 pub fn components(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
     let mut sets = DisjointSets::new(triangles.len());
     for pair in edge_sides(triangles).windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
@@ -175,7 +167,6 @@ pub fn components(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
 /// Whether the triangles form an oriented manifold, with or without rims: no
 /// repeated vertex in a triangle, at most two triangles at an edge and those in
 /// opposite directions, one fan of triangles at every vertex.
-#[must_use]
 pub fn is_manifold(triangles: &[[usize; 3]]) -> bool {
     let collapsed = triangles.iter().any(|&[a, b, c]| a == b || b == c || c == a);
     let mut directed: Vec<_> = triangles.iter().flat_map(|&t| directed_edges(t)).collect();
@@ -186,7 +177,6 @@ pub fn is_manifold(triangles: &[[usize; 3]]) -> bool {
 
 /// Vertices whose triangles do not form a single fan, ascending: two sheets
 /// touch there in a point only.
-#[must_use]
 pub fn pinched_vertices(triangles: &[[usize; 3]]) -> Vec<usize> {
     let mut corners = DisjointSets::new(3 * triangles.len());
     for pair in edge_sides(triangles).windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
@@ -207,7 +197,6 @@ pub fn pinched_vertices(triangles: &[[usize; 3]]) -> Vec<usize> {
 }
 
 /// The edges of tetrahedra, each once, sorted.
-#[must_use]
 pub fn tet_edges(tets: &[[usize; 4]]) -> Vec<[usize; 2]> {
     let mut edges: Vec<[usize; 2]> = tets
         .iter()
@@ -219,7 +208,6 @@ pub fn tet_edges(tets: &[[usize; 4]]) -> Vec<[usize; 2]> {
 }
 
 /// The other end of every edge at each of `n` vertices, in the order of `edges`.
-#[must_use]
 pub fn vertex_neighbours(n: usize, edges: &[[usize; 2]]) -> Vec<Vec<usize>> {
     let mut neighbours = vec![Vec::new(); n];
     for &[a, b] in edges {
@@ -236,7 +224,6 @@ pub struct DisjointSets {
 
 impl DisjointSets {
     /// Sets of one member each.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         Self { parent: (0..n).collect() }
     }

@@ -139,21 +139,18 @@ impl<'a> Walls<'a> {
 
 /// The thinnest wall of a closed surface and where it begins, in the unit of the surface, measured
 /// through the centroid of every triangle; `None` if no two triangles are opposite to each other.
-#[must_use]
 pub fn thinnest(surface: &SurfaceMesh) -> Option<(f64, Vec3)> {
     Walls::new(surface).thinnest()
 }
 
 /// The thinnest wall with given outward unit normals of the triangles, for surfaces with needles,
 /// whose own normals say little.
-#[must_use]
 pub fn thinnest_along(surface: &SurfaceMesh, normals: &[Vec3]) -> Option<(f64, Vec3)> {
     let (bvh, normals) = (SurfaceBvh::new(surface), normals.to_vec());
     Walls { surface, bvh, normals, beside: OnceLock::new() }.thinnest()
 }
 
 /// The thinnest wall of `model` and of what `surface` has further than `reach` from it.
-#[must_use]
 pub fn thinnest_with(
     surface: &SurfaceMesh,
     model: &SurfaceMesh,
@@ -168,7 +165,6 @@ pub fn thinnest_with(
 /// both sides than any wall of `model`, which it follows, and than half of what the model has where
 /// it is nearest: a triangle that stands askew in a groove. Its thickness, that of the model there,
 /// and its place.
-#[must_use]
 pub fn thinner(
     surface: &SurfaceMesh,
     model: &SurfaceMesh,
@@ -193,7 +189,6 @@ pub fn thinner(
 
 /// The air between triangles that face each other: how wide it is, straight out of the middle of the first to the
 /// second, in the unit of the surface.
-#[must_use]
 pub fn gaps(surface: &SurfaceMesh) -> Vec<(f64, [usize; 2])> {
     let triangles = surface.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let inside_out = SurfaceMesh { vertices: surface.vertices.clone(), triangles };

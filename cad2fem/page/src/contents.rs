@@ -27,9 +27,6 @@ pub struct Content {
 }
 
 /// All files that a reader may want, sorted by group and then by path.
-///
-/// # Errors
-/// If a folder cannot be read.
 pub fn all(survey: &Survey) -> Result<Vec<Content>> {
     let mut paths: Vec<(usize, PathBuf)> = Vec::new();
     let mut add = |folder: &Path, wanted: &dyn Fn(usize, &str) -> bool| -> Result<()> {
@@ -76,9 +73,6 @@ fn parent(path: &Path) -> Result<&Path> {
 }
 
 /// Links to all of them from a page that lies at `page`, with their sizes.
-///
-/// # Errors
-/// If a folder cannot be read.
 pub fn links(survey: &Survey, page: &Path) -> Result<Markup> {
     let all = all(survey)?;
     let here = page.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

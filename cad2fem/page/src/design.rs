@@ -18,9 +18,6 @@ use crate::store::Store;
 use crate::survey::name;
 
 /// History and shapes of an optimisation.
-///
-/// # Errors
-/// If a file cannot be used.
 pub fn packed(folder: &Path, shown: Shown, store: &mut Store) -> Result<Value> {
     let history: Vec<Iteration> = read_lines(&folder.join("history.jsonl"))?;
     let Design { status, designed } = Design::read(folder)?;

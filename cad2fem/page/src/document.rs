@@ -23,9 +23,6 @@ const CANVAS: &str = "3-D view. Arrow keys turn it, plus and minus zoom, 0 shows
 const LAST: &str = "The last state of each simulation and the last shape of each optimisation; the others are left out (--final-only).";
 
 /// Puts a page together, which is to lie at `output`.
-///
-/// # Errors
-/// If a file that it shows cannot be read.
 pub fn assemble(
     title: &str,
     survey: &Survey,

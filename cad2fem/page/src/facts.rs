@@ -63,9 +63,6 @@ fn largest_displacement(end: &End) -> Option<f64> {
 }
 
 /// What simulations and optimisations found, and the probes with their error bars.
-///
-/// # Errors
-/// If a report cannot be read.
 pub fn results(survey: &Survey) -> Result<Markup> {
     let (mut rows, mut probes, mut limits) = (Vec::new(), Vec::new(), Vec::new());
     for folder in &survey.runs {
@@ -173,9 +170,6 @@ fn terms_of(folder: &Path) -> Result<Markup> {
 }
 
 /// What `fab verify` found, line by line; what failed comes first.
-///
-/// # Errors
-/// If a file cannot be read.
 pub fn checks(survey: &Survey) -> Result<Markup> {
     let each = survey.checks.iter().map(|path| Ok(checks_of(&name(path), &read_text(path)?)));
     let content = each.collect::<Result<Vec<_>>>()?;
@@ -205,9 +199,6 @@ fn columns(line: &str) -> Vec<&str> {
 }
 
 /// Why the mold is as it is, and the casting sheets.
-///
-/// # Errors
-/// If a file cannot be read.
 pub fn casting(survey: &Survey) -> Result<Markup> {
     let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
     let plans = plans.map(|path| read::<Plan>(path)).collect::<Result<Vec<_>>>()?;
@@ -221,9 +212,6 @@ pub fn casting(survey: &Survey) -> Result<Markup> {
 }
 
 /// Programs, inputs with their hashes, times and memory of everything that has a report.
-///
-/// # Errors
-/// If a report cannot be read.
 pub fn provenance(survey: &Survey) -> Result<Markup> {
     let mut rows = Vec::new();
     for path in &survey.reports {
@@ -272,9 +260,6 @@ fn timings(survey: &Survey) -> Result<Markup> {
 }
 
 /// All pictures, in the page itself.
-///
-/// # Errors
-/// If a picture is neither PNG nor SVG or cannot be read.
 pub fn pictures(paths: &[PathBuf]) -> Result<Markup> {
     let content = html! {
         @if !paths.is_empty() {
@@ -303,9 +288,6 @@ pub(crate) fn picture(path: &Path) -> Result<Markup> {
 }
 
 /// The numbers that stand at the top of a page: label and value.
-///
-/// # Errors
-/// If a report cannot be read.
 pub fn headlines(survey: &Survey) -> Result<Markup> {
     let mut tiles: Vec<(String, Vec<String>)> = Vec::new();
     let mut moved = Vec::new();

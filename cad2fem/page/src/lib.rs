@@ -69,10 +69,6 @@ pub enum Shown {
 }
 
 /// Writes the page of `folder` to `output`; `title` stands at its top.
-///
-/// # Errors
-/// If the folder holds nothing that is known, a file in it cannot be used, or the page cannot be
-/// written.
 pub fn write(folder: &Path, output: &Path, title: &str, shown: Shown) -> Result<Summary> {
     note_results(folder);
     let survey = Survey::of(folder)?;

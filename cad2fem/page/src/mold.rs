@@ -18,9 +18,6 @@ use crate::wall::{self, Wall};
 const THERE: f64 = 0.5;
 
 /// Parts of a mold [mm]; none if the folder has no `reference/assembly.vtu`.
-///
-/// # Errors
-/// If a file cannot be used.
 pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option<Value>> {
     let path = folder.join("reference/assembly.vtu");
     if !path.exists() {

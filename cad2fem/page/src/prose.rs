@@ -5,7 +5,6 @@ use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, 
 use serde_json::Value;
 
 /// JSON as content of a `script` element, which nothing in it can end.
-#[must_use]
 pub fn script_data(value: &Value) -> Markup {
     // only strings have such a character
     PreEscaped(value.to_string().replace('<', "\\u003c"))
@@ -13,7 +12,6 @@ pub fn script_data(value: &Value) -> Markup {
 
 /// Markdown as HTML of headings, paragraphs, lists, tables and code; HTML in it is shown as
 /// text, and of links and pictures the words.
-#[must_use]
 pub fn markdown(text: &str) -> Markup {
     let safe = |event| match event {
         Event::Html(t) | Event::InlineHtml(t) => Some(Event::Text(t)),
@@ -46,7 +44,6 @@ fn below(level: HeadingLevel) -> HeadingLevel {
 }
 
 /// A number with its unit as people write it: 0.0138 m is 13.8 mm.
-#[must_use]
 pub fn quantity(value: f64, unit: &str) -> String {
     let (factor, unit) = match unit {
         "m" => (1e3, "mm"),
@@ -60,7 +57,6 @@ pub fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// Four digits that count.
-#[must_use]
 pub fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

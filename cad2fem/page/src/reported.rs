@@ -162,7 +162,6 @@ pub struct MoldPart {
 
 impl Mold {
     /// Where a place of the design [m] is in the mold [mm].
-    #[must_use]
     pub fn in_mold(&self, place: &Vec3) -> Option<Vec3> {
         let row = |[x, y, z, shift]: [f64; 4]| Vec3::new(x, y, z).dot(place) + shift;
         Some(Vec3::from(self.design_to_mold?.map(row)))
@@ -170,9 +169,6 @@ impl Mold {
 }
 
 /// Reads a report.
-///
-/// # Errors
-/// If it cannot be read or is no such report.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let text = read_text(path)?;
     serde_json::from_str(&text).with_context(|| path.display().to_string())
@@ -180,9 +176,6 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
 
 impl Design {
     /// Reads the report in a folder, if it is there: an optimisation that still runs has none.
-    ///
-    /// # Errors
-    /// If it cannot be read or is no such report.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join("report.json");
         if path.exists() { read(&path) } else { Ok(Self::default()) }
@@ -190,9 +183,6 @@ impl Design {
 }
 
 /// Reads a file with one JSON value per line.
-///
-/// # Errors
-/// If it cannot be read or has another line.
 pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
     let text = read_text(path)?;
     let parsed = |(i, line)| {

@@ -29,9 +29,6 @@ struct Known {
 
 /// All simulations of a page. What an optimisation left of its design under load is one of them
 /// where the design was not simulated again.
-///
-/// # Errors
-/// If a file cannot be used.
 pub fn all(survey: &Survey, walls: &[Wall], shown: Shown, store: &mut Store) -> Result<Vec<Value>> {
     let known: Vec<Known> = survey
         .meshes

@@ -46,7 +46,6 @@ const MODULES: &[(&str, &str)] = &[
 ];
 
 /// The modules that a main one needs, and itself after them.
-#[must_use]
 pub fn linked(main: &str) -> String {
     let mut needed = vec![false; MODULES.len()];
     mark(main, &mut needed);

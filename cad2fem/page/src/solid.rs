@@ -72,7 +72,6 @@ pub struct Solid {
 
 impl Solid {
     /// The solid of a grid; none if its cells are not tetrahedra.
-    #[must_use]
     pub fn of_grid(grid: &Grid) -> Option<Self> {
         let nodes = grid.cell_type.nodes();
         let is_known = grid.cell_type.corners() == 4 && nodes <= 10;
@@ -80,7 +79,6 @@ impl Solid {
     }
 
     /// The solid of a mesh.
-    #[must_use]
     pub fn of_mesh(file: &MshFile) -> Self {
         let cells = file.mesh.tets.iter().flatten().copied().collect();
         Self::new(file.mesh.vertices.clone(), 4, cells)
@@ -97,31 +95,26 @@ impl Solid {
     }
 
     /// Numbers that each state of this solid has in the page, for one point field of a vector.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.kept.len()
     }
 
     /// Whether another grid has the same cells and points.
-    #[must_use]
     pub fn is_of(&self, grid: &Grid) -> bool {
         self.cells.1 == grid.cells && self.points == grid.points
     }
 
     /// All points of the file [m].
-    #[must_use]
     pub fn points(&self) -> &[Vec3] {
         &self.points
     }
 
     /// Nodes per facet, 3 or 6, and those of all facets of the boundary, corners first.
-    #[must_use]
     pub fn boundary(&self) -> (usize, &[usize]) {
         (self.facets.0, &self.facets.1)
     }
 
     /// Nodes of all sides of all cells, as many for each as a facet has; none where the page has no cells.
-    #[must_use]
     pub fn sides_of_cells(&self) -> Option<Vec<usize>> {
         let nodes = self.facets.0;
         let side = |cell: &[usize], side: &[usize; 6]| side.map(|i| cell[i.min(cell.len() - 1)]);
@@ -130,7 +123,6 @@ impl Solid {
     }
 
     /// The numbers that nodes have in the page.
-    #[must_use]
     pub fn numbers_of(&self, nodes: &[usize]) -> Vec<usize> {
         // kept is ascending
         nodes.iter().map(|v| self.kept.partition_point(|kept| kept < v)).collect()

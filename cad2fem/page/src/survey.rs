@@ -32,7 +32,6 @@ pub struct Survey {
 }
 
 /// A file of a simulation that holds a state.
-#[must_use]
 pub fn is_state(path: &Path) -> bool {
     let name = name(path);
     let step = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
@@ -40,16 +39,12 @@ pub fn is_state(path: &Path) -> bool {
 }
 
 /// The last part of a path.
-#[must_use]
 pub fn name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 impl Survey {
     /// Looks into a folder and the folders in it.
-    ///
-    /// # Errors
-    /// If the folder cannot be read or holds nothing that is known.
     pub fn of(folder: &Path) -> Result<Self> {
         let mut found = Self { folder: folder.to_owned(), ..Self::default() };
         found.look(folder)?;
@@ -120,9 +115,6 @@ impl Survey {
 
 /// The files and folders in a folder, sorted. Links, which may lead to what nobody meant to show, and pipes
 /// are left out.
-///
-/// # Errors
-/// If the folder cannot be read.
 pub fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let place = || folder.display().to_string();
     let mut found = Vec::new();

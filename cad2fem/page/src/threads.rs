@@ -199,9 +199,6 @@ fn extent(points: &[Vec3]) -> f64 {
 
 /// The threads of a run in `folder` on its solid; null where it has none, or where they cannot be found on the solid.
 /// `largest` is the largest force in the report [N].
-///
-/// # Errors
-/// If `windings.csv` is there and cannot be used.
 pub fn packed(
     folder: &Path,
     solid: &Solid,

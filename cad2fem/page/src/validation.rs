@@ -12,9 +12,6 @@ use crate::reported::read;
 use crate::survey::Survey;
 
 /// All comparisons: a table of errors, then each row with what was measured and simulated, assumed and held back.
-///
-/// # Errors
-/// If a file cannot be read.
 pub fn all(survey: &Survey) -> Result<Markup> {
     let mut content = Vec::new();
     for path in &survey.validations {

@@ -18,9 +18,6 @@ pub struct Wall {
 }
 
 /// The walls of all plans of a page.
-///
-/// # Errors
-/// If a plan cannot be read.
 pub fn all(survey: &Survey) -> Result<Vec<Wall>> {
     let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
     let walls = plans.map(|path| Ok(of_plan(read(path)?)));

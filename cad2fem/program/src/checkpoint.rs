@@ -30,9 +30,6 @@ struct Read<'a> {
 }
 
 /// Writes `content` as a whole, or leaves the file as it was. `program` is its name and version.
-///
-/// # Errors
-/// When it cannot be written.
 pub fn write_checkpoint<T: Serialize>(path: &Path, program: &str, content: &T) -> Result<()> {
     let content = serde_json::value::to_raw_value(content)?;
     let sha256 = sha256(content.get().as_bytes());
@@ -44,9 +41,6 @@ pub fn write_checkpoint<T: Serialize>(path: &Path, program: &str, content: &T) -
 }
 
 /// What [`write_checkpoint`] wrote.
-///
-/// # Errors
-/// When the file cannot be read, is none of these, was written by another version, or was altered.
 pub fn read_checkpoint<T: DeserializeOwned>(path: &Path, program: &str) -> Result<T> {
     let text = mesh::io::read_own_text(path)?;
     let broken = || format!("{}: broken checkpoint; {REMEDY}", path.display());
@@ -68,9 +62,6 @@ pub fn read_checkpoint<T: DeserializeOwned>(path: &Path, program: &str) -> Resul
 }
 
 /// Makes sure that a file is as it was when its SHA-256 was put into a checkpoint.
-///
-/// # Errors
-/// When it cannot be read or was altered.
 pub fn check_unaltered(path: &Path, sha256: &str) -> Result<()> {
     let found = crate::sha256_file(path).context(REMEDY)?;
     ensure!(

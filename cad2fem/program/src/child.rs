@@ -6,7 +6,6 @@ use std::process::{Child, ChildStderr, Command, ExitStatus};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 /// A program of ours: beside the one that runs, or else on the path.
-#[must_use]
 pub fn beside(name: &str) -> PathBuf {
     let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe().map(|own| own.with_file_name(&name));
@@ -24,9 +23,6 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Process {
     /// Starts it.
-    ///
-    /// # Errors
-    /// When it cannot be run.
     pub fn spawn(command: &mut Command) -> io::Result<Self> {
         system::unblock_in(command);
         let mut running = lock(&RUNNING); // an interruption waits until it is known
@@ -37,31 +33,21 @@ impl Process {
     }
 
     /// The standard error, if that is a pipe; once.
-    #[must_use]
     pub fn take_stderr(&self) -> Option<ChildStderr> {
         lock(&self.0).stderr.take()
     }
 
     /// How it ended, if it has.
-    ///
-    /// # Errors
-    /// When the system does not say.
     pub fn try_wait(&self) -> io::Result<Option<ExitStatus>> {
         lock(&self.0).try_wait()
     }
 
     /// Waits for its end.
-    ///
-    /// # Errors
-    /// When the system does not say how it ended.
     pub fn wait(&self) -> io::Result<ExitStatus> {
         lock(&self.0).wait()
     }
 
     /// Ends it.
-    ///
-    /// # Errors
-    /// When it cannot be ended.
     pub fn kill(&self) -> io::Result<()> {
         let mut child = lock(&self.0);
         child.kill()?;

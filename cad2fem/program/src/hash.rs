@@ -6,7 +6,6 @@ use mesh::io::{IoError, is_standard, open_input, read_standard};
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of some bytes, hexadecimal.
-#[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
@@ -16,9 +15,6 @@ fn hexadecimal(digest: &[u8]) -> String {
 }
 
 /// SHA-256 of a file's content, hexadecimal; the file is never in memory as a whole.
-///
-/// # Errors
-/// If the file cannot be read.
 pub fn sha256_file(path: &Path) -> Result<String, IoError> {
     let fail = |cause| IoError::System { path: path.to_owned(), action: "read", cause };
     if is_standard(path)? {

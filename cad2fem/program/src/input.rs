@@ -22,24 +22,17 @@ pub struct InputFile {
 
 impl InputFile {
     /// The file at `path`, for a report in `folder`.
-    ///
-    /// # Errors
-    /// If it cannot be read.
     pub fn new(path: &Path, folder: &Path) -> Result<Self, IoError> {
         Ok(Self { path: relative(path, folder), sha256: sha256_file(path)? })
     }
 
     /// This input for a report in `folder`.
-    #[must_use]
     pub fn seen_from(&self, folder: &Path) -> Self {
         Self { path: relative(&self.path, folder), sha256: self.sha256.clone() }
     }
 
     /// Where it is, as named by a report in `folder`; older reports have paths from the working
     /// directory.
-    ///
-    /// # Errors
-    /// If it is not there, or another by now.
     pub fn find(&self, folder: &Path) -> Result<PathBuf> {
         let beside = folder.join(&self.path);
         let path = if beside.exists() { beside } else { self.path.clone() };
@@ -58,7 +51,6 @@ impl InputFile {
 }
 
 /// `path` as seen from `folder`, as files keep it: with `/` between its parts. Unchanged if the two have no common root.
-#[must_use]
 pub fn relative(path: &Path, folder: &Path) -> PathBuf {
     let (Some(to), Some(from)) = (full(path), full(folder)) else { return path.to_path_buf() };
     let common = to.components().zip(from.components()).take_while(|(a, b)| a == b).count();

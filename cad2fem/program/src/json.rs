@@ -6,9 +6,6 @@ use anyhow::Result;
 use serde::Serialize;
 
 /// Writes JSON with indentation, as a whole or not at all.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value)?;
     mesh::io::write_atomic(path, |out| writeln!(out, "{text}"))?;

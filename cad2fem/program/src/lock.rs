@@ -21,10 +21,6 @@ pub struct FolderLock {
 
 impl FolderLock {
     /// Makes the folder if it is missing, and locks it: from now on it is a folder of results.
-    ///
-    /// # Errors
-    /// When another process has locked it, with its number and host; when the folder cannot be
-    /// written; or when the file to be locked is a link or no file.
     pub fn new(folder: &Path) -> Result<Self> {
         make_results(folder)?;
         let path = folder.join(NAME);

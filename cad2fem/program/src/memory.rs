@@ -1,7 +1,6 @@
 //! Memory of this process.
 
 /// Largest resident set of this process so far [MiB]; `None` where the system does not report it.
-#[must_use]
 pub fn peak_rss_mb() -> Option<f64> {
     #[allow(clippy::cast_precision_loss, reason = "a number of bytes far below 2^53")]
     system::peak_memory().map(|bytes| bytes as f64 / 1_048_576.0)

@@ -5,7 +5,6 @@
 const SIMILAR: f64 = 0.5;
 
 /// The known word that is most similar to `word`, if any is similar.
-#[must_use]
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let similarity = |known: &str| strsim::normalized_damerau_levenshtein(word, known);
     let rated = known.into_iter().map(|known| (similarity(known), known));
@@ -15,14 +14,12 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 }
 
 /// `; did you mean …?` for a word that is not known, or nothing where none is similar.
-#[must_use]
 pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(word, known).map_or_else(String::new, |known| format!("; did you mean `{known}`?"))
 }
 
 /// A message about a word that is not known: `before`, what may be meant, and `list`, which has all that is known;
 /// a `separator` is between them where nothing is similar.
-#[must_use]
 pub fn unknown<'a>(
     before: &str,
     word: &str,

@@ -8,9 +8,6 @@ use system::{is_changed_by_others, is_sticky, owner, user};
 use tempfile::TempDir;
 
 /// A new folder for temporary files, which only this user may enter, with a name that nobody can guess.
-///
-/// # Errors
-/// If it cannot be made, or others could exchange it, as in a folder for all without the sticky bit.
 pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
     let above = std::env::temp_dir();
     let found = std::fs::metadata(&above).with_context(|| above.display().to_string())?;
@@ -28,7 +25,6 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
 }
 
 /// Whether `path` is a folder, no link to one, that this user alone can change.
-#[must_use]
 pub fn is_own_folder(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok_and(|found| {
         found.is_dir() && owner(&found) == user() && !is_changed_by_others(&found)
@@ -37,7 +33,6 @@ pub fn is_own_folder(path: &Path) -> bool {
 
 /// Whether only root, this user and the owner of the running program can change a file or folder, and where it
 /// is a link, also what it leads to.
-#[must_use]
 pub fn is_as_safe_as_program(path: &Path) -> bool {
     let program = std::env::current_exe().and_then(std::fs::metadata).ok();
     let of_program = program.as_ref().and_then(owner);

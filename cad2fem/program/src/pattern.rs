@@ -1,7 +1,6 @@
 //! Names of several files in one word.
 
 /// Whether a name fits a pattern in which `*` stands for anything.
-#[must_use]
 pub fn fits(name: &str, pattern: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,

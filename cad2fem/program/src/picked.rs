@@ -39,9 +39,6 @@ pub struct Recognized {
 
 impl Recognized {
     /// Looks for the faces of a tag file, by the names of their files, among those of a body.
-    ///
-    /// # Errors
-    /// If a face measures nothing that can be.
     pub fn new(picked: &BTreeMap<String, Picked>, now: Vec<(String, Face)>) -> Result<Self> {
         ensure!(
             picked.len() <= LARGEST,
@@ -71,9 +68,6 @@ impl Recognized {
     }
 
     /// The file that a face has now; that of its name, where the tag file says no more of it.
-    ///
-    /// # Errors
-    /// If no face is like it any more.
     pub fn file<'a>(&'a self, name: &'a str) -> Result<&'a str> {
         let Some(b) = self.before.iter().position(|(known, _)| known == name) else {
             return Ok(name);
@@ -94,13 +88,11 @@ impl Recognized {
     }
 
     /// Whether anything is known of the faces.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.before.is_empty()
     }
 
     /// What has changed and yet needs nobody to look: other numbers, and faces that have moved among their neighbours.
-    #[must_use]
     pub fn changes(&self) -> Vec<String> {
         let found =
             || self.before.iter().zip(&self.again).filter_map(|(b, again)| Some((b, (*again)?)));
@@ -129,7 +121,6 @@ impl Recognized {
     }
 
     /// Faces that may be others now, with the name of the face as it was picked first.
-    #[must_use]
     pub fn doubts(&self) -> Vec<(&str, String)> {
         let mut told = Vec::new();
         for ((name, before), again) in self.before.iter().zip(&self.again) {
@@ -151,7 +142,6 @@ impl Recognized {
     }
 
     /// Faces that were not there when the others were picked, without those that `has_tag`; in words, if there are any.
-    #[must_use]
     pub fn new_faces(&self, has_tag: impl Fn(&str) -> bool) -> Option<String> {
         let known = |n: usize| self.again.iter().flatten().any(|again| again.face == n);
         let new = self.now.iter().enumerate().filter(|(n, (file, _))| !known(*n) && !has_tag(file));

@@ -24,7 +24,6 @@ pub struct Progress {
 impl Progress {
     /// Starts the clock. Steps are reported at the level `info` for inputs of at least
     /// 100 000 triangles, and at the level `debug` for smaller ones.
-    #[must_use]
     pub fn new(triangles: usize) -> Self {
         let level = if triangles >= LARGE { Level::Info } else { Level::Debug };
         Self { start: Instant::now(), level }
@@ -46,7 +45,6 @@ pub struct Heartbeat {
 
 impl Heartbeat {
     /// Starts the clock.
-    #[must_use]
     pub fn start() -> Self {
         Self { last: Instant::now() }
     }
@@ -70,7 +68,6 @@ pub struct Spinner {
 
 impl Spinner {
     /// A spinner for the job `title`.
-    #[must_use]
     pub fn new(title: &'static str) -> Self {
         let live = std::io::stderr().is_terminal() && log::log_enabled!(Level::Info);
         let bar = live.then(|| {

@@ -17,9 +17,6 @@ struct ShellFiles {
 
 /// The command line of a program. Besides its own verbs every program has `shell-files SHARE`,
 /// which no help shows: it writes `SHARE/man/man1/*.1` and completions for bash, zsh and fish.
-///
-/// # Errors
-/// The exit code, where there is nothing more to do.
 pub fn parse<C: CommandFactory + FromArgMatches>() -> Result<C, ExitCode> {
     let matches = C::command().subcommand(ShellFiles::command()).get_matches();
     if let Some(("shell-files", files)) = matches.subcommand() {
@@ -36,9 +33,6 @@ pub fn parse<C: CommandFactory + FromArgMatches>() -> Result<C, ExitCode> {
 }
 
 /// Writes man pages and completions of a command, where Debian's programs look for them.
-///
-/// # Errors
-/// If a file cannot be written.
 fn write(mut command: clap::Command, share: &Path) -> Result<()> {
     let name = command.get_name().to_owned();
     let mut documented = command.clone().disable_help_subcommand(true);

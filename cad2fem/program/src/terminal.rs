@@ -14,7 +14,6 @@ pub fn to_stderr(text: &str) {
 }
 
 /// Standard output for people to read: control characters are escaped. JSON and files go to that of `std`.
-#[must_use]
 pub fn stdout() -> Stdout {
     Stdout(io::stdout().lock())
 }

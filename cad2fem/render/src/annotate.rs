@@ -16,26 +16,22 @@ pub struct Type {
 
 impl Type {
     /// Sizes for a sheet of this many pixels.
-    #[must_use]
     pub fn for_sheet(size: [usize; 2]) -> Self {
         let side = (size[0] as f64 * 0.62).min(size[1] as f64);
         Self { height: (side / 62.0).clamp(6.0, 60.0) }
     }
 
     /// Style of the title.
-    #[must_use]
     pub fn title(&self) -> Style {
         Style { height: 1.45 * self.height, color: INK, weight: Weight::Bold }
     }
 
     /// Style of captions and names.
-    #[must_use]
     pub fn text(&self) -> Style {
         Style { height: self.height, color: INK, weight: Weight::Regular }
     }
 
     /// Style of numbers on a scale.
-    #[must_use]
     pub fn number(&self) -> Style {
         Style { height: 0.9 * self.height, color: PALE, weight: Weight::Regular }
     }
@@ -61,7 +57,6 @@ pub enum Key {
 
 impl Key {
     /// Width that the key needs [px].
-    #[must_use]
     pub fn width(&self, ty: &Type) -> f64 {
         match self {
             Self::None => 0.0,

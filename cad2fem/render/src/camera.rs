@@ -47,7 +47,6 @@ pub struct Camera {
 
 impl Camera {
     /// A camera that shows all `points` on a panel of `size` pixels.
-    #[must_use]
     pub fn fit(view: View, projection: Projection, points: &[Vec3], size: [usize; 2]) -> Self {
         let size = size.map(|s| s as f64);
         let (min, max) = mesh::measure::bounds(points);
@@ -84,7 +83,6 @@ impl Camera {
     }
 
     /// Where a point appears.
-    #[must_use]
     pub fn project(&self, p: &Vec3) -> Projected {
         let q = p - self.center;
         let [x, y, z] = self.frame.map(|axis| axis.dot(&q));
@@ -97,7 +95,6 @@ impl Camera {
     }
 
     /// The ray through a place on the panel: origin and unit direction.
-    #[must_use]
     pub fn ray(&self, x: f64, y: f64) -> (Vec3, Vec3) {
         let [right, up, toward] = self.frame;
         let (x, y) = ((x - self.offset[0]) / self.focal, (self.offset[1] - y) / self.focal);
@@ -109,7 +106,6 @@ impl Camera {
     }
 
     /// Unit direction from a point to the camera.
-    #[must_use]
     pub fn toward(&self, p: &Vec3) -> Vec3 {
         match self.projection {
             Projection::Perspective => {
@@ -120,7 +116,6 @@ impl Camera {
     }
 
     /// Weights of the corners of a triangle at a place with screen weights `s`.
-    #[must_use]
     pub fn weights(&self, corners: &[Projected; 3], s: [f64; 3]) -> [f64; 3] {
         match self.projection {
             Projection::Orthographic => s,
@@ -133,7 +128,6 @@ impl Camera {
     }
 
     /// Width and height of the smallest frame around the image of the points.
-    #[must_use]
     pub fn extent(&self, points: &[Vec3]) -> [f64; 2] {
         let image = self.image(points);
         [image.width(), image.height()]

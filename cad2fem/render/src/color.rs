@@ -6,7 +6,6 @@ use std::sync::LazyLock;
 pub type Rgb = [f32; 3];
 
 /// Linear colour of a 24-bit sRGB code.
-#[must_use]
 pub fn from_hex(code: u32) -> Rgb {
     [16, 8, 0].map(|shift| decode(((code >> shift) & 0xff) as f32 / 255.0))
 }
@@ -17,7 +16,6 @@ fn decode(v: f32) -> f32 {
 }
 
 /// Linear → sRGB (IEC 61966-2-1), clamped to 0..1.
-#[must_use]
 pub fn encode(color: Rgb) -> Rgb {
     color.map(|v| match v.clamp(0.0, 1.0) {
         v if v <= 0.003_130_8 => 12.92 * v,
@@ -26,14 +24,12 @@ pub fn encode(color: Rgb) -> Rgb {
 }
 
 /// (1 − t) a + t b.
-#[must_use]
 pub fn mix(a: Rgb, b: Rgb, t: f32) -> Rgb {
     std::array::from_fn(|i| a[i] + t * (b[i] - a[i]))
 }
 
 /// Colour of the `i`-th part or tag. Neighbours differ in lightness as well as
 /// in hue, so that they stay apart without colour vision.
-#[must_use]
 pub fn palette(i: usize) -> Rgb {
     const CODES: [u32; 10] = [
         0x5b8db8, 0xe8a33d, 0x6aa564, 0xcf5f53, 0x8fc1c9, 0x9a76b3, 0xd9cf6a, 0x8a6a52, 0xe7a6b4,
@@ -43,25 +39,21 @@ pub fn palette(i: usize) -> Rgb {
 }
 
 /// Colour of a body that nothing else gives a colour: silicone, tinted.
-#[must_use]
 pub fn material() -> Rgb {
     from_hex(0x8cbf88)
 }
 
 /// Colour of a facet without a tag.
-#[must_use]
 pub fn untagged() -> Rgb {
     from_hex(0xc9ccd1)
 }
 
 /// The inside of a surface whose outside has this colour.
-#[must_use]
 pub fn inside(color: Rgb) -> Rgb {
     mix(color, from_hex(0xb5654a), 0.75)
 }
 
 /// The cut face of a body whose outside has this colour.
-#[must_use]
 pub fn section(color: Rgb) -> Rgb {
     mix(color, from_hex(0xfff6e6), 0.5)
 }
@@ -88,7 +80,6 @@ static TABLES: LazyLock<[Vec<Rgb>; 2]> = LazyLock::new(|| [table(&VIRIDIS), tabl
 
 impl Map {
     /// Colour at `t` in 0..1, clamped.
-    #[must_use]
     pub fn at(self, t: f64) -> Rgb {
         let index = (t.clamp(0.0, 1.0) * (ENTRIES - 1) as f64).round() as usize;
         TABLES[self as usize][index]
@@ -120,7 +111,6 @@ pub struct Scale {
 
 impl Scale {
     /// Colour of a value.
-    #[must_use]
     pub fn color(&self, value: f64) -> Rgb {
         let span = self.max - self.min;
         self.map.at(if span > 0.0 { (value - self.min) / span } else { 0.5 })

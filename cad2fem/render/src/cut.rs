@@ -22,14 +22,12 @@ pub struct Plane {
 
 impl Plane {
     /// Distance beyond the plane, negative for what stays.
-    #[must_use]
     pub fn beyond(&self, p: &Vec3) -> f64 {
         self.normal.dot(p) - self.offset
     }
 }
 
 /// What is left of a shape, with the face of the cut.
-#[must_use]
 pub fn cut(shape: &Shape, plane: Option<Plane>) -> Piece {
     let Some(plane) = plane else {
         return Piece { facets: shape.facets.clone(), closed: shape.closed, cap: None };

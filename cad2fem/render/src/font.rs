@@ -88,7 +88,6 @@ impl Face {
 }
 
 /// Symbols of a text that the font does not have.
-#[must_use]
 pub fn missing(text: &str) -> Vec<char> {
     let face = Weight::Regular.face();
     text.chars().filter(|&symbol| face.parsed.glyph_index(symbol).is_none()).collect()
@@ -96,7 +95,6 @@ pub fn missing(text: &str) -> Vec<char> {
 
 /// The polygons that bound a text with its baseline on y = 0, from x = 0 to its width
 /// [height of a capital]: outlines counter-clockwise, holes clockwise.
-#[must_use]
 pub fn outlines(text: &str, weight: Weight) -> (Vec<Polygon>, f64) {
     let unknown = missing(text);
     if !unknown.is_empty() {
@@ -113,7 +111,6 @@ pub fn outlines(text: &str, weight: Weight) -> (Vec<Polygon>, f64) {
 }
 
 /// Width of a text [px].
-#[must_use]
 pub fn width(text: &str, style: &Style) -> f64 {
     let face = style.weight.face();
     text.chars().map(|symbol| face.advance(face.glyph(symbol))).sum::<f64>() * style.height

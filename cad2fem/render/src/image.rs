@@ -19,7 +19,6 @@ pub struct Image {
 
 impl Image {
     /// A picture of one colour.
-    #[must_use]
     pub fn new(width: usize, height: usize, color: Rgb) -> Self {
         Self { width, height, pixels: vec![color; width * height] }
     }
@@ -55,9 +54,6 @@ impl Image {
     }
 
     /// Writes an 8-bit RGB PNG, which appears complete or not at all.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
     pub fn write_png(&self, path: &Path) -> Result<(), IoError> {
         let bytes: Vec<u8> =
             self.pixels.iter().flatten().map(|v| (255.0 * v).round() as u8).collect();

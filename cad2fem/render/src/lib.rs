@@ -82,7 +82,6 @@ pub struct Cap {
 }
 
 /// Axis-aligned bounds of all facets, if there are any.
-#[must_use]
 pub fn bounds(pieces: &[Piece]) -> Option<(Vec3, Vec3)> {
     let points = pieces.iter().flat_map(|p| &p.facets).flat_map(|f| f.points);
     points.map(|p| (p, p)).reduce(|(min, max), (p, _)| (min.inf(&p), max.sup(&p)))

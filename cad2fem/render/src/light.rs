@@ -83,7 +83,6 @@ struct DepthMap {
 
 impl Lights {
     /// Lights for a scene within `bounds`, seen from `frame` (right, up, toward).
-    #[must_use]
     pub fn new(pieces: &[Piece], bounds: (Vec3, Vec3), frame: &[Vec3; 3]) -> Self {
         let center = 0.5 * (bounds.0 + bounds.1);
         let radius = 0.5 * (bounds.1 - bounds.0).norm();
@@ -101,7 +100,6 @@ impl Lights {
     }
 
     /// The light that arrives at each point.
-    #[must_use]
     pub fn arriving(&self, points: &[Point]) -> Vec<Arriving> {
         let mut arriving = vec![Arriving::default(); points.len()];
         let mut maps: Vec<DepthMap> = (0..BATCH).map(|_| DepthMap::empty()).collect();
@@ -291,7 +289,6 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 /// A vector in single precision.
-#[must_use]
 pub fn single(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }

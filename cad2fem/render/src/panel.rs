@@ -36,14 +36,12 @@ pub struct Rows {
 }
 
 /// Linear colour of the background in a row of the sheet.
-#[must_use]
 pub fn background(row: usize, of: usize) -> Rgb {
     let t = row as f32 / of.max(1) as f32;
     mix(from_hex(0xfbfcfd), from_hex(0xdfe4ea), t * t * (3.0 - 2.0 * t))
 }
 
 /// Draws pieces on a panel of `size` pixels.
-#[must_use]
 pub fn draw(pieces: &[Piece], camera: &Camera, size: [usize; 2], look: &Look, rows: Rows) -> Image {
     let mut linear: Vec<Rgb> = (0..size[1])
         .flat_map(|y| std::iter::repeat_n(background(rows.top + y, rows.of), size[0]))

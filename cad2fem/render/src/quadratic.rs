@@ -34,7 +34,6 @@ pub struct Curved {
 
 /// Splits every side into `n` and every triangle into n² straight ones that
 /// meet at common points.
-#[must_use]
 pub fn flatten(nodes: &[Vec3], curved: &[Curved], n: usize) -> (Vec<Vec3>, Vec<Triangle>) {
     let mut points = Vec::new();
     let mut known: BTreeMap<[usize; 3], usize> = BTreeMap::new();
@@ -109,7 +108,6 @@ pub struct SmallTet {
 }
 
 /// Splits a quadratic tetrahedron into 64 small ones.
-#[must_use]
 pub fn split_tet(nodes: &[Vec3], values: &[f64]) -> Vec<SmallTet> {
     let corner = |k: usize| std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
     let mut small: Vec<[[f64; 4]; 4]> = vec![[0, 1, 2, 3].map(corner)];

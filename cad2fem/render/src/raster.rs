@@ -73,7 +73,6 @@ struct Facets<'a> {
 }
 
 /// The visible fragments, by pixel.
-#[must_use]
 pub fn fragments(view: &View) -> Vec<Fragment> {
     let facets = Facets::new(view);
     let bands = facets.bands();

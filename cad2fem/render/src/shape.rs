@@ -65,7 +65,6 @@ impl Shape {
 
 /// Triangles with shading normals: the mean of the normals around a point,
 /// weighted by angle, over those neighbours that do not lie across a crease.
-#[must_use]
 pub fn shade(points: &[Vec3], triangles: &[Triangle]) -> Vec<Facet> {
     let sides = sides(triangles);
     let normals = facet_normals(points, triangles, &sides);

@@ -41,7 +41,6 @@ pub struct Panel {
 }
 
 /// Draws a sheet. All panels share one camera, so that sizes can be compared.
-#[must_use]
 pub fn draw_sheet(sheet: &Sheet, panels: &[Panel]) -> Image {
     let ty = Type::for_sheet(sheet.size);
     let h = ty.height;
@@ -97,7 +96,6 @@ fn corners((min, max): (Vec3, Vec3)) -> Vec<Vec3> {
 }
 
 /// Lowest point of all panels.
-#[must_use]
 pub fn floor(panels: &[Panel]) -> Option<f64> {
     panels.iter().filter_map(|p| bounds(&p.pieces)).map(|(min, _)| min.z).reduce(f64::min)
 }

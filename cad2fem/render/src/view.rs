@@ -29,7 +29,6 @@ pub struct View {
 
 impl View {
     /// Unit vectors to the right, up, and from the scene to the camera.
-    #[must_use]
     pub fn frame(&self) -> [Vec3; 3] {
         let (sa, ca) = self.azimuth.to_radians().sin_cos();
         let (se, ce) = self.elevation.to_radians().sin_cos();

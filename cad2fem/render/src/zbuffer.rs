@@ -6,7 +6,6 @@ use super::camera::Projected;
 pub const NOTHING: u32 = u32::MAX;
 
 /// Twice the area on the screen; positive if the front is seen (y points down).
-#[must_use]
 pub fn area2([a, b, c]: &[Projected; 3]) -> f64 {
     (b.y - a.y) * (c.x - a.x) - (b.x - a.x) * (c.y - a.y)
 }
@@ -27,7 +26,6 @@ pub struct Samples {
 
 impl Samples {
     /// Nothing in sight.
-    #[must_use]
     pub fn new(width: usize, height: usize, top: usize) -> Self {
         let count = width * height;
         Self {
@@ -40,13 +38,11 @@ impl Samples {
     }
 
     /// An empty one for the same rows.
-    #[must_use]
     pub fn like(other: &Self) -> Self {
         Self::new(other.width, other.height, other.top)
     }
 
     /// Centre of a sample.
-    #[must_use]
     pub fn place(&self, index: usize) -> (f64, f64) {
         let (x, y) = (index % self.width, self.top + index / self.width);
         (x as f64 + 0.5, y as f64 + 0.5)

@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 pub type Numbers = BTreeMap<String, Option<f64>>;
 
 /// Numbers for a report.
-#[must_use]
 pub fn numbers(found: &BTreeMap<String, f64>) -> Numbers {
     found.iter().map(|(name, value)| (name.clone(), Some(*value))).collect()
 }

@@ -59,7 +59,6 @@ pub enum Ended {
 
 impl Ended {
     /// What a level, or a design, has come to.
-    #[must_use]
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Converged => "converged",

@@ -160,7 +160,6 @@ pub enum OneOrList<T> {
 
 impl<T> OneOrList<T> {
     /// Alone where there is one.
-    #[must_use]
     pub fn new(mut values: Vec<T>) -> Self {
         match (values.pop(), values.is_empty()) {
             (Some(one), true) => Self::One(one),
@@ -169,7 +168,6 @@ impl<T> OneOrList<T> {
     }
 
     /// All of them.
-    #[must_use]
     pub fn all(&self) -> &[T] {
         match self {
             Self::One(one) => std::slice::from_ref(one),
@@ -314,7 +312,6 @@ pub struct Timings {
 
 impl Timings {
     /// All tasks, by the names of their keys.
-    #[must_use]
     pub fn tasks(&self) -> [(&'static str, Task); 8] {
         [
             ("assembly", self.assembly),

@@ -84,7 +84,6 @@ pub struct Comparison {
 
 impl Comparison {
     /// What the comparison says.
-    #[must_use]
     pub fn verdict(&self) -> &'static str {
         match (self.fitted, self.within) {
             (true, _) => "fit, no claim",

@@ -34,9 +34,6 @@ const LIBRARIES: &str = "apt install libglu1-mesa libgl1 libgomp1 libxcursor1 li
 const MEMORY: usize = 2000;
 
 /// Runs the verb.
-///
-/// # Errors
-/// If something is missing.
 pub fn run(_: &Args) -> Result<()> {
     let findings = findings();
     let mut out = program::stdout();

@@ -49,9 +49,6 @@ struct Step {
 }
 
 /// Runs `cad2fem film`.
-///
-/// # Errors
-/// If a step cannot be read, there are fewer than two, or the file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     args.looks.check()?;
     ensure!(

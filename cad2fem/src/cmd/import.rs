@@ -74,18 +74,12 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If a file cannot be read or repaired, its unit is not clear, or files cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let files: Vec<String> = args.files.iter().map(|file| file.display().to_string()).collect();
     run_as(args, &format!("cad2fem import {} -o {}", files.join(" "), args.output.display()))
 }
 
 /// Runs the verb for another one, of which `command` is what the user would write again.
-///
-/// # Errors
-/// As [`run`].
 pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
     let start = Instant::now();
     let timeout = Duration::from_secs(args.timeout);

@@ -80,9 +80,6 @@ struct FindingInfo {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the file cannot be read; with `--check` also if there are findings.
 pub fn run(args: &Args) -> Result<()> {
     let is_mesh = mesh::io::extension(&args.file) == "msh";
     let (info, found) = if is_mesh { of_tets(args)? } else { of_surface(args)? };

@@ -57,9 +57,6 @@ pub enum Verb {
 
 impl Verb {
     /// Runs the verb.
-    ///
-    /// # Errors
-    /// What the verb says.
     pub fn run(&self) -> Result<()> {
         match self {
             Self::New(args) => new::run(args),

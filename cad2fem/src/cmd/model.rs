@@ -50,9 +50,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the model cannot be read, is not a sound body, or files cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     match args.file.extension().and_then(|e| e.to_str()) {
         Some("toml") => implicit(args),

@@ -20,9 +20,6 @@ pub struct Args {
 }
 
 /// Runs the verb; prints what to do next.
-///
-/// # Errors
-/// If the folder exists, its name cannot be used, or it cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let (folder, template) = (&args.folder, args.like);
     let name = folder.file_name().and_then(|name| name.to_str()).unwrap_or_default();

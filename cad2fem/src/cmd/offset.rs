@@ -35,9 +35,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the patch has no thickness to be given, or files cannot be read or written.
 pub fn run(args: &Args) -> Result<()> {
     let patch = read_in(&args.patch, args.unit)?;
     let distance = match (args.distance, &args.diagonal_of) {

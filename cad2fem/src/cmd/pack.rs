@@ -47,10 +47,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the folder holds nothing that is known or has no page, a file in it cannot be read, or the
-/// package cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     note_results(&args.folder);

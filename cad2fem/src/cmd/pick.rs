@@ -58,9 +58,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the body cannot be read, or the page cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let kind = extension(&args.output);

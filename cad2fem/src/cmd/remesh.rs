@@ -33,9 +33,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the mesh cannot be read or is not valid, or the result cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let mut file = read_tets(&args.mesh)?;
     let found = check_tets(&file.mesh);

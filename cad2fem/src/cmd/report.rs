@@ -24,10 +24,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the folder holds nothing that is known, a file in it cannot be used, or the page cannot be
-/// written.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let place = || args.folder.display().to_string();

@@ -11,9 +11,6 @@ use crate::installed::{SPECIAL, rules};
 pub struct Args {}
 
 /// Runs the verb.
-///
-/// # Errors
-/// If there are none that are safe to use, or make would not find them under their path.
 pub fn run(_: &Args) -> Result<()> {
     let rules = rules().context(
         "there are no rules for make beside this program (share/puffer/folder.mk) and it lies in no checkout: \

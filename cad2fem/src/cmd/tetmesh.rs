@@ -83,9 +83,6 @@ struct Report {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the input is not a body, or the mesher or the verification of its result fails.
 pub fn run(args: &Args) -> Result<()> {
     let settings = args.settings()?;
     let of_config = || args.config.as_ref().map_or("settings".into(), |p| p.display().to_string());

@@ -43,9 +43,6 @@ const TRIES: usize = 24;
 const PATIENT: usize = 12;
 
 /// Leaves what is inside side `k` of a complex; says how many edges are split beside their zeros.
-///
-/// # Errors
-/// If 32 bits do not resolve the cells.
 pub fn carve(complex: &Complex, sides: &Sides, k: usize) -> Result<(Complex, usize)> {
     let mut carving = Carving::new(complex, sides, k);
     for turn in 0..TRIES {

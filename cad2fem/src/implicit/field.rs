@@ -25,7 +25,6 @@ struct Step {
 
 impl Field {
     /// The function of `primitives`; ornaments are left out unless `fine`.
-    #[must_use]
     pub fn new(primitives: &[Primitive], fine: bool) -> Self {
         let mut steps = Vec::new();
         for (source, p) in primitives.iter().enumerate().filter(|(_, p)| fine || !p.fine) {
@@ -40,20 +39,17 @@ impl Field {
 
     /// Negative inside, zero on the surface; a distance to first order near it,
     /// +∞ without primitives [unit].
-    #[must_use]
     pub fn at(&self, p: &Vec3) -> f64 {
         self.steps.iter().fold(f64::INFINITY, |d, step| step.apply(d, step.shape.distance(p)))
     }
 
     /// Bounds of [`Field::at`] over the ball around `c` with the radius `r` [unit].
-    #[must_use]
     pub fn range(&self, c: &Vec3, r: f64) -> Range {
         let nothing = (f64::INFINITY, f64::INFINITY);
         self.steps.iter().fold(nothing, |d, step| step.apply_range(d, step.shape.range(c, r)))
     }
 
     /// The gradient at `p`, by central differences over 2 `step`.
-    #[must_use]
     pub fn gradient(&self, p: &Vec3, step: f64) -> Vec3 {
         Vec3::from_fn(|k, _| {
             let e = Vec3::from_fn(|i, _| if i == k { step } else { 0.0 });
@@ -63,14 +59,12 @@ impl Field {
 
     /// The direction in which the function rises at `p`, by central differences over 2 `step`; zero
     /// where it does not.
-    #[must_use]
     pub fn outward(&self, p: &Vec3, step: f64) -> Vec3 {
         self.gradient(p, step).try_normalize(0.0).unwrap_or_default()
     }
 
     /// The body whose own surface is nearest to `p`, as an index into the list of
     /// primitives.
-    #[must_use]
     pub fn nearest(&self, p: &Vec3) -> Option<usize> {
         let bodies = self.steps.iter().filter(|s| s.is_body);
         bodies

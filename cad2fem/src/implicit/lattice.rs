@@ -22,9 +22,6 @@ const MOST: i64 = 1 << 17;
 type Cube = [i64; 3];
 
 /// The tetrahedra that the surface of a body may meet.
-///
-/// # Errors
-/// If the body is too long for its grid.
 pub fn lattice(sides: &Sides, within: Bounds) -> Result<Complex> {
     let cells = ((within.1 - within.0).max() / sides.grid).ceil() as i64 + 1;
     ensure!(

@@ -52,7 +52,6 @@ pub struct Fields {
 
 impl Fields {
     /// The functions of `model`, with its ornaments if `fine`.
-    #[must_use]
     pub fn new(model: &Model, fine: bool) -> Self {
         Self { solid: Field::new(&model.solid, fine), cavity: Field::new(&model.cavity, fine) }
     }

@@ -168,13 +168,11 @@ impl Default for Cavity {
 
 impl Cavity {
     /// Whether a region has this condition.
-    #[must_use]
     pub fn is_given(&self) -> bool {
         !matches!(self, Self::All(false))
     }
 
     /// The primitives that are named.
-    #[must_use]
     pub fn names(&self) -> &[String] {
         match self {
             Self::All(_) => &[],
@@ -205,18 +203,11 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// Reads and checks a model file, with changes from outside.
-    ///
-    /// # Errors
-    /// If the file cannot be read, has an unknown or missing key, or a value
-    /// that makes no sense.
     pub fn read(path: &Path, changes: &[Change]) -> Result<Self> {
         Settings::read(path, changes, Keys::default())?.checked(Self::of)
     }
 
     /// Reads and checks the text of a model file.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
     pub fn parse(text: &str) -> Result<Self> {
         Settings::of_text(text).checked(Self::of)
     }
@@ -367,7 +358,6 @@ impl Model {
     }
 
     /// Region names in the order of the file, each once.
-    #[must_use]
     pub fn region_names(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for region in &self.region {
@@ -379,13 +369,11 @@ impl Model {
     }
 
     /// A box around the body, with room for blends and for a grid cell [unit].
-    #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.bounds_of(&self.solid)
     }
 
     /// Such a box around what is taken out of the body; `None` if nothing is.
-    #[must_use]
     pub fn cavity_bounds(&self) -> Option<Bounds> {
         (!self.cavity.is_empty()).then(|| self.bounds_of(&self.cavity))
     }
@@ -409,7 +397,6 @@ impl Model {
 
 impl Primitive {
     /// Whether it adds volume, so that the surface may be nearest to it.
-    #[must_use]
     pub fn is_body(&self) -> bool {
         self.op == Op::Union && !matches!(self.shape, Shape::Crease { .. })
     }

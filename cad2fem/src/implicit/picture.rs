@@ -25,9 +25,6 @@ const SIZE: [usize; 2] = [1600, 800];
 const BALL: f64 = 0.008;
 
 /// Draws a body with a ball at each of its thin places.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn draw_thin(surface: &SurfaceMesh, thin: &[Thin], path: &Path) -> Result<()> {
     let view = View { azimuth: -50.0, elevation: 28.0 };
     let body = shape(surface, color::material());

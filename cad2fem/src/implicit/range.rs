@@ -12,7 +12,6 @@ pub type Range = (f64, f64);
 
 impl Shape {
     /// Bounds of [`Shape::distance`] over the ball around `c` with the radius `r` [unit].
-    #[must_use]
     pub fn range(&self, c: &Vec3, r: f64) -> Range {
         let around = |slope: f64| {
             let d = self.distance(c);

@@ -55,9 +55,6 @@ enum Need {
 }
 
 /// Halves tetrahedra until no edge above [`FINEST`] needs it. Also what is hidden still.
-///
-/// # Errors
-/// If 32 bits do not resolve the cells.
 pub fn refine(mut complex: Complex, sides: &Sides) -> Result<(Complex, Vec<Hidden>)> {
     let (mut hidden, mut coarse) = (HashMap::new(), HashSet::new());
     let curved = (0..sides.list.len()).filter(|&k| !matches!(sides.list[k], Side::Cut(..)));

@@ -16,7 +16,6 @@ struct Site {
 
 /// For each triangle of a model's surface the first region that takes it, as an index into
 /// [`Model::region_names`]; `None` if no region does.
-#[must_use]
 pub fn assign(model: &Model, fields: &Fields, skin: &Skin) -> Vec<Option<usize>> {
     let names = model.region_names();
     (0..skin.surface.triangles.len())

@@ -119,7 +119,6 @@ impl Rotation {
 
 impl Shape {
     /// Signed distance, negative inside; for a crease the height to add [unit].
-    #[must_use]
     pub fn distance(&self, p: &Vec3) -> f64 {
         match self {
             Self::Sphere { center, radius } => (p - Vec3::from(*center)).norm() - radius,
@@ -148,7 +147,6 @@ impl Shape {
     }
 
     /// A box around the inside; none for a crease.
-    #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
         let around = |c: &[f64; 3], half: Vec3| {
             let c = Vec3::from(*c);
@@ -171,7 +169,6 @@ impl Shape {
     }
 
     /// The width of the inside where it is thinnest; none for a crease [unit].
-    #[must_use]
     pub fn thickness(&self) -> Option<f64> {
         let least = |lengths: &[f64]| lengths.iter().copied().fold(f64::INFINITY, f64::min);
         Some(match self {
@@ -187,7 +184,6 @@ impl Shape {
     }
 
     /// The mirror image in the plane y = 0.
-    #[must_use]
     pub fn mirrored(&self) -> Self {
         let flip = |v: &mut [f64; 3]| v[1] = -v[1];
         let mut image = self.clone();
@@ -207,9 +203,6 @@ impl Shape {
     }
 
     /// What is wrong with the numbers, if anything.
-    ///
-    /// # Errors
-    /// A message with the offending values.
     pub fn check(&self) -> Result<(), String> {
         let positive = |what: &str, values: &[f64]| {
             let ok = values.iter().all(|&v| v > 0.0);

@@ -70,8 +70,6 @@ pub struct Sides<'a> {
 }
 
 impl<'a> Sides<'a> {
-    /// # Errors
-    /// If there are more than a word has bits.
     pub fn new(model: &Model, fields: &'a Fields, grid: f64) -> Result<Self> {
         let cut = |c: &super::Cut| Side::Cut(Vec3::from(c.normal).normalize(), c.offset);
         let mut list: Vec<Side> = model.cut.iter().map(cut).collect();

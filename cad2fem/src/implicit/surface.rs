@@ -33,9 +33,6 @@ const ACCURACY: f64 = 0.05;
 const NEEDLE: f64 = 1e-6;
 
 /// The closed surface of a model. What its grid does not resolve is logged, with places.
-///
-/// # Errors
-/// If nothing is left of the body, or if it falls into pieces ([`Unusable`]).
 pub fn surface(model: &Model, fields: &Fields) -> Result<Skin> {
     let sides = Sides::new(model, fields, resolved(model)?)?;
     let laid = laid(model, &sides)?;

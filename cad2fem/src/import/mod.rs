@@ -47,7 +47,6 @@ pub struct Patched {
 
 impl Patched {
     /// Some of the triangles, with the vertices that they use.
-    #[must_use]
     pub fn part(&self, triangles: &[usize]) -> Self {
         let chosen: Vec<_> = triangles.iter().map(|&t| self.surface.triangles[t]).collect();
         Self {
@@ -74,7 +73,6 @@ pub struct Patches {
 
 impl Patches {
     /// The name of a patch.
-    #[must_use]
     pub fn name(&self, patch: u32) -> &str {
         &self.names[patch as usize]
     }
@@ -118,9 +116,6 @@ pub struct Request {
 }
 
 /// Reads, repairs and combines the files.
-///
-/// # Errors
-/// If a file cannot be read or repaired, if its unit is not clear, or if nothing is left.
 pub fn import(request: &mut Request) -> Result<LabelledSurface> {
     let mut record = Record::default();
     record.split = request.split;

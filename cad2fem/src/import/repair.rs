@@ -69,9 +69,6 @@ const NEEDED: [&str; 4] = ["degenerate", "closed", "manifold", "intersecting"];
 impl Repair {
     /// The solid that triangles bound; its labels are patches. Shells inside others are patches
     /// of their own if their file has no others.
-    ///
-    /// # Errors
-    /// If they bound none, or if only fTetWild could make one of them and must not.
     pub fn solid(
         &self,
         mut raw: Patched,
@@ -158,9 +155,6 @@ impl Repair {
 
     /// The boundary of fTetWild's tetrahedra; each triangle has the patch of the nearest one that
     /// faces the same way.
-    ///
-    /// # Errors
-    /// If fTetWild cannot run, or leaves nothing sound.
     pub fn remesh(&self, raw: &Patched, record: &mut Record) -> Result<Patched> {
         let size = diagonal(&raw.surface.vertices);
         let envelope = self.envelope.unwrap_or(1e-3 * size);

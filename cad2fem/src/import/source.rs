@@ -44,9 +44,6 @@ pub struct Reader {
 
 impl Reader {
     /// Reads a file; its patches have its name in theirs if there are `several` files.
-    ///
-    /// # Errors
-    /// If it cannot be read or its unit is not clear.
     pub fn read(
         &mut self,
         file: &Path,

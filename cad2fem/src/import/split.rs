@@ -11,9 +11,6 @@ const MOST: usize = 300;
 
 /// Parts every patch at edges where its triangles enclose more than `angle` [deg]; the pieces have
 /// the name of the patch and a number, the largest first.
-///
-/// # Errors
-/// If there are more pieces than anybody picks from.
 pub fn split(mut body: Patched, angle: f64, patches: &mut Patches) -> Result<Patched> {
     let piece = pieces(&body, angle);
     let count = piece.iter().max().map_or(0, |most| most + 1);

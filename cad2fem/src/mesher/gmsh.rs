@@ -80,9 +80,6 @@ pub enum Kind {
 
 impl Kind {
     /// By the extension of a file name.
-    ///
-    /// # Errors
-    /// If it is none of them.
     pub fn of(file: &Path) -> Result<Self> {
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
         match extension.to_ascii_lowercase().as_str() {
@@ -158,9 +155,6 @@ pub struct FaceOptions {
 ///
 /// gmsh gets a copy in a folder of its own, of a script what [`without_reach`] leaves: beside a
 /// file `x.step` it would run a script `x.step.opt`. With `trust` it reads the file itself.
-///
-/// # Errors
-/// If gmsh cannot run, or cannot read or mesh the file; if it is a script that reaches outside.
 pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result<Faces> {
     let job = Job::new("gmsh")?;
     let kind = Kind::of(file)?;

@@ -60,9 +60,6 @@ pub struct Job {
 
 impl Job {
     /// A folder for a job with the name `title`. Those that killed programs left are removed.
-    ///
-    /// # Errors
-    /// If the folder cannot be made.
     pub fn new(title: &'static str) -> Result<Self> {
         remove_left_behind(&std::env::temp_dir());
         let make = || temporary_folder(PREFIX);
@@ -73,24 +70,17 @@ impl Job {
     }
 
     /// A file of the job.
-    #[must_use]
     pub fn file(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// Makes a file for the script.
-    ///
-    /// # Errors
-    /// If it is there already or cannot be written.
     pub fn put(&self, name: &str, content: &[u8]) -> Result<()> {
         let write = create_new(&self.file(name))?.write_all(content);
         write.with_context(|| format!("cannot write {name}"))
     }
 
     /// Runs `script` with `settings`; gives up after `timeout`.
-    ///
-    /// # Errors
-    /// If the script does not start, fails, or does not end in time.
     pub fn run(
         &self,
         python: &Python,
@@ -175,9 +165,6 @@ impl Job {
     }
 
     /// Hands a surface to the script as `vertices.npy` and `triangles.npy`.
-    ///
-    /// # Errors
-    /// If the files cannot be written.
     pub fn put_surface(&self, surface: &SurfaceMesh) -> Result<()> {
         let points: Vec<f64> = surface.vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
         npy::write_f64(&self.file("vertices.npy"), &points, &[points.len() / 3, 3])?;
@@ -188,18 +175,12 @@ impl Job {
     }
 
     /// Points that the script left in `name`.
-    ///
-    /// # Errors
-    /// If the file is missing or is not an array of points.
     pub fn points(&self, name: &str) -> Result<Vec<Vec3>> {
         let rows = self.rows::<3>(name)?;
         Ok(rows.into_iter().map(Vec3::from).collect())
     }
 
     /// Rows of vertex numbers that the script left in `name`.
-    ///
-    /// # Errors
-    /// If the file is missing or is not an array of rows of `N` indices.
     pub fn indices<const N: usize>(&self, name: &str) -> Result<Vec<[usize; N]>> {
         Ok(self.rows::<N>(name)?.into_iter().map(|row| row.map(|x| x as usize)).collect())
     }

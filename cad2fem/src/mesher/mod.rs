@@ -63,9 +63,6 @@ pub trait TetMesher: Sync {
     fn script(&self, inside: bool) -> &'static str;
     /// Meshes a closed surface whose shells are oriented by nesting; of `layers` the triangles
     /// become facets of tetrahedra. Positive volumes are up to the caller.
-    ///
-    /// # Errors
-    /// If the program cannot run, fails or does not end within `timeout`.
     fn mesh(
         &self,
         python: &Python,

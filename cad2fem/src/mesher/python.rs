@@ -22,9 +22,6 @@ pub struct Python {
 impl Python {
     /// The interpreter named by [`PYTHON_VARIABLE`]; where that is unset or empty, the one whose package this
     /// program lies in, else `.venv/bin/python` of the checkout that the program was built in; says which.
-    ///
-    /// # Errors
-    /// If there is none.
     pub fn find() -> Result<Self> {
         let named = std::env::var_os(PYTHON_VARIABLE).filter(|name| !name.is_empty());
         let path = match named.map(PathBuf::from) {
@@ -37,15 +34,11 @@ impl Python {
     }
 
     /// Where it is.
-    #[must_use]
     pub fn name(&self) -> String {
         self.path.display().to_string()
     }
 
     /// Loads a package: libraries of the system that it needs may be missing.
-    ///
-    /// # Errors
-    /// If it cannot be loaded; the message is the last line of Python's.
     pub fn import(&self, package: &str) -> Result<()> {
         let script = "import importlib, sys; importlib.import_module(sys.argv[1])";
         let output = Command::new(&self.path)
@@ -59,9 +52,6 @@ impl Python {
     }
 
     /// The installed version of a package.
-    ///
-    /// # Errors
-    /// If Python does not run or the package is not installed.
     pub fn version_of(&self, package: &str) -> Result<String> {
         let script = "import importlib.metadata as m, sys; print(m.version(sys.argv[1]))";
         let output = Command::new(&self.path)

@@ -99,9 +99,6 @@ pub struct Outcome {
 /// Checks that a surface bounds a body, and orients its shells by nesting: outer
 /// shells outward, cavities inward. Reversing a cavity is
 /// logged. An outer shell is reversed only if `orient`, since it hints at a mistake.
-///
-/// # Errors
-/// If the surface is open, not manifold, self-intersecting, or faces inward.
 pub fn prepare(surface: &mut SurfaceMesh, orient: bool) -> Result<()> {
     let found = run(surface, &["closed", "manifold", "intersecting"]);
     if !found.is_empty() {
@@ -138,9 +135,6 @@ pub fn prepare(surface: &mut SurfaceMesh, orient: bool) -> Result<()> {
 }
 
 /// Fills a prepared surface with tetrahedra: by the first of the meshers that makes a usable mesh.
-///
-/// # Errors
-/// If no mesher can run, or none makes a mesh of the body ([`Unusable`] of the first).
 pub fn tetrahedralize(surface: &SurfaceMesh, request: &Request) -> Result<(TetMesh, Outcome)> {
     let mut refused: Vec<(&str, anyhow::Error)> = Vec::new();
     for &mesher in &request.meshers {

@@ -5,15 +5,11 @@ use std::path::{Component, Path, PathBuf};
 
 /// The absolute path with links followed. On Windows it begins with a drive where that is possible, and not with the
 /// `\\?\` that few programs understand.
-///
-/// # Errors
-/// If there is no such file or folder.
 pub fn canonical(path: &Path) -> io::Result<PathBuf> {
     dunce::canonicalize(path)
 }
 
 /// A path as it is written to files and pages, which other systems read too: with `/` between its parts.
-#[must_use]
 pub fn portable(path: &Path) -> String {
     let mut text = String::new();
     for part in path.components() {

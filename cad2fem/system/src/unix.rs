@@ -19,15 +19,11 @@ pub fn opening(options: &mut OpenOptions, follow: bool) -> &mut OpenOptions {
 }
 
 /// Number of names that a file has: more than one with hard links.
-///
-/// # Errors
-/// If the system does not say.
 pub fn names(file: &File) -> io::Result<u64> {
     Ok(file.metadata()?.nlink())
 }
 
 /// A pipe or a socket, by its name.
-#[must_use]
 pub fn special(found: &Metadata) -> Option<&'static str> {
     let kind = found.file_type();
     if kind.is_fifo() {
@@ -40,32 +36,27 @@ pub fn special(found: &Metadata) -> Option<&'static str> {
 }
 
 /// Permissions of a new file, of which the mask of the user is still taken away; nothing where files have none.
-#[must_use]
 pub fn permissions(mode: u32) -> Option<Permissions> {
     Some(Permissions::from_mode(mode))
 }
 
 /// Number of a file's owner, where files have one.
-#[must_use]
 pub fn owner(found: &Metadata) -> Option<u32> {
     Some(found.uid())
 }
 
 /// Number of the user who runs the program, where files have owners.
-#[must_use]
 pub fn user() -> Option<u32> {
     Some(nix::unistd::geteuid().as_raw())
 }
 
 /// Whether everybody, or the group of a folder of someone else, may write there. The own group is often a group of one.
-#[must_use]
 pub fn is_changed_by_others(found: &Metadata) -> bool {
     let mode = found.mode();
     mode & 0o002 != 0 || (mode & 0o020 != 0 && owner(found) != user())
 }
 
 /// Whether only the owner of a file may rename or remove it in this folder.
-#[must_use]
 pub fn is_sticky(found: &Metadata) -> bool {
     found.mode() & 0o1000 != 0
 }
@@ -111,14 +102,12 @@ pub fn end_now(code: i32) -> ! {
 }
 
 /// Name of this machine.
-#[must_use]
 pub fn host() -> Option<String> {
     nix::unistd::gethostname().ok()?.into_string().ok().filter(|name| !name.is_empty())
 }
 
 /// Largest resident set of this process so far [B].
 #[cfg(target_os = "linux")]
-#[must_use]
 pub fn peak_memory() -> Option<usize> {
     // getrusage would count what the shell held before it became this program
     crate::memory::kibibytes("/proc/self/status".as_ref(), "VmHWM:")
@@ -126,7 +115,6 @@ pub fn peak_memory() -> Option<usize> {
 
 /// Largest resident set of this process so far [B].
 #[cfg(not(target_os = "linux"))]
-#[must_use]
 pub fn peak_memory() -> Option<usize> {
     use nix::sys::resource::{UsageWho, getrusage};
     // bytes on macOS
@@ -134,7 +122,6 @@ pub fn peak_memory() -> Option<usize> {
 }
 
 /// Memory that this process may still take [B]; macOS does not say.
-#[must_use]
 pub fn available_memory() -> Option<usize> {
     crate::memory::available_in("/".as_ref())
 }

@@ -24,45 +24,36 @@ pub fn opening(options: &mut OpenOptions, _follow: bool) -> &mut OpenOptions {
 }
 
 /// Number of names that a file has.
-///
-/// # Errors
-/// None: hard links are not looked for here.
 pub fn names(_file: &File) -> io::Result<u64> {
     Ok(1)
 }
 
 /// A pipe or a socket, by its name: neither is among files.
-#[must_use]
 pub fn special(_found: &Metadata) -> Option<&'static str> {
     None
 }
 
 /// Permissions of a new file: those of its folder.
-#[must_use]
 pub fn permissions(_mode: u32) -> Option<Permissions> {
     None
 }
 
 /// Number of a file's owner: owners have no numbers here.
-#[must_use]
 pub fn owner(_found: &Metadata) -> Option<u32> {
     None
 }
 
 /// Number of the user who runs the program: users have none here.
-#[must_use]
 pub fn user() -> Option<u32> {
     None
 }
 
 /// Whether others may write there. The folders of a user are closed to others here.
-#[must_use]
 pub fn is_changed_by_others(_found: &Metadata) -> bool {
     false
 }
 
 /// Whether only the owner of a file may rename or remove it in this folder.
-#[must_use]
 pub fn is_sticky(_found: &Metadata) -> bool {
     true
 }
@@ -103,13 +94,11 @@ pub fn end_now(code: i32) -> ! {
 }
 
 /// Name of this machine.
-#[must_use]
 pub fn host() -> Option<String> {
     std::env::var("COMPUTERNAME").ok().filter(|name| !name.is_empty())
 }
 
 /// Largest working set of this process so far [B].
-#[must_use]
 pub fn peak_memory() -> Option<usize> {
     let size = u32::try_from(size_of::<PROCESS_MEMORY_COUNTERS>()).ok()?;
     let mut found = PROCESS_MEMORY_COUNTERS { cb: size, ..Default::default() };
@@ -119,7 +108,6 @@ pub fn peak_memory() -> Option<usize> {
 }
 
 /// Memory that this process may still take [B]: what is free of the machine's.
-#[must_use]
 pub fn available_memory() -> Option<usize> {
     let size = u32::try_from(size_of::<MEMORYSTATUSEX>()).ok()?;
     let mut found = MEMORYSTATUSEX { dwLength: size, ..Default::default() };

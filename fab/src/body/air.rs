@@ -17,7 +17,6 @@ pub struct AirPaths {
 
 impl AirPaths {
     /// Along the edges of a volume mesh.
-    #[must_use]
     pub fn within(mesh: &TetMesh, outer: BTreeSet<usize>) -> Self {
         let points = mesh.vertices.clone();
         let edges = topology::tet_edges(&mesh.tets);
@@ -27,7 +26,6 @@ impl AirPaths {
 
     /// Along the edges of a surface, where there is no volume mesh. A local maximum of the
     /// surface need not be one of the volume: there may be a vent too many.
-    #[must_use]
     pub fn on(surface: &SurfaceMesh) -> Self {
         let points = surface.vertices.clone();
         let edges: Vec<[usize; 2]> =

@@ -207,9 +207,6 @@ pub enum BoundaryError {
 
 impl Boundary {
     /// Splits the boundary of a tagged mesh.
-    ///
-    /// # Errors
-    /// [`BoundaryError`], each case with what to do.
     pub fn new(msh: &MshFile, chambers: &Chambers) -> Result<Self, BoundaryError> {
         let mesh = &msh.mesh;
         let facets = topology::boundary(mesh).facets;
@@ -262,9 +259,6 @@ impl Boundary {
 
     /// Replaces the boundary of the tetrahedra by the surface of a model. For each triangle of the surface `chamber`
     /// has the index of the chamber whose wall it is, if any.
-    ///
-    /// # Errors
-    /// [`BoundaryError`] if that surface is not valid, or its chambers cannot be closed.
     pub fn on(
         self,
         surface: &SurfaceMesh,
@@ -280,9 +274,6 @@ impl Boundary {
     }
 
     /// A body without a chamber, such as a core that is cast itself.
-    ///
-    /// # Errors
-    /// [`BoundaryError::Invalid`] if the surface is not that of a body.
     pub fn of_surface(surface: SurfaceMesh) -> Result<Self, BoundaryError> {
         require_valid("surface", &surface)?;
         let air_paths = AirPaths::on(&surface);
@@ -298,9 +289,6 @@ impl Boundary {
     }
 
     /// Whether the body, as modelled, is where its model is.
-    ///
-    /// # Errors
-    /// [`BoundaryError::Model`] if it is not.
     pub fn require_near(surface: &SurfaceMesh, model: &SurfaceMesh) -> Result<(), BoundaryError> {
         let limit = OFF * diagonal(&model.vertices);
         let ways = [farthest(surface, model, SAMPLES), farthest(model, surface, SAMPLES)];
@@ -341,9 +329,6 @@ impl Boundary {
 type Facets = Vec<[usize; 3]>;
 
 /// For each facet of a boundary the index of the chamber whose wall it is.
-///
-/// # Errors
-/// If a chamber's tag has no facets, or some that are not on the boundary.
 pub fn chambers_of(
     mesh: &TetMesh,
     boundary: &[[usize; 3]],

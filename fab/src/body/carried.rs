@@ -87,9 +87,6 @@ pub enum CarryError {
 }
 
 /// Carries a model whose triangles have the given tags.
-///
-/// # Errors
-/// [`CarryError`] if the design has other facets, or its walls fold.
 pub fn carry(
     model: &SurfaceMesh,
     tags: &[Option<usize>],

@@ -104,9 +104,6 @@ pub enum CollarError {
 
 /// The boundary with a collar around every inlet, and the collars in the design's metres;
 /// unchanged if no tube is asked for.
-///
-/// # Errors
-/// [`CollarError`] if a chamber has no inlet, or a collar no place.
 pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>), CollarError> {
     let Some(fitting) = &config.fitting else { return Ok((boundary, Vec::new())) };
     if boundary.cores.is_empty() {
@@ -162,7 +159,6 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
 }
 
 /// A filled part with its collars, and what is cast of it around the cores.
-#[must_use]
 pub fn body(filled: &Solid, cores: &[Solid], collars: &[Collar]) -> (Solid, Solid) {
     let filled = collars.iter().fold(filled.clone(), |all, collar| all.union(&collar.outside()));
     let cast = cores.iter().fold(filled.clone(), |rest, core| rest.difference(core));
@@ -176,13 +172,11 @@ impl Collar {
     }
 
     /// All within its outside.
-    #[must_use]
     pub fn outside(&self) -> Solid {
         Self::cylinder(self.base, self.axis, self.radius)
     }
 
     /// What fills its bore.
-    #[must_use]
     pub fn bore(&self) -> Solid {
         Self::cylinder(self.base, self.axis, self.bore)
     }
@@ -194,7 +188,6 @@ impl Collar {
     }
 
     /// A slice of its outside, from a part of its length to another.
-    #[must_use]
     pub fn slice(&self, from: f64, to: f64) -> Solid {
         let along = self.axis.normalize() * self.length;
         Self::cylinder(self.base + along * from, along * (to - from), 2.0 * self.radius)
@@ -231,7 +224,6 @@ impl Collar {
     }
 
     /// For mold.json, in the millimetres of a mold.
-    #[must_use]
     pub fn fitted_tube(&self, tube: &Tube, frame: &Frame) -> FittedTube {
         let scale = frame.scale * MM;
         FittedTube {
@@ -250,7 +242,6 @@ impl Collar {
 
 impl FittedTube {
     /// The collar in the millimetres of the mold.
-    #[must_use]
     pub fn collar(&self) -> Collar {
         let Self { base, axis, radius, bore, length, .. } = self;
         let [base, axis] = [base, axis].map(|v| Vec3::from(*v));
@@ -259,9 +250,6 @@ impl FittedTube {
 }
 
 /// What is cast of a design with collars, all in the same unit.
-///
-/// # Errors
-/// If a surface does not bound a solid.
 pub fn cast(
     filled: &SurfaceMesh,
     cores: &[SurfaceMesh],

@@ -92,9 +92,6 @@ impl Ground<'_> {
 
 impl Groove {
     /// The groove for threads along lines, in the design's metres.
-    ///
-    /// # Errors
-    /// If a tag is not known, the lines are not on the body, or nowhere a ridge can leave it.
     pub fn new(lines: &[Vec<Vec3>], ground: &Ground, config: &GrooveConfig) -> Result<Self> {
         let surface = Surface::new(ground, config)?;
         let mut groove = Self {

@@ -42,9 +42,6 @@ impl BodyFiles<'_> {
     /// The body with the surface that is cast: that which is asked for, else that of the model, if there is one,
     /// carried with the design. Where that is not valid, chambers that were designed are those of the design, and so
     /// is all of it if the outside moved.
-    ///
-    /// # Errors
-    /// If a file cannot be read, the files do not belong together, or the surface cannot be cast.
     pub fn read(&self, chambers: &Chambers, asked: Option<Casts>) -> Result<Body> {
         let of_mesh = || self.mesh.display().to_string();
         let file = read_tets(self.mesh)?;

@@ -76,13 +76,11 @@ pub struct Station {
 
 impl Station {
     /// The unit vector across the thread in the surface.
-    #[must_use]
     pub fn across(&self) -> Vec3 {
         Vec3::from(self.along).cross(&Vec3::from(self.normal))
     }
 
     /// The place at a height above the surface and beside the thread.
-    #[must_use]
     pub fn place(&self, height: f64, beside: f64) -> Vec3 {
         Vec3::from(self.at) + Vec3::from(self.normal) * height + self.across() * beside
     }
@@ -90,13 +88,11 @@ impl Station {
 
 impl Groove {
     /// Half of its width at a height above its bottom.
-    #[must_use]
     pub fn half_width(&self, height: f64) -> f64 {
         self.width / 2.0 + height * self.draft.to_radians().tan()
     }
 
     /// The corners of the section at a station, from its bottom to as far above the surface as it is deep.
-    #[must_use]
     pub fn section(&self, station: &Station) -> [Vec3; 4] {
         let top = self.half_width(station.depth + self.depth);
         let bottom = self.half_width(0.0);
@@ -109,7 +105,6 @@ impl Groove {
     }
 
     /// The corners of a pit, with the same draft.
-    #[must_use]
     pub fn pit(&self, station: &Station) -> Vec<Vec3> {
         let along = Vec3::from(station.along);
         let ring = |height: f64| {
@@ -123,13 +118,11 @@ impl Groove {
     }
 
     /// How far a point is beyond the parting plane.
-    #[must_use]
     pub fn beyond(&self, p: &Vec3) -> f64 {
         p.dot(&Vec3::from(self.pull)) - self.parting
     }
 
     /// The directions in which shells leave that have some of these points.
-    #[must_use]
     pub fn leaving(&self, points: &[Vec3]) -> Vec<Vec3> {
         let pull = Vec3::from(self.pull);
         let on_side = |sign: &f64| points.iter().any(|p| self.beyond(p) * sign > 0.0);
@@ -137,14 +130,12 @@ impl Groove {
     }
 
     /// The direction in which the piece between two stations leaves: none lies on both sides of the parting plane.
-    #[must_use]
     pub fn way_out(&self, pair: [&Station; 2]) -> Vec3 {
         let middle = pair.map(|station| Vec3::from(station.at)).iter().sum::<Vec3>() / 2.0;
         Vec3::from(self.pull) * self.beyond(&middle).signum()
     }
 
     /// All that is left out of the casting.
-    #[must_use]
     pub fn solid(&self) -> Solid {
         let mut pieces = Vec::new();
         for course in &self.courses {
@@ -162,9 +153,6 @@ impl Groove {
     }
 
     /// A body without its groove.
-    ///
-    /// # Errors
-    /// If a surface does not bound a solid.
     pub fn cut(&self, boundary: &Boundary) -> Result<Boundary, SolidError> {
         let groove = self.solid();
         let without = |surface: &SurfaceMesh| -> Result<SurfaceMesh, SolidError> {
@@ -175,7 +163,6 @@ impl Groove {
     }
 
     /// This groove in the millimetres of a mold.
-    #[must_use]
     pub fn placed(&self, frame: &Frame) -> Self {
         let scale = frame.scale * MM;
         let turned = |v: &[f64; 3]| frame.direction(&Vec3::from(*v)).into();
@@ -206,7 +193,6 @@ impl Groove {
     }
 
     /// For the one who winds.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { width, depth, length, wound, .. } = self;
         let whole = match length / wound {

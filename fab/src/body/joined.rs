@@ -19,9 +19,6 @@ const BEYOND: f64 = 1e-4;
 
 /// The body `design` with the outside of `model`, of which nothing moved, and with those of its cores that are in
 /// `design` as in `modelled`.
-///
-/// # Errors
-/// If a surface does not bound a solid.
 pub fn join(
     design: Boundary,
     model: Boundary,

@@ -26,7 +26,6 @@ const STRAY_FACETS: f64 = 4.0;
 const SMOOTH: f64 = 0.766;
 
 /// The chamber of each triangle of a model, as the facets of `mesh` have them. `patches` are regions of the model.
-#[must_use]
 pub fn of_model(
     model: &SurfaceMesh,
     patches: &[SurfaceMesh],

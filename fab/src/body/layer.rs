@@ -39,9 +39,6 @@ pub struct LaidIn {
 
 impl Layer {
     /// The sheet with a tag.
-    ///
-    /// # Errors
-    /// If no facet has the tag.
     pub fn find(file: &MshFile, tag: &str) -> Result<Self, String> {
         let id = file.tags.id(tag);
         let facets = id.map(|id| file.tags.facets_of(id)).unwrap_or_default();
@@ -56,16 +53,12 @@ impl Layer {
     }
 
     /// Lowest and highest point in a frame [m].
-    #[must_use]
     pub fn heights(&self, frame: &Frame) -> [f64; 2] {
         let (low, high) = measure::bounds(&self.places(frame));
         [low.z, high.z]
     }
 
     /// The place above the floor of a mold, with the volume of silicone below it [m³].
-    ///
-    /// # Errors
-    /// If it is not level.
     pub fn laid_in(&self, frame: &Frame, floor: f64, below: f64) -> Result<LaidIn, String> {
         let [low, high] = self.heights(frame);
         let rise = (high - low) * MM;
@@ -95,7 +88,6 @@ impl Layer {
 
 impl LaidIn {
     /// Width and depth [mm].
-    #[must_use]
     pub fn size(&self) -> [f64; 2] {
         let [low, high] = self.extent();
         [high[0] - low[0], high[1] - low[1]]
@@ -112,13 +104,11 @@ impl LaidIn {
     }
 
     /// The file with its outline.
-    #[must_use]
     pub fn file(&self) -> String {
         format!("{}.svg", self.tag)
     }
 
     /// The outline in its own size, to be printed and cut.
-    #[must_use]
     pub fn svg(&self) -> String {
         const MARGIN: f64 = 5.0;
         let [low, _] = self.extent();

@@ -40,15 +40,11 @@ pub enum LayoutError {
 
 /// The direction `up` that the configuration asks for, or away from the first inlet; z for a
 /// closed chamber.
-#[must_use]
 pub fn up(boundary: &Boundary, config: &Config) -> Vec3 {
     config.up.map_or_else(|| away_from_inlet(boundary), Vec3::from).normalize()
 }
 
 /// `up`, if all inlets face down.
-///
-/// # Errors
-/// [`LayoutError`] if one does not.
 pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3, LayoutError> {
     for inlet in boundary.cores.iter().flat_map(|core| &core.inlets) {
         let cosine = -inlet.normal.dot(&up);
@@ -61,9 +57,6 @@ pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3, Layout
 }
 
 /// The mold's frame for an orientation. The filled part stands on z = 0, or is cut there.
-///
-/// # Errors
-/// [`LayoutError`] if the shells are pulled neither along nor across `up`.
 pub fn frame(
     filled: &SurfaceMesh,
     orientation: &Orientation,
@@ -80,7 +73,6 @@ pub fn frame(
 }
 
 /// A surface of the design in the mold's frame.
-#[must_use]
 pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
     SurfaceMesh {
         vertices: surface.vertices.iter().map(|p| frame.point(p)).collect(),
@@ -104,7 +96,6 @@ fn near_axis(v: Vec3) -> Vec3 {
 }
 
 /// The direction into the body along which an inlet runs: `up` if it faces down.
-#[must_use]
 pub fn inward(inlet: &Inlet, up: Vec3) -> Vec3 {
     if -inlet.normal.dot(&up) >= DOWN { up } else { near_axis(-inlet.normal) }
 }

@@ -46,7 +46,6 @@ pub enum Portion {
 
 impl Portion {
     /// Position of the cut along `up` [m].
-    #[must_use]
     pub fn cut(self) -> Option<f64> {
         match self {
             Self::Whole => None,

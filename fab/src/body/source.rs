@@ -45,17 +45,11 @@ pub struct NamedFile {
 
 impl NamedFile {
     /// Names and hashes the file at `path` for a report in `folder`.
-    ///
-    /// # Errors
-    /// If it cannot be read.
     pub fn new(path: &Path, folder: &Path) -> Result<Self, IoError> {
         Ok(Self { path: relative(path, folder), sha256: sha256_file(path)? })
     }
 
     /// Whether the file at `path` is this one.
-    ///
-    /// # Errors
-    /// If it cannot be read, or has changed since.
     pub fn require(&self, path: &Path) -> Result<(), String> {
         let found = sha256_file(path).map_err(|e| e.to_string())?;
         if found != self.sha256 {
@@ -82,7 +76,6 @@ pub enum CastPart {
 
 impl CastPart {
     /// What a mold casts of a design.
-    #[must_use]
     pub fn of(portion: Portion) -> Self {
         // The frame puts the cut at height 0.
         match portion {
@@ -95,9 +88,6 @@ impl CastPart {
 
 impl Input {
     /// Names and hashes the mesh at `path` for a report in `folder`.
-    ///
-    /// # Errors
-    /// If the mesh cannot be read.
     pub fn new(
         path: &Path,
         folder: &Path,

@@ -93,9 +93,6 @@ impl Range {
 
 impl Thread {
     /// The threads of a report of `solver simulate`.
-    ///
-    /// # Errors
-    /// If it cannot be read, is no such report, or has no threads.
     pub fn read(report: &Path) -> Result<Vec<Self>> {
         let context = || format!("wound: {}", report.display());
         let text = mesh::io::read_text(report).with_context(context)?;
@@ -116,9 +113,6 @@ impl Thread {
     }
 
     /// The lines of the threads beside a report, at rest [m]: those of `windings.csv`.
-    ///
-    /// # Errors
-    /// If it cannot be read or has other columns.
     pub fn lines(report: &Path) -> Result<Vec<Vec<Vec3>>> {
         let path = report.with_file_name("windings.csv");
         let context = || format!("wound: {}", path.display());
@@ -167,7 +161,6 @@ impl Thread {
     }
 
     /// What to have.
-    #[must_use]
     pub fn item(&self) -> String {
         let strength =
             self.margin.map(|margin| format!(" that bears {:.1} N", margin * self.force));
@@ -177,7 +170,6 @@ impl Thread {
     }
 
     /// What to do.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { name, length, .. } = self;
         let place = |word: &str| match self.depth {

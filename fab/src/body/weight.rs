@@ -19,7 +19,6 @@ pub struct Weight {
 impl Weight {
     /// The weight of a volume [mm³] of silicone around chambers of an area [mm²], with its density
     /// [kg/m³].
-    #[must_use]
     pub fn new(volume: f64, area: f64, density: f64) -> Self {
         // 1 kg/m³ is 10⁻⁶ g/mm³.
         let grams = density * 1e-6;
@@ -27,7 +26,6 @@ impl Weight {
     }
 
     /// In words, for people with a scale.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { mass, per_tenth } = *self;
         let walls = match per_tenth > 0.0 {

@@ -5,9 +5,6 @@ use std::io::Write;
 use anyhow::Result;
 
 /// Prints all keys on standard output, as the table in the book.
-///
-/// # Errors
-/// If standard output cannot be written.
 pub fn run() -> Result<()> {
     std::io::stdout().lock().write_all(crate::config::markdown().as_bytes())?;
     Ok(())

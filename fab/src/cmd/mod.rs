@@ -100,9 +100,6 @@ pub struct Planned {
 
 impl Task {
     /// Measures the body and makes the choices.
-    ///
-    /// # Errors
-    /// If the mesh or the configuration cannot be used, or the body cannot be molded.
     pub fn plan(&self) -> Result<Planned> {
         let config = Config::read(self.config.as_deref(), &self.changes.set)?;
         let (model, modelled) = (self.model.as_deref(), self.from.as_deref());
@@ -163,9 +160,6 @@ impl Task {
     }
 
     /// Plans the task again, without methods that were tried.
-    ///
-    /// # Errors
-    /// If no other method can be used.
     pub fn plan_without(&self, refused: &[Refused], planned: Planned) -> Result<Planned> {
         let plan = self.named(Plan::without(refused, &planned.boundary, &planned.config))?;
         log::info!("{}: {}", plan.method, plan.reason);
@@ -180,7 +174,6 @@ impl Task {
     }
 
     /// What is asked for, in words.
-    #[must_use]
     pub fn asked(&self) -> String {
         let config = self.config.as_ref().map(|path| format!(" --config {}", path.display()));
         let set: String =
@@ -192,9 +185,6 @@ impl Task {
     }
 
     /// The mesh, of which a part and a surface are cast, as a report in `folder` names it.
-    ///
-    /// # Errors
-    /// If the mesh cannot be read.
     pub fn input(
         &self,
         folder: &Path,
@@ -211,9 +201,6 @@ impl Task {
     }
 
     /// A result whose error names the mesh.
-    ///
-    /// # Errors
-    /// The error of the result.
     pub fn named<T, E>(&self, result: Result<T, E>) -> Result<T>
     where
         Result<T, E>: Context<T, E>,
@@ -224,9 +211,6 @@ impl Task {
 
 impl Verb {
     /// Runs the verb.
-    ///
-    /// # Errors
-    /// What the verb says.
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Mold(args) => mold::run(args),

@@ -39,11 +39,6 @@ pub struct Args {
 }
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the mesh or the configuration cannot be used, no mold can be made, or a
-/// file cannot be written, and [`Unusable`] if a mold would not be right; then no file
-/// of a mold is left in the folder, or an older mold, which `fab verify` refuses from then on.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let folder = &args.task.output;

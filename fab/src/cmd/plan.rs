@@ -7,10 +7,6 @@ use super::{Planned, Task, proof};
 use crate::plan::drawing;
 
 /// Runs the verb.
-///
-/// # Errors
-/// If the mesh or the configuration cannot be used, the body cannot be molded, cores would lean in the
-/// mold that was asked for, or plan.json or the picture cannot be written.
 pub fn run(task: &Task) -> Result<()> {
     let Planned { plan, report, .. } = proof::holding(task, task.plan()?)?;
     let _lock = FolderLock::new(&task.output)?;

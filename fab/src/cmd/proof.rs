@@ -36,17 +36,11 @@ struct Leaning {
 
 /// The molds of a plan, or of the next method that can be used where the first one was left to `fab` and
 /// does not hold the cores.
-///
-/// # Errors
-/// [`Unusable`] if a mold would not be right, or none can be made.
 pub fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, MoldFiles)>)> {
     or_next(task, planned, molds)
 }
 
 /// A plan whose molds hold the cores, or that of the next method: nothing else is proved of the molds.
-///
-/// # Errors
-/// [`Unusable`] if cores would lean in the mold that was asked for, or no mold can be made.
 pub fn holding(task: &Task, planned: Planned) -> Result<Planned> {
     or_next(task, planned, require_held).map(|(planned, ())| planned)
 }
@@ -210,9 +204,6 @@ pub struct MoldFiles {
 
 impl MoldFiles {
     /// Rounds a mold to what its files hold.
-    ///
-    /// # Errors
-    /// If a surface is not valid after that.
     pub fn new(mold: &Mold, input: Input, config: &Config) -> Result<Self> {
         let upright = Turn::lowering(-Vec3::z());
         let cast = printable(CAST, &mold.cast, upright)?;
@@ -242,9 +233,6 @@ impl MoldFiles {
     }
 
     /// Refuses a mold that `fab verify` would reject.
-    ///
-    /// # Errors
-    /// [`Unusable`], or how cores lean if nothing else is wrong.
     pub fn prove(
         &self,
         name: &str,

@@ -42,9 +42,6 @@ pub struct Args {
 }
 
 /// Prints one line per response on standard output.
-///
-/// # Errors
-/// If the mesh cannot be used or moved, or a simulation fails.
 pub fn run(args: &Args) -> Result<()> {
     let tolerance = match (args.tolerance, &args.printer) {
         (Some(tolerance), _) => tolerance,

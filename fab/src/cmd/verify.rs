@@ -36,9 +36,6 @@ pub struct Args {
 
 /// Prints a line per check that fails or warns on standard output, with `--all` of those that hold, too, and
 /// the counts last.
-///
-/// # Errors
-/// If the folder has no readable report, or the file cannot be written; [`Unusable`] if a check fails.
 pub fn run(args: &Args) -> Result<()> {
     let design = args.design.as_deref();
     let [model, from, simulation] =

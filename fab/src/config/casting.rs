@@ -35,7 +35,6 @@ table! {
 
 impl CastingConfig {
     /// The printer that is named.
-    #[must_use]
     pub fn printer(&self) -> Option<&'static Printer> {
         self.printer.as_deref().and_then(|key| printers().find(key).ok())
     }

@@ -18,21 +18,16 @@ enum Written {
 
 impl Chambers {
     /// A single chamber.
-    #[must_use]
     pub fn one(tag: &str) -> Self {
         Self(vec![tag.into()])
     }
 
     /// The tags.
-    #[must_use]
     pub fn tags(&self) -> &[String] {
         &self.0
     }
 
     /// Whether no tag is named twice.
-    ///
-    /// # Errors
-    /// The key, and the tag.
     pub fn check(key: &str, chambers: &Self) -> Result<(), String> {
         let twice = |(i, tag): &(usize, &String)| chambers.0[..*i].contains(tag);
         match chambers.0.iter().enumerate().find(twice) {

@@ -57,14 +57,12 @@ table! {
 impl Config {
     /// Radius of the stub in an inlet of this inscribed radius: less by the clearance and the
     /// shoulder [m].
-    #[must_use]
     pub fn stub_radius(&self, inlet: f64) -> f64 {
         inlet - self.stub_clearance() - self.core.shoulder
     }
 
     /// How far from the point of a pin the silicone is to be even: the pin stands up to half a radius beside it, and
     /// silicone is left around [m].
-    #[must_use]
     pub fn even_around_pins(&self) -> f64 {
         1.5 * self.core.pin + self.stub_clearance() + self.casting.least_wall
     }
@@ -72,7 +70,6 @@ impl Config {
     /// Least inscribed radius of an inlet that holds a stub [m]. A stub of radius r and length
     /// L − c with a flat fills the part f (r/(r + c))² (L − c)/L of its socket, where c is the
     /// clearance and f the part of a circle that its flat leaves.
-    #[must_use]
     pub fn least_inlet(&self) -> f64 {
         let clearance = self.stub_clearance();
         let angle = STUB_FLAT.acos();

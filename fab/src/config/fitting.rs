@@ -55,9 +55,6 @@ pub struct Tube {
 
 impl FittingConfig {
     /// The tube, named or given by its diameters.
-    ///
-    /// # Errors
-    /// The key, what it is, and what it may be.
     pub fn tube(&self) -> Result<Tube, String> {
         match (&self.name, self.outer, self.inner) {
             (Some(key), None, None) => {
@@ -86,21 +83,16 @@ impl FittingConfig {
     }
 
     /// Radius of the bore in the silicone [m].
-    #[must_use]
     pub fn bore(&self, tube: &Tube) -> f64 {
         tube.outer / 2.0 * (1.0 - self.interference)
     }
 
     /// How far the collar stands out of the body [m].
-    #[must_use]
     pub fn length(&self, tube: &Tube) -> f64 {
         self.length.unwrap_or(2.0 * tube.outer)
     }
 
     /// Whether the tube is known and the numbers can be.
-    ///
-    /// # Errors
-    /// The key, what it is, and what it may be.
     pub fn check(&self) -> Result<(), Misfit> {
         let tube = self.tube().map_err(|what| KeyPath::table("fitting").told(what))?;
         self.check_ranges()?;

@@ -25,13 +25,11 @@ table! {
 
 impl GrooveConfig {
     /// Depth [m].
-    #[must_use]
     pub fn depth(&self) -> f64 {
         self.depth.unwrap_or(self.thread)
     }
 
     /// Largest widening beside the thread [m].
-    #[must_use]
     pub fn relief(&self) -> f64 {
         self.relief.unwrap_or(self.thread / 2.0)
     }

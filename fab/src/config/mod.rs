@@ -75,7 +75,6 @@ pub enum Casts {
 
 impl Casts {
     /// The name in files.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Carried => "carried",
@@ -85,7 +84,6 @@ impl Casts {
     }
 
     /// The other one.
-    #[must_use]
     pub fn other(self) -> Self {
         match self {
             Self::Carried | Self::Model => Self::Mesh,
@@ -170,7 +168,6 @@ fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>,
 }
 
 /// All keys in the order of the tables, as a table in Markdown.
-#[must_use]
 pub fn markdown() -> String {
     let single = Config::KEYS.iter().filter(|key| key.default != "a table");
     let all = single
@@ -190,10 +187,6 @@ pub fn markdown() -> String {
 
 impl Config {
     /// Reads and checks a file with changes from outside, or gives the defaults.
-    ///
-    /// # Errors
-    /// If it cannot be read, is not TOML, has an unknown key or a value out of range, or there is
-    /// no file to change.
     pub fn read(path: Option<&Path>, changes: &[Change]) -> Result<Self> {
         let Some(path) = path else {
             ensure!(changes.is_empty(), "--set changes a key of a file: name it with --config");
@@ -203,9 +196,6 @@ impl Config {
     }
 
     /// Reads and checks the text of a file.
-    ///
-    /// # Errors
-    /// As for [`Config::read`].
     pub fn parse(text: &str) -> Result<Self> {
         Settings::of_text(text).checked(Self::of)
     }
@@ -222,7 +212,6 @@ impl Config {
 
     /// Part of its lengths by which the silicone shrinks [1]. Platinum silicones shrink by
     /// less than a printer resolves.
-    #[must_use]
     pub fn shrinkage(&self) -> f64 {
         let of_silicone = || {
             let silicone = silicones().find(self.casting.silicone.as_deref()?).ok()?;
@@ -234,19 +223,16 @@ impl Config {
     }
 
     /// Density of the silicone that is named, if it is known [kg/m³].
-    #[must_use]
     pub fn density(&self) -> Option<f64> {
         silicones().find(self.casting.silicone.as_deref()?).ok()?.density
     }
 
     /// Gap around keys [m].
-    #[must_use]
     pub fn key_clearance(&self) -> f64 {
         self.keys.clearance.unwrap_or_else(|| self.printer_clearance())
     }
 
     /// Gap around stubs of cores [m].
-    #[must_use]
     pub fn stub_clearance(&self) -> f64 {
         self.core.clearance.unwrap_or_else(|| self.printer_clearance())
     }

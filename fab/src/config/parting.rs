@@ -20,7 +20,6 @@ pub enum PartingConfig {
 
 impl PartingConfig {
     /// Whether nothing was asked for.
-    #[must_use]
     pub fn is_open(&self) -> bool {
         matches!(self, Self::Auto(AutoParting { pull: None }))
     }
@@ -79,9 +78,6 @@ impl PartingConfig {
     }
 
     /// Whether every value lies in its range.
-    ///
-    /// # Errors
-    /// The key, what it is, and what it may be.
     pub fn check(&self) -> Result<(), Misfit> {
         match self {
             Self::Auto(auto) => auto.check_ranges(),

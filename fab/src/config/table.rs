@@ -63,9 +63,6 @@ macro_rules! table {
             )+];
 
             /// Whether every value lies in its range.
-            ///
-            /// # Errors
-            /// The key, what it is, and what it may be.
             pub fn check_ranges(&self) -> Result<(), program::Misfit> {
                 $(
                     let key = concat!($prefix, stringify!($key));
@@ -80,23 +77,16 @@ macro_rules! table {
 pub(crate) use table;
 
 /// The first element; `table!` puts a default in words before the default as it is written.
-#[must_use]
 pub const fn first(words: &[&'static str]) -> &'static str {
     words[0]
 }
 
 /// A range without limits: any value of the type.
-///
-/// # Errors
-/// None.
 pub fn any<T>(_: &str, _: &T) -> Result<(), String> {
     Ok(())
 }
 
 /// A length above 0 and below a metre.
-///
-/// # Errors
-/// If it is not.
 pub fn length(key: &str, length: &f64) -> Result<(), String> {
     match *length > 0.0 && *length < 1.0 {
         true => Ok(()),
@@ -107,17 +97,11 @@ pub fn length(key: &str, length: &f64) -> Result<(), String> {
 }
 
 /// A [`length`], if there is one.
-///
-/// # Errors
-/// If it is not.
 pub fn optional_length(key: &str, value: &Option<f64>) -> Result<(), String> {
     value.as_ref().map_or(Ok(()), |value| length(key, value))
 }
 
 /// A ratio above 0.
-///
-/// # Errors
-/// If it is not.
 pub fn ratio(key: &str, ratio: &f64) -> Result<(), String> {
     match *ratio > 0.0 && ratio.is_finite() {
         true => Ok(()),
@@ -126,9 +110,6 @@ pub fn ratio(key: &str, ratio: &f64) -> Result<(), String> {
 }
 
 /// A direction with a length, if there is one.
-///
-/// # Errors
-/// If it has none.
 pub fn optional_direction(key: &str, direction: &Option<[f64; 3]>) -> Result<(), String> {
     let Some(d) = direction else { return Ok(()) };
     let norm = Vec3::from(*d).norm();
@@ -140,7 +121,6 @@ pub fn optional_direction(key: &str, direction: &Option<[f64; 3]>) -> Result<(),
 
 /// Keys as a table in Markdown. Of keys with the same name, as kinds of `[parting]` have them, the
 /// first is listed.
-#[must_use]
 pub fn markdown<'a>(keys: impl Iterator<Item = &'a Key>) -> String {
     let mut text = String::from("| key | default | meaning |\n|---|---|---|\n");
     let mut names = std::collections::BTreeSet::new();

@@ -23,7 +23,6 @@ pub struct Member {
 
 /// All parts in the order of the report, then the cast. `surfaces` are those of the
 /// files: the parts as they are printed, and the cast.
-#[must_use]
 pub fn assembly(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Member> {
     let names = report.parts.iter().map(|part| (part.name.clone(), true));
     let turns = report.parts.iter().map(|p| Matrix3::from_fn(|i, j| p.to_mold[i][j]));

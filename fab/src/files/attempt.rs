@@ -12,31 +12,21 @@ use crate::plan::report as plan;
 pub const FILE: &str = "replacing.txt";
 
 /// Whether there are molds in a folder.
-#[must_use]
 pub fn holds_mold(folder: &Path) -> bool {
     [plan::FILE, report::FILE].iter().any(|file| folder.join(file).exists())
 }
 
 /// Notes what is to replace the molds of a folder.
-///
-/// # Errors
-/// If the note cannot be written.
 pub fn begin(folder: &Path, asked: &str) -> Result<(), IoError> {
     write_atomic(&folder.join(FILE), |out| writeln!(out, "{asked}"))
 }
 
 /// Removes the note: the molds of the folder, if any, are those that were asked for.
-///
-/// # Errors
-/// If it cannot be removed.
 pub fn end(folder: &Path) -> Result<(), IoError> {
     remove_output(&folder.join(FILE))
 }
 
 /// What was to replace the molds of a folder and was not made.
-///
-/// # Errors
-/// If there is a note that cannot be read.
 pub fn failed(folder: &Path) -> Result<Option<String>, IoError> {
     let path = folder.join(FILE);
     let note = path.exists().then(|| read_own_text(&path)).transpose()?;

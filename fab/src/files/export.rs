@@ -38,9 +38,6 @@ pub struct ExportError {
 }
 
 /// The boundary of `solid`, turned, in millimetres that 32-bit floats hold exactly.
-///
-/// # Errors
-/// [`ExportError`] if that is not a valid closed surface within a micrometre of the solid.
 pub fn printable(name: &str, solid: &Solid, turn: Turn) -> Result<SurfaceMesh, ExportError> {
     let exact = turned(solid, turn);
     let mut findings = Vec::new();

@@ -29,13 +29,11 @@ pub const ASSEMBLED: &str = "assembled.png";
 pub const EXPLODED: &str = "exploded.png";
 
 /// The 3MF file of a part, beside its STL file.
-#[must_use]
 pub fn threemf_file(part: &Part) -> String {
     format!("{}.3mf", part.name)
 }
 
 /// The files that [`write`] and [`draw`] make, relative to the folder of the report.
-#[must_use]
 pub fn files(report: &MoldReport) -> Vec<String> {
     let parts = report.parts.iter().flat_map(|part| [threemf_file(part), slicer::file(part)]);
     let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, sheet::JSON, sheet::MARKDOWN];
@@ -45,9 +43,6 @@ pub fn files(report: &MoldReport) -> Vec<String> {
 
 /// Writes the parts and their assembly as 3MF, how parts are sliced, the assembly for
 /// ParaView, and the sheet for casting. `surfaces` are those of the STL files, the cast last.
-///
-/// # Errors
-/// If a file cannot be written.
 pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let shape = |(part, surface): (&Part, &SurfaceMesh), place| Shape {
         name: part.name.clone(),
@@ -71,9 +66,6 @@ pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Re
 }
 
 /// Draws the mold closed and taken apart.
-///
-/// # Errors
-/// If a file cannot be written.
 pub fn draw(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let members = assembly(report, surfaces);
     let (centre, along) = section_plane(report, &members);
@@ -83,7 +75,6 @@ pub fn draw(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Res
 }
 
 /// Where a part stands in the closed mold.
-#[must_use]
 pub fn to_mold(part: &Part) -> Place {
     Place { turn: Matrix3::from_fn(|i, j| part.to_mold[i][j]), shift: Vec3::zeros() }
 }

@@ -28,9 +28,6 @@ const CAST: u32 = 0x00f3_ead6;
 
 /// Draws the closed mold, cut open by the upright plane through `centre` that lies along
 /// `along`, a point and a direction in the mold [mm].
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn assembled(
     path: &Path,
     title: &str,
@@ -46,9 +43,6 @@ pub fn assembled(
 }
 
 /// Draws the parts and the cast taken apart.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn exploded(path: &Path, title: &str, members: &[Member]) -> Result<(), IoError> {
     draw(path, title, members, None, |member| member.apart)
 }
@@ -106,9 +100,6 @@ fn shape(surface: &SurfaceMesh, color: Rgb) -> Shape {
 /// Writes all members as one grid for ParaView: the number of the member in the cell
 /// field `part`, and the point field `apart` [mm], by which its filter Warp By Vector
 /// takes the mold apart.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn grid(path: &Path, members: &[Member]) -> Result<(), IoError> {
     let field = |name: &str, unit: &str, components, values| Field {
         name: name.into(),

@@ -234,7 +234,6 @@ pub struct Note {
 
 impl MoldReport {
     /// The report of a mold whose parts are still to be added.
-    #[must_use]
     pub fn new(mold: &Mold, input: Input, config: &Config, cast: &SurfaceMesh) -> Self {
         let volume = enclosed_volume(cast);
         let (low, high) = mold.outside.bounds();
@@ -322,9 +321,6 @@ impl MoldReport {
     }
 
     /// Reads the report of the mold in `folder`.
-    ///
-    /// # Errors
-    /// If it cannot be read or is not such a report.
     pub fn read(folder: &Path) -> Result<Self, IoError> {
         let path = folder.join(FILE);
         let text = mesh::io::read_own_text(&path)?;
@@ -375,16 +371,12 @@ impl MoldReport {
     }
 
     /// Millimetres of the mold per metre of the design [mm/m].
-    #[must_use]
     pub fn scale(&self) -> f64 {
         let m = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
         m.determinant().abs().cbrt()
     }
 
     /// Writes the report into `folder`.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), IoError> {
         write_atomic(&folder.join(FILE), |out| {
             serde_json::to_writer_pretty(&mut *out, self)?;

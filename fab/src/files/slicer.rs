@@ -25,14 +25,12 @@ const BRIM: f64 = 5.0;
 const TALL: f64 = 3.0;
 
 /// The file of a part, beside its STL file.
-#[must_use]
 pub fn file(part: &Part) -> String {
     format!("{}.ini", part.name)
 }
 
 /// The settings of a part; none without a named filament printer, and for a core that is
 /// cast of wax.
-#[must_use]
 pub fn settings(report: &MoldReport, part: &Part) -> Option<String> {
     let printer = printers().find(report.casting.printer.as_deref()?).ok()?;
     let printed = part.role == Role::Shell || !report.method.core.is_cast();
@@ -40,9 +38,6 @@ pub fn settings(report: &MoldReport, part: &Part) -> Option<String> {
 }
 
 /// Writes the settings of all parts that have some.
-///
-/// # Errors
-/// If a file cannot be written.
 pub fn write(folder: &Path, report: &MoldReport) -> Result<(), IoError> {
     report.parts.iter().try_for_each(|part| match settings(report, part) {
         Some(text) => write_atomic(&folder.join(file(part)), |out| out.write_all(text.as_bytes())),

@@ -35,9 +35,6 @@ const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 /// Writes shapes as one printable whole: the only shape itself, or a composition
 /// with the name `title`. The whole is shifted so that no coordinate is negative,
 /// as the specification wants it.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn write(path: &Path, title: &str, shapes: &[Shape]) -> Result<(), IoError> {
     let bytes = pack(&model(title, shapes))
         .map_err(|e| IoError::content(path, format!("cannot be packed: {e}")))?;
@@ -117,9 +114,6 @@ fn escaped(text: &str) -> String {
 }
 
 /// Reads all shapes of the build of a printed part, in its order.
-///
-/// # Errors
-/// If the file cannot be read, is not a 3MF file in millimetres, or names what it does not hold.
 pub fn read(path: &Path) -> Result<Vec<Shape>, IoError> {
     let model = read_model(path)?;
     if model.unit == "millimeter" {

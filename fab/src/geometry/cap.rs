@@ -38,9 +38,6 @@ pub enum CapError {
 }
 
 /// Closes a polygon.
-///
-/// # Errors
-/// [`CapError`] if its projection is not a simple polygon.
 pub fn close(polygon: &[Vec3]) -> Result<Cap, CapError> {
     let vertices = polygon.len();
     let mean = polygon.iter().sum::<Vec3>() / vertices as f64;
@@ -62,7 +59,6 @@ pub fn close(polygon: &[Vec3]) -> Result<Cap, CapError> {
 ///
 /// The centre is searched on a grid over the bounding box that shrinks around
 /// the best point; `normal` is that of the [`Cap`].
-#[must_use]
 pub fn inscribed_circle(polygon: &[Vec3], normal: &Vec3) -> (Vec3, f64) {
     const SIDE: i32 = 8;
     const ROUNDS: usize = 12;

@@ -26,7 +26,6 @@ pub struct Span {
 
 impl Grid {
     /// The grid over a rectangle and one step beyond it on every side.
-    #[must_use]
     pub fn over(low: [f64; 2], high: [f64; 2], step: f64) -> Self {
         // Shifted by an irrational part of a step, so that columns do not pass
         // through the vertices and edges of shapes drawn in round numbers.
@@ -37,31 +36,26 @@ impl Grid {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.count[0] * self.count[1]
     }
 
     /// Whether there are no nodes.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Index of a node.
-    #[must_use]
     pub fn index(&self, i: usize, j: usize) -> usize {
         j * self.count[0] + i
     }
 
     /// Column and row of a node.
-    #[must_use]
     pub fn cell(&self, node: usize) -> [usize; 2] {
         [node % self.count[0], node / self.count[0]]
     }
 
     /// The node nearest to a point.
-    #[must_use]
     pub fn nearest(&self, p: [f64; 2]) -> usize {
         let step = |k: usize| {
             let s = ((p[k] - self.origin[k]) / self.step).round();
@@ -71,7 +65,6 @@ impl Grid {
     }
 
     /// Position of a node [m].
-    #[must_use]
     pub fn point(&self, node: usize) -> [f64; 2] {
         let [i, j] = self.cell(node);
         [self.origin[0] + i as f64 * self.step, self.origin[1] + j as f64 * self.step]
@@ -102,7 +95,6 @@ pub type Layer = [f64; 2];
 /// The longest filled interval of every column of `grid`, none where the solid is missed.
 ///
 /// `surface` is closed and faces outward.
-#[must_use]
 pub fn spans(surface: &SurfaceMesh, grid: &Grid) -> Vec<Option<Span>> {
     layers(surface, grid).iter().map(|column| longest(column)).collect()
 }
@@ -110,7 +102,6 @@ pub fn spans(surface: &SurfaceMesh, grid: &Grid) -> Vec<Option<Span>> {
 /// The filled intervals of every column of `grid`, the lowest first.
 ///
 /// `surface` is closed and faces outward.
-#[must_use]
 pub fn layers(surface: &SurfaceMesh, grid: &Grid) -> Vec<Vec<Layer>> {
     let mut crossings = vec![Vec::new(); grid.len()];
     for t in 0..surface.triangles.len() {

@@ -31,9 +31,6 @@ pub enum Pull {
 
 impl Frame {
     /// A frame at the design's origin with z = `up`, and y = `pull` unless the two are parallel.
-    ///
-    /// # Errors
-    /// If `pull` is neither along nor across `up`: the cosine of their angle.
     pub fn new(up: Vec3, pull: Vec3) -> Result<(Self, Pull), f64> {
         let z = up.normalize();
         let pull = pull.normalize();
@@ -52,13 +49,11 @@ impl Frame {
     }
 
     /// The image of a design point [m].
-    #[must_use]
     pub fn point(&self, p: &Vec3) -> Vec3 {
         self.rotation * (p - self.origin) * self.scale
     }
 
     /// The image of a direction.
-    #[must_use]
     pub fn direction(&self, d: &Vec3) -> Vec3 {
         self.rotation * d
     }
@@ -82,7 +77,6 @@ impl Turn {
     ///
     /// # Panics
     /// If `direction` is none of these.
-    #[must_use]
     pub fn lowering(direction: Vec3) -> Self {
         let rows = match (direction.y, direction.z) {
             (0.0, -1.0) => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -95,7 +89,6 @@ impl Turn {
     }
 
     /// The turn back.
-    #[must_use]
     pub fn inverse(self) -> Self {
         Self(self.0.transpose())
     }
@@ -103,7 +96,6 @@ impl Turn {
 
 impl Pull {
     /// The unit vector.
-    #[must_use]
     pub fn vector(self) -> Vec3 {
         match self {
             Self::Z => Vec3::z(),

@@ -21,13 +21,11 @@ pub struct Frustum {
 
 impl Frustum {
     /// The inscribed polyhedron with [`SEGMENTS`] sides.
-    #[must_use]
     pub fn solid(&self) -> Solid {
         Solid::cylinder(&self.base, &self.axis, self.base_radius, self.top_radius, SEGMENTS)
     }
 
     /// With both radii larger by `clearance` and longer by it at both ends [m].
-    #[must_use]
     pub fn grown(&self, clearance: f64) -> Self {
         let end = self.axis.normalize() * clearance;
         Self {

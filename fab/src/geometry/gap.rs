@@ -12,7 +12,6 @@ const NEAR: f64 = 5e-3;
 
 /// The position nearest to `wanted` that keeps 1 μm from all heights, or the middle of the widest gap
 /// between them if there is none within 0.5 % of their extent.
-#[must_use]
 pub fn clear(heights: impl Iterator<Item = f64>, wanted: f64) -> f64 {
     let mut heights: Vec<f64> = heights.collect();
     heights.sort_by(f64::total_cmp);

@@ -26,7 +26,6 @@ pub struct Passage {
 
 impl Passage {
     /// How far the neck must stretch [1].
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         self.through.length / self.neck.length
     }
@@ -38,7 +37,6 @@ impl Passage {
 ///
 /// Outlines of one height are taken together: a neck beside another branch of the
 /// body is found too wide.
-#[must_use]
 pub fn tightest(surface: &SurfaceMesh, out: &Vec3, rim: f64) -> Passage {
     let sections = sections(surface, out);
     let end = sections.iter().map(|s| s.position).fold(f64::NEG_INFINITY, f64::max) - rim;
@@ -57,7 +55,6 @@ pub fn tightest(surface: &SurfaceMesh, out: &Vec3, rim: f64) -> Passage {
 }
 
 /// The longest outline of the sections of a closed surface across a unit vector.
-#[must_use]
 pub fn largest(surface: &SurfaceMesh, axis: &Vec3) -> Girth {
     let longest = sections(surface, axis).into_iter().max_by(|a, b| a.length.total_cmp(&b.length));
     longest.expect("there are sections")

@@ -21,7 +21,6 @@ pub struct Peak {
 ///
 /// `neighbours` lists the adjacent vertices of each vertex; vertices without any
 /// are ignored. Equal heights are ordered by index.
-#[must_use]
 pub fn peaks(heights: &[f64], neighbours: &[Vec<usize>], persistence: f64) -> Vec<Peak> {
     let mut order: Vec<usize> = (0..heights.len()).filter(|&v| !neighbours[v].is_empty()).collect();
     order.sort_by(|&a, &b| heights[b].total_cmp(&heights[a]).then(a.cmp(&b)));
@@ -54,7 +53,6 @@ pub fn peaks(heights: &[f64], neighbours: &[Vec<usize>], persistence: f64) -> Ve
 /// The vertex in the middle of the flat top around a peak: the one nearest to the
 /// mean of `positions` among the vertices connected to it that lie less than
 /// `depth` below.
-#[must_use]
 pub fn middle_of_top(
     peak: usize,
     positions: &[mesh::Vec3],

@@ -29,7 +29,6 @@ pub struct Overhangs {
 impl Overhangs {
     /// Overhangs of a part as it lies in its file [mm], printed with overhangs of up to
     /// `steepest` from the vertical [degrees]; `shapes` says which facets shape the silicone.
-    #[must_use]
     pub fn new(printed: &SurfaceMesh, steepest: f64, shapes: impl Fn(usize) -> bool) -> Self {
         let bed = measure::bounds(&printed.vertices).0.z + BED;
         // A facet at the angle a from the vertical has a normal with z = −sin a.
@@ -53,7 +52,6 @@ impl Overhangs {
 }
 
 /// Whether that much hanging area needs supports [mm²].
-#[must_use]
 pub fn needs_supports(hanging: f64) -> bool {
     hanging > SELF_SUPPORTING
 }

@@ -26,7 +26,6 @@ pub struct Wall {
 
 impl Wall {
     /// Whether it is thinner than `least` [m].
-    #[must_use]
     pub fn is_thinner(&self, least: f64) -> bool {
         self.thickness < least - THICKNESS_ROUNDING
     }
@@ -37,7 +36,6 @@ impl Wall {
 ///
 /// A wall that is thin is thin on the model and on the mesh. What only one of them shows is a facet that
 /// stands askew, or an edge that was cut off: the thicker of the two measures counts.
-#[must_use]
 pub fn thinnest(
     (surface, casts): (&SurfaceMesh, Casts),
     other: Option<&SurfaceMesh>,
@@ -57,7 +55,6 @@ pub fn thinnest(
 }
 
 /// The thinnest wall, if it is thinner than `least` [m].
-#[must_use]
 pub fn too_thin(
     surface: (&SurfaceMesh, Casts),
     other: Option<&SurfaceMesh>,

@@ -88,7 +88,6 @@ impl CastBody {
     /// Area of the walls of its chambers [m²]. With the wall W, the outside U, the caps of inlets C, and
     /// the sections S and K of silicone and cores where a part ends, the areas are U + W + S of what is cast,
     /// W + C + K of cores, and U + C + S + K of the filled body.
-    #[must_use]
     pub fn chamber_area(&self) -> f64 {
         let cores: f64 = self.cores.iter().map(|core| core.solid.area()).sum();
         (self.cast.area() + cores - self.filled.area()) / 2.0

@@ -25,7 +25,6 @@ pub struct Channels {
 impl Channels {
     /// Channels from `places` on the body up to height `end` [m], and a funnel on `outside` for
     /// a share of the volume of `cast`; `surface` is that of the filled body.
-    #[must_use]
     pub fn new(
         places: Places,
         surface: &SurfaceBvh,

@@ -52,7 +52,6 @@ struct Bored {
 
 impl Cores {
     /// None: the shells as they are.
-    #[must_use]
     pub fn none(body: &CastBody, shells: Vec<Piece>, outside: &Solid) -> Self {
         Self {
             pieces: Vec::new(),
@@ -69,10 +68,6 @@ impl Cores {
     }
 
     /// The cores of a body with their stubs, and sockets for these in the last of the shells.
-    ///
-    /// # Errors
-    /// If a stub does not fit its inlet, stubs cannot be told apart, or a pin that was asked for finds
-    /// no place.
     pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self, MoldError> {
         let none = Self::none(body, shells, mount.outside);
         if body.cores.len() < 2 {

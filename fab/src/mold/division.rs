@@ -54,9 +54,6 @@ pub struct Division {
 
 impl Division {
     /// The outside around the body and the rims of its channels, divided as the body stands.
-    ///
-    /// # Errors
-    /// [`MoldError::Columns`] if a height field would be too fine.
     pub fn new(blank: &Blank, rims: &[Vec3]) -> Result<Self, MoldError> {
         let Blank { body, block, orientation, pull, config, .. } = blank;
         let below = Block::below(orientation.portion, config);

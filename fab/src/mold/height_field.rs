@@ -34,7 +34,6 @@ pub struct Terrain {
 impl Terrain {
     /// The parting height for a part given by its columns. The rim is what lies
     /// outside of the rectangle `within` = [low, high] [m].
-    #[must_use]
     pub fn new(
         grid: Grid,
         spans: &[Option<Span>],
@@ -60,7 +59,6 @@ impl Terrain {
     }
 
     /// The surface of the solid between height `floor` and the parting.
-    #[must_use]
     pub fn surface(&self, floor: f64) -> SurfaceMesh {
         let [nx, ny] = self.grid.count;
         let n = self.grid.len();

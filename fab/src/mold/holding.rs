@@ -102,9 +102,6 @@ pub enum PinError {
 }
 
 /// Holds the core `index` of a body, on its stub in an inlet, by pins if it needs them or they are asked for.
-///
-/// # Errors
-/// [`PinError`] if a pin that was asked for finds no place.
 pub fn hold(
     name: &str,
     (body, index): (&CastBody, usize),

@@ -141,9 +141,6 @@ pub enum MoldError {
 
 impl Mold {
     /// The mold of a body whose chamber comes into it by `method`.
-    ///
-    /// # Errors
-    /// [`MoldError`] if it cannot be made as configured.
     pub fn new(
         boundary: &Boundary,
         orientation: &Orientation,
@@ -206,7 +203,6 @@ impl Mold {
     }
 
     /// Volume of the box that the outside replaces, less the outside [m³].
-    #[must_use]
     pub fn saved(&self) -> f64 {
         self.block.solid().volume() - self.outside.volume()
     }

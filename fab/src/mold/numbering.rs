@@ -32,7 +32,6 @@ pub struct Numbers<'a> {
 
 impl<'a> Numbers<'a> {
     /// None yet, below a piece that holds these stubs.
-    #[must_use]
     pub fn new(holder: &'a Solid, stands: &[Vec<Print>]) -> Self {
         let axes = stands.iter().flatten().map(|print| print.stub.base).collect();
         let dots = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
@@ -89,7 +88,6 @@ impl<'a> Numbers<'a> {
     }
 
     /// What has to be marked by hand.
-    #[must_use]
     pub fn finding(self) -> Option<Finding> {
         let count = self.without.len();
         let places = self.without.join(", ");

@@ -47,7 +47,6 @@ pub struct Site {
 
 impl Split {
     /// A plane at height `z` [m].
-    #[must_use]
     pub fn plane(site: &Site, z: f64) -> Self {
         let beyond = Vec3::repeat(BEYOND);
         let mut top = site.max + beyond;
@@ -57,7 +56,6 @@ impl Split {
     }
 
     /// A height field for the part bounded by `filled`.
-    #[must_use]
     pub fn height_field(site: &Site, filled: &SurfaceMesh, settings: &HeightFieldConfig) -> Self {
         let corner = |p: &Vec3| [p.x, p.y];
         let grid = Grid::over(corner(&site.min), corner(&site.max), settings.cell);
@@ -78,20 +76,17 @@ impl Split {
     }
 
     /// The split with its solid turned.
-    #[must_use]
     pub fn turned(self, turn: Turn) -> Self {
         Self { below: self.below.transform(&affine(turn)), ..self }
     }
 }
 
 /// A turn as an affine map.
-#[must_use]
 pub fn affine(turn: Turn) -> Matrix3x4<f64> {
     turn.0.insert_column(3, 0.0)
 }
 
 /// A frustum with its coordinates turned.
-#[must_use]
 pub fn turned(frustum: &Frustum, turn: Turn) -> Frustum {
     Frustum { base: turn.0 * frustum.base, axis: turn.0 * frustum.axis, ..frustum.clone() }
 }
@@ -128,7 +123,6 @@ pub struct Sides {
 
 /// Divides `region` without the part by a split. Crumbs, pieces cut off on one
 /// side, go to the other side, to which they are attached by the parting surface.
-#[must_use]
 pub fn divide(region: &Solid, part: &Solid, split: &Split) -> Sides {
     // The part is subtracted last: where it lies flat on the parting surface,
     // only a difference leaves no film without thickness.

@@ -54,7 +54,6 @@ pub struct Feature {
 
 impl Purpose {
     /// The name in reports.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Sprue => "sprue",
@@ -70,7 +69,6 @@ impl Purpose {
 }
 
 /// Pieces with all features cut out of each of them.
-#[must_use]
 pub fn cut(pieces: Vec<Piece>, features: &[Feature]) -> Vec<Piece> {
     features.iter().fold(pieces, |pieces, feature| {
         let hole = feature.frustum.solid();
@@ -80,9 +78,6 @@ pub fn cut(pieces: Vec<Piece>, features: &[Feature]) -> Vec<Piece> {
 }
 
 /// A piece without films of rounding.
-///
-/// # Errors
-/// [`MoldError::Pieces`] if what is left is not connected.
 pub fn connected(piece: Piece) -> Result<Piece, MoldError> {
     let mut bodies = piece.solid.decompose();
     if bodies.len() < 2 {

@@ -43,9 +43,6 @@ pub struct VentError {
 }
 
 /// Finds the places for sprue and vents; `filled` is the boundary in the mold's frame.
-///
-/// # Errors
-/// [`VentError`] if the vertical through `sprue.at` misses the part.
 pub fn places(
     boundary: &Boundary,
     frame: &Frame,

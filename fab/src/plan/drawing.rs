@@ -32,9 +32,6 @@ const VIEW: View = View { azimuth: -58.0, elevation: 38.0 };
 const RANGE: f64 = 0.5;
 
 /// Draws every casting as seen along the pull, and against it.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn draw(path: &Path, plan: &Plan) -> Result<(), IoError> {
     let deepest = plan.castings.iter().flat_map(|casting| &casting.undercut);
     let max = deepest.fold(RANGE, |max, depth| max.max(depth * MM));

@@ -73,7 +73,6 @@ pub struct Cut {
 
 impl Cut {
     /// In words, with numbers.
-    #[must_use]
     pub fn describe(&self) -> String {
         format!(
             "{} hides {:.2} % of the outside and {:.2} % of the core, and glues {:.0} mm²",
@@ -88,7 +87,6 @@ impl Cut {
 /// The plane through the middle of the chamber that leaves least in undercuts, or the one asked for.
 /// If that does not free the cores, by an undercut of at most `peel` over its width, the plane
 /// that leaves least of those that do.
-#[must_use]
 pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3], peel: f64) -> Cut {
     let asked = gluing.normal.map(|n| vec![Vec3::from(n).normalize()]);
     let normals = asked.unwrap_or_else(|| normals.to_vec());
@@ -163,7 +161,6 @@ pub struct Flat {
 
 /// The flat wall that covers most of the chamber's outline, of several chambers one on which all of
 /// them stand if there is any.
-#[must_use]
 pub fn flattest(boundary: &Boundary) -> Option<Flat> {
     let flats = walls(boundary).into_iter().map(|normal| {
         let top = boundary.cores.iter().flat_map(|core| &core.surface.vertices);

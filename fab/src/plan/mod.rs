@@ -144,17 +144,11 @@ pub enum PlanError {
 
 impl Plan {
     /// Measures a body and chooses.
-    ///
-    /// # Errors
-    /// [`PlanError`] if it cannot be molded, or not as the configuration asks.
     pub fn new(boundary: &Boundary, config: &Config) -> Result<Self, PlanError> {
         Self::without(&[], boundary, config)
     }
 
     /// Plans as [`Self::new`] does, without methods that were tried.
-    ///
-    /// # Errors
-    /// [`PlanError`] if none of the others can be used, or not as the configuration asks.
     pub fn without(
         refused: &[Refused],
         boundary: &Boundary,
@@ -190,7 +184,6 @@ impl Plan {
     }
 
     /// What to do with the castings, in order.
-    #[must_use]
     pub fn steps(&self) -> Vec<String> {
         verdict::steps(self)
     }
@@ -199,9 +192,6 @@ impl Plan {
 impl Casting {
     /// A casting whose shells part as is best or as the configuration asks; `filled` is
     /// the portion without its chamber.
-    ///
-    /// # Errors
-    /// [`PlanError::Locked`] if it cannot be peeled out.
     pub fn new(
         name: &str,
         filled: &SurfaceMesh,

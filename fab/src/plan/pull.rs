@@ -61,13 +61,11 @@ pub struct Choice {
 
 impl Choice {
     /// Depth of the worst undercut over the width of what must give way [1].
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         self.worst.map_or(0.0, |worst| worst.ratio)
     }
 
     /// The plane on which the shells part, as a view sees it; none if it is not one.
-    #[must_use]
     pub fn plane(&self) -> Option<undercut::PartingHeight> {
         match self.parting {
             PartingSurface::Plane(position) => Some(undercut::PartingHeight::Plane(position)),
@@ -78,7 +76,6 @@ impl Choice {
 
 /// The undercuts of a body along a hemisphere of directions, `up`, coordinate axes across it and
 /// other directions across it; the least come first.
-#[must_use]
 pub fn directions(body: &SurfaceMesh, up: &Vec3) -> Vec<DirectionUndercut> {
     let spiral = hemisphere().map(|pull| (pull, false));
     let usable = usable(up).into_iter().map(|pull| (pull, true));
@@ -123,7 +120,6 @@ pub fn usable(up: &Vec3) -> Vec<Vec3> {
 }
 
 /// The parting surface that leaves least in undercuts, or what the configuration asks for.
-#[must_use]
 pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) -> Choice {
     let directions = |pull: Option<[f64; 3]>| match pull {
         Some(pull) => vec![Vec3::from(pull).normalize()],
@@ -156,7 +152,6 @@ pub fn choose(body: &SurfaceMesh, up: &Vec3, portion: Portion, config: &Config) 
 
 /// The parting surface along or across `up` on which the silicone has to give way least for its
 /// width, whatever area that hides; `config` leaves it open.
-#[must_use]
 pub fn loosest(body: &SurfaceMesh, up: &Vec3, portion: Portion) -> Option<Choice> {
     let choices = usable(up).into_iter().flat_map(|pull| {
         let along_up = pull.dot(up) > ALONG;
@@ -171,7 +166,6 @@ pub fn loosest(body: &SurfaceMesh, up: &Vec3, portion: Portion) -> Option<Choice
 }
 
 /// The plane that contains `up` and leaves least in undercuts.
-#[must_use]
 pub fn sideways(body: &SurfaceMesh, up: &Vec3) -> Choice {
     let across = usable(up).into_iter().filter(|pull| pull.dot(up).abs() < 1e-9);
     let options = across.map(|pull| (pull, planes(body, &pull, false, Portion::Whole)));
@@ -264,7 +258,6 @@ fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFiel
 }
 
 /// A plane n·p = offset [m] in words: by the coordinate that it holds, or by its normal.
-#[must_use]
 pub fn plane(normal: &Vec3, offset: f64) -> String {
     let place = |sign: f64| rounded(sign * offset * 1e3, 2);
     for (name, along) in [("x", normal.x), ("y", normal.y), ("z", normal.z)] {
@@ -282,7 +275,6 @@ fn rounded(x: f64, digits: i32) -> f64 {
 }
 
 /// A direction in words.
-#[must_use]
 pub fn direction(d: &Vec3) -> String {
     let [x, y, z] = [d.x, d.y, d.z].map(|c| rounded(c, 3));
     match () {

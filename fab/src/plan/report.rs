@@ -144,7 +144,6 @@ pub enum Material {
 
 impl PlanReport {
     /// The report of a plan and of the molds made by it.
-    #[must_use]
     pub fn new(plan: &Plan, input: Input, molds: Vec<Entry>) -> Self {
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
@@ -164,9 +163,6 @@ impl PlanReport {
     }
 
     /// Reads the plan in `folder`.
-    ///
-    /// # Errors
-    /// If it cannot be read or is not a plan.
     pub fn read(folder: &Path) -> Result<Self, IoError> {
         let path = folder.join(FILE);
         let text = mesh::io::read_own_text(&path)?;
@@ -187,9 +183,6 @@ impl PlanReport {
     }
 
     /// Writes the plan into `folder`.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), IoError> {
         write_atomic(&folder.join(FILE), |out| {
             serde_json::to_writer_pretty(&mut *out, self)?;
@@ -199,7 +192,6 @@ impl PlanReport {
 }
 
 /// The molds of a plan, cores of wax first.
-#[must_use]
 pub fn entries(plan: &Plan, cores: usize) -> Vec<Entry> {
     let mut entries = Vec::new();
     if plan.method.core.is_cast() {

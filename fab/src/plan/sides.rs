@@ -13,7 +13,6 @@ use super::undercut::{PartingHeight, View};
 
 /// How sides above the height `joint` along `up` [m] separate. None if their undercuts, or
 /// those of the base below the joint, exceed `limit` of the widths of the silicone.
-#[must_use]
 pub fn instead(filled: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> Option<Choice> {
     let (above, below) = Solid::from_surface(filled).ok()?.split_by_plane(up, joint);
     if above.is_empty() || (!below.is_empty() && locks(&below.to_surface(), up, joint, limit)) {

@@ -90,7 +90,6 @@ struct Trapped {
 
 impl View {
     /// The body seen along `pull`.
-    #[must_use]
     pub fn along(body: &SurfaceMesh, pull: &Vec3) -> Self {
         let (frame, _) = Frame::new(*pull, *pull).expect("a direction is along itself");
         let rotation = frame.rotation;
@@ -104,27 +103,23 @@ impl View {
     }
 
     /// Lowest and highest point along the direction [m].
-    #[must_use]
     pub fn extent(&self) -> [f64; 2] {
         let (low, high) = bounds(&self.surface.vertices);
         [low.z, high.z]
     }
 
     /// Distance of the columns: smaller depths are not resolved [m].
-    #[must_use]
     pub fn resolution(&self) -> f64 {
         self.grid.step
     }
 
     /// Area covered by the body as seen [m²].
-    #[must_use]
     pub fn outline(&self) -> f64 {
         let covered = self.columns.iter().filter(|column| !column.is_empty()).count();
         covered as f64 * self.grid.step.powi(2)
     }
 
     /// The undercuts of the two shells of a parting surface.
-    #[must_use]
     pub fn undercut(&self, parting: PartingHeight) -> Undercut {
         let upper = self.side(parting, &self.columns, 1.0);
         let mirrored: Vec<Vec<Layer>> = self
@@ -257,14 +252,12 @@ impl View {
     }
 
     /// Where an undercut squeezes the body most for its width.
-    #[must_use]
     pub fn worst(&self, undercut: &Undercut) -> Option<Worst> {
         self.places(undercut).into_iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio))
     }
 
     /// Greatest depth over width of an undercut below a rigid body. What is trapped there gives
     /// way outward, on each side by itself, so that sides do not add up.
-    #[must_use]
     pub fn steepest(&self, undercut: &Undercut) -> f64 {
         let ratio = |place: Worst| place.depth / place.width.max(self.grid.step);
         self.places(undercut).into_iter().map(ratio).fold(0.0, f64::max)

@@ -54,7 +54,6 @@ pub struct Refused {
 
 impl<'a> Judge<'a> {
     /// Nothing is measured yet.
-    #[must_use]
     pub fn new(boundary: &'a Boundary, config: &'a Config, refused: &'a [Refused]) -> Self {
         let (measures, verdicts) = (Vec::new(), Vec::new());
         let (halves, flat, wall) = (None, None, None);
@@ -174,7 +173,6 @@ impl<'a> Judge<'a> {
     }
 
     /// Why a method that was judged is taken, and why those are not that come before it.
-    #[must_use]
     pub fn reason(&self, method: Method) -> String {
         let (own, others): (Vec<&Verdict>, _) =
             self.verdicts.iter().partition(|v| v.method == method);
@@ -387,7 +385,6 @@ fn required_stretch(core: &CoreBoundary, inlet: &Inlet) -> (f64, String) {
 }
 
 /// What to do with the castings, in order.
-#[must_use]
 pub fn steps(plan: &Plan) -> Vec<String> {
     (plan.method.steps)(plan.chambers).iter().map(|step| (*step).to_string()).collect()
 }

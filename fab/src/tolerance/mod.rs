@@ -44,7 +44,6 @@ pub struct Study {
 
 impl Response {
     /// Puts the three runs of a number side by side.
-    #[must_use]
     pub fn new(name: String, unit: &'static str, [nominal, thin, thick]: [f64; 3]) -> Self {
         let width = nominal.max(thin).max(thick) - nominal.min(thin).min(thick);
         let spread = (nominal != 0.0).then(|| 100.0 * width / nominal.abs());

@@ -42,7 +42,6 @@ pub struct Cut {
 
 impl Cut {
     /// The plane at a coordinate [m] on the axis x, y or z; none on another.
-    #[must_use]
     pub fn new(axis: &str, level: f64) -> Option<Self> {
         let axis = ["x", "y", "z"].iter().position(|name| *name == axis)?;
         Some(Self { axis, level })
@@ -55,9 +54,6 @@ impl Cut {
 }
 
 /// The mesh with its boundary moved outward by `distance` [m], inward if it is negative; cuts stay in their planes.
-///
-/// # Errors
-/// [`OffsetError`] if a tetrahedron would not have positive volume.
 pub fn offset(mesh: &TetMesh, distance: f64, cuts: &[Cut]) -> Result<TetMesh, OffsetError> {
     let facets = topology::boundary(mesh).facets;
     let near = IN_PLANE * measure::mean_edge(&mesh.vertices, &facets);

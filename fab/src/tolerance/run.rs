@@ -25,9 +25,6 @@ pub struct Solver {
 
 impl Solver {
     /// Simulates `mesh` into `folder`.
-    ///
-    /// # Errors
-    /// If the program cannot be run, or its result may not be used.
     pub fn run(&self, mesh: &Path, folder: &Path) -> Result<Run> {
         let mesh = match &self.body {
             Some(body) => format!("{body}={}", mesh.display()),

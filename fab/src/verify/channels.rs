@@ -152,7 +152,6 @@ fn seated(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
 
 impl Outline {
     /// The frustum as it was cut [mm].
-    #[must_use]
     pub fn exact(&self) -> Solid {
         Solid::cylinder(
             &Vec3::from(self.base),

@@ -74,7 +74,6 @@ impl Files {
     }
 
     /// The rotation of a part from its file to the closed mold.
-    #[must_use]
     pub fn turn(part: &Part) -> Matrix3<f64> {
         Matrix3::from_fn(|i, j| part.to_mold[i][j])
     }
@@ -121,7 +120,6 @@ impl ClosedMold {
     ///
     /// # Panics
     /// If a surface is not closed, oriented and manifold.
-    #[must_use]
     pub fn new(files: Files) -> Self {
         let Files { report, parts, cast, outside } = files;
         let points: Vec<Vec3> = parts.iter().flat_map(|s| s.vertices.iter().copied()).collect();
@@ -154,7 +152,6 @@ impl ClosedMold {
     }
 
     /// Largest change of a volume with this boundary area by rounding [mm³].
-    #[must_use]
     pub fn volume_rounding(&self, area: f64) -> f64 {
         self.rounding * area
     }
@@ -180,7 +177,6 @@ impl Body {
 
 impl Outline {
     /// The frustum, a little wider than it was cut so that rounding leaves no film beside it [mm].
-    #[must_use]
     pub fn solid(&self) -> Solid {
         const WIDER: f64 = 1e-3;
         let frustum = crate::geometry::frustum::Frustum {

@@ -90,27 +90,23 @@ pub struct Line {
 
 impl Line {
     /// A check that holds if `holds`.
-    #[must_use]
     pub fn new(name: impl Into<String>, holds: bool, found: String, needed: &str) -> Self {
         let status = if holds { Status::Ok } else { Status::Fail };
         Self { status, name: name.into(), found, needed: needed.into() }
     }
 
     /// The core that does not stay in its place, if that is what fails here.
-    #[must_use]
     pub fn leaning(&self) -> Option<&str> {
         self.name.strip_suffix(holding::STAYS).filter(|_| self.status == Status::Fail)
     }
 
     /// A measure that must not exceed a limit.
-    #[must_use]
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64, unit: &str) -> Self {
         let found = format!("{} {unit}", number(value));
         Self::new(name, value <= limit, found, &format!("at most {} {unit}", number(limit)))
     }
 
     /// Adds the place in the mold [mm] to a check that does not hold.
-    #[must_use]
     pub fn placed(mut self, at: &Vec3) -> Self {
         if self.status != Status::Ok {
             self.found += &format!(" at ({:.2}, {:.2}, {:.2})", at.x, at.y, at.z);
@@ -119,7 +115,6 @@ impl Line {
     }
 
     /// A measure that must reach a limit.
-    #[must_use]
     pub fn at_least(name: impl Into<String>, value: f64, limit: f64, unit: &str) -> Self {
         let found = format!("{} {unit}", number(value));
         Self::new(name, value >= limit, found, &format!("at least {} {unit}", number(limit)))
@@ -163,9 +158,6 @@ pub struct Against<'a> {
 
 /// All checks of the molds in `folder`: of that of its mold.json, or of all that its
 /// plan.json lists.
-///
-/// # Errors
-/// If there is no readable report in the folder, or no folder of the simulation.
 pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     if let Some(simulation) = against.simulation.filter(|folder| !folder.is_dir()) {
         let message = "there is no such folder; --simulation takes that of `solver simulate`";
@@ -284,7 +276,6 @@ fn shapes(
 
 /// The checks of what holds the cores of a mold that is not yet written, with `surfaces` as for
 /// [`before_writing`].
-#[must_use]
 pub fn held(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Line> {
     let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
     holding::checks(&ClosedMold::new(files))
@@ -292,7 +283,6 @@ pub fn held(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Line> {
 
 /// The checks of a mold that is not yet written. `surfaces` are those of the files in the
 /// order of the report, valid and in millimetres; `against` names what is molded.
-#[must_use]
 pub fn before_writing(
     report: &MoldReport,
     surfaces: &[SurfaceMesh],

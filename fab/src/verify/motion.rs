@@ -21,9 +21,6 @@ pub struct Motion {
 
 impl Motion {
     /// Reads the mesh as modelled at `path` and the design.
-    ///
-    /// # Errors
-    /// If one cannot be read, or both have other facets.
     pub fn new(path: &Path, origins: &Origins) -> Result<Self, String> {
         let read = |path: &Path| read_tets(path).map_err(|e| e.to_string());
         let [modelled, design] = [read(path)?.mesh, read(&origins.design)?.mesh];

@@ -49,9 +49,6 @@ impl Origins {
     }
 
     /// The whole body that is to be cast, of the surface `casts`, with its collars and its groove, in the mold's millimetres.
-    ///
-    /// # Errors
-    /// If a file cannot be read or has changed, or collars do not bound a solid with the body.
     pub fn whole(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
         let plain = self.plain(report, casts)?;
         let Some(groove) = &report.groove else { return Ok(plain) };
@@ -60,9 +57,6 @@ impl Origins {
     }
 
     /// The body of [`Self::whole`] without its groove.
-    ///
-    /// # Errors
-    /// As for [`Self::whole`].
     pub fn plain(&self, report: &MoldReport, casts: Casts) -> Result<SurfaceMesh, String> {
         let of_model = casts != Casts::Mesh;
         if of_model {

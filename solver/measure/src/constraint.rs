@@ -90,7 +90,6 @@ pub struct DraftConfig {
 
 impl ConstraintConfig {
     /// What reports call it.
-    #[must_use]
     pub fn name(&self) -> &str {
         match self {
             Self::Wall(wall) => &wall.name,
@@ -102,7 +101,6 @@ impl ConstraintConfig {
     }
 
     /// What it says of a probe, if it does.
-    #[must_use]
     pub fn bound(&self) -> Option<&ProbeBound> {
         match self {
             Self::Probe(bound) => Some(bound),
@@ -111,7 +109,6 @@ impl ConstraintConfig {
     }
 
     /// What it says of the slope of the pressure, if it does.
-    #[must_use]
     pub fn slope(&self) -> Option<&SlopeBound> {
         match self {
             Self::Slope(bound) => Some(bound),
@@ -120,13 +117,11 @@ impl ConstraintConfig {
     }
 
     /// Whether it is kept by the shape alone, without a run.
-    #[must_use]
     pub fn is_of_shape(&self) -> bool {
         self.bound().is_none() && self.slope().is_none()
     }
 
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("constraint").named(self.name())
     }
@@ -243,7 +238,6 @@ enum Form {
 
 impl Constraint {
     /// The least wall or core [m], or the sine of the least draft [1]: c is what was measured less this.
-    #[must_use]
     pub fn least(&self) -> f64 {
         match &self.form {
             Form::Wall { least, .. } | Form::Core { least, .. } => *least,
@@ -252,7 +246,6 @@ impl Constraint {
     }
 
     /// A number of it, which `least` is, in words.
-    #[must_use]
     pub fn in_words(&self, number: f64) -> String {
         match &self.form {
             Form::Draft { .. } => format!("{:.2}°", number.clamp(-1.0, 1.0).asin().to_degrees()),
@@ -261,7 +254,6 @@ impl Constraint {
     }
 
     /// How far c may be below 0 at the end.
-    #[must_use]
     pub fn tolerance(&self) -> f64 {
         match &self.form {
             Form::Wall { least, .. } | Form::Core { least, .. } => TOLERANCE * least,
@@ -270,7 +262,6 @@ impl Constraint {
     }
 
     /// The inequalities that may be violated once every vertex has moved by at most `motion` [m].
-    #[must_use]
     pub fn near(&self, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
         match &self.form {
             Form::Wall { walls, least } => {
@@ -307,7 +298,6 @@ fn near_pairs(
 }
 
 /// The distance of each vertex and edge that comes first in pairs from its closest partner, where they do not touch.
-#[must_use]
 pub fn distances(pairs: Vec<Pair>, x: &[Vec3]) -> Vec<Inequality> {
     let mut closest: BTreeMap<[usize; 2], (f64, Pair)> = BTreeMap::new();
     for pair in pairs {

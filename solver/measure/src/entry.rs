@@ -49,19 +49,16 @@ pub struct Entry<C> {
 
 impl<C: Common> Entry<C> {
     /// What reports call it.
-    #[must_use]
     pub fn name(&self) -> &str {
         self.common.name()
     }
 
     /// The row of the table.
-    #[must_use]
     pub fn kind(&self) -> &'static Kind {
         self.kind
     }
 
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         C::LIST.title(self.name())
     }
@@ -85,7 +82,6 @@ impl<C: Common> Entry<C> {
     }
 
     /// The keys that all entries of the list have, with what they mean.
-    #[must_use]
     pub fn common_keys() -> Vec<Key> {
         keys_of::<C>()
     }

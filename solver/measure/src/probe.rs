@@ -54,7 +54,6 @@ pub struct Probe {
 }
 
 /// Values of probes at a state, by their names, in the units of their kinds.
-#[must_use]
 pub fn measure(probes: &[Probe], problem: &Problem, at: &Iterate) -> BTreeMap<String, f64> {
     let (mut contact, mut reaction) = (Vec::new(), Vec::new());
     if probes.iter().any(|probe| probe.quantity.uses_contact()) {

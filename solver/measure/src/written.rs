@@ -25,7 +25,6 @@ pub enum Names {
 
 impl Names {
     /// All names.
-    #[must_use]
     pub fn all(&self) -> &[String] {
         match self {
             Self::One(name) => std::slice::from_ref(name),
@@ -35,7 +34,6 @@ impl Names {
 }
 
 /// What is wrong with an expression, with what may have been meant by a name that nobody knows.
-#[must_use]
 pub fn proposed(error: &Malformed) -> String {
     let near = error.unknown().map(|u| did_you_mean(&u.name, u.known.iter().map(|k| &k[..])));
     format!("{error}{}", near.unwrap_or_default())

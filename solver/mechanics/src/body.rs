@@ -100,7 +100,6 @@ pub struct Part {
 
 impl Body {
     /// One body; its boundary is extracted once.
-    #[must_use]
     pub fn new(mesh: TetMesh, tags: Tags) -> Self {
         let part = Part { name: None, tets: 0..mesh.tets.len(), vertices: 0..mesh.vertices.len() };
         Self::with_parts(mesh, tags, vec![part])
@@ -108,7 +107,6 @@ impl Body {
 
     /// The bodies one by one, with their own tags; the name is none if there is only
     /// one.
-    #[must_use]
     pub fn separate(&self) -> Vec<(Option<String>, TetMesh, Tags)> {
         self.parts.iter().map(|part| self.one(part)).collect()
     }
@@ -144,7 +142,6 @@ impl Body {
     }
 
     /// The bodies of [`Self::separate`] in one.
-    #[must_use]
     pub fn join(mut bodies: Vec<(Option<String>, TetMesh, Tags)>) -> Self {
         if bodies.len() == 1 && bodies[0].0.is_none() {
             let (_, mesh, tags) = bodies.remove(0);
@@ -157,7 +154,6 @@ impl Body {
     }
 
     /// Several bodies, whose tags are called `name.tag` from now on.
-    #[must_use]
     pub fn of_several(bodies: Vec<(String, TetMesh, Tags)>) -> Self {
         let mut mesh = TetMesh { vertices: Vec::new(), tets: Vec::new() };
         let (mut tags, mut parts) = (Tags::default(), Vec::new());
@@ -217,14 +213,12 @@ impl Body {
     }
 
     /// Tags of the cut in each plane of symmetry, as [`Self::cut_by`] takes them.
-    #[must_use]
     pub fn cuts(&self) -> Vec<Vec<String>> {
         self.planes.iter().map(|plane| plane.tags.clone()).collect()
     }
 
     /// All boundary facets, oriented out of the solid; of a part of a symmetric body those
     /// of the whole, without the cuts.
-    #[must_use]
     pub fn boundary(&self) -> &[[usize; 3]] {
         &self.boundary
     }
@@ -244,7 +238,6 @@ impl Body {
 
     /// The tetrahedra of a volume of a body, by its place among all; none where there is no volume
     /// of this name.
-    #[must_use]
     pub fn volume(&self, part: usize, name: &str) -> Range<usize> {
         let part = &self.parts[part];
         let full =
@@ -254,7 +247,6 @@ impl Body {
     }
 
     /// The body that a vertex belongs to.
-    #[must_use]
     pub fn part_of(&self, vertex: usize) -> usize {
         self.parts.partition_point(|part| part.vertices.end <= vertex)
     }

@@ -50,7 +50,6 @@ impl Need {
     }
 
     /// What a user should know before the first factorisation.
-    #[must_use]
     pub fn describe(&self, available: Option<usize>) -> String {
         let of = available.map_or_else(String::new, |a| format!(" of {} available", size(a)));
         format!(

@@ -62,14 +62,12 @@ pub struct OffThePart {
 impl RigidSet {
     /// Some nodes without repetition, with the positions of all nodes at rest [m]. Of nodes that do as well, the first is
     /// a master. None where there are no nodes.
-    #[must_use]
     pub fn new(nodes: &[usize], positions: &[Vec3], moves: Moves) -> Option<Self> {
         Self::hinged(nodes, &[], positions, moves)
     }
 
     /// As [`Self::new`], for a part that is hinged: the nodes in `held` are a point, or lie on a straight line. They are the
     /// first masters, so that the others of them follow no other node.
-    #[must_use]
     pub fn hinged(
         nodes: &[usize],
         held: &[usize],
@@ -98,25 +96,21 @@ impl RigidSet {
     }
 
     /// The nodes whose motion is that of all.
-    #[must_use]
     pub fn masters(&self) -> &[usize] {
         &self.masters
     }
 
     /// The other nodes, each with the weights of the masters.
-    #[must_use]
     pub fn followers(&self) -> &[(usize, Vec<f64>)] {
         &self.followers
     }
 
     /// Principal axes in columns, those in which the part has an extent.
-    #[must_use]
     pub fn axes(&self) -> &DMatrix<f64> {
         &self.axes
     }
 
     /// Root mean square extents along the principal axes [m].
-    #[must_use]
     pub fn extents(&self) -> &[f64] {
         &self.extents
     }
@@ -153,7 +147,6 @@ impl RigidSet {
 
     /// Rows m_j, one for each master, with which Σ_j x_j m_jᵀ = F S: the part's deformation gradient along its
     /// principal axes, each scaled by the extent [m].
-    #[must_use]
     pub fn scaled_gradients(&self) -> DMatrix<f64> {
         let dimension = self.extents.len();
         if self.masters.len() == 1 {

@@ -81,7 +81,6 @@ pub struct Stretches {
 
 impl Stretches {
     /// Stretches at the displacement u.
-    #[must_use]
     pub fn of(space: &FunctionSpace, rest: &[Vec3], u: &[f64], limits: Vec<Limits>) -> Self {
         let ranges = fill(space.tets().len(), 1, Strain::NONE, |range, ranges| {
             for (e, own) in range.zip(ranges) {
@@ -108,7 +107,6 @@ impl Stretches {
     }
 
     /// The warnings for the user.
-    #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let extrapolated = self.materials.iter().filter_map(Strained::warning);
         let torn = self.at_break.filter(|at_break| self.largest.stretch >= *at_break);
@@ -222,7 +220,6 @@ pub struct LargestStretch {
 
 impl LargestStretch {
     /// At the displacement u.
-    #[must_use]
     pub fn of(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Self {
         let count = space.tets().len();
         let each = fill(count, 1, (f64::NEG_INFINITY, 0), |range, each| {
@@ -245,7 +242,6 @@ impl LargestStretch {
     }
 
     /// ∂s/∂u, three components per node, and ∂s/∂X [1/m], three per vertex.
-    #[must_use]
     pub fn partials(
         &self,
         space: &FunctionSpace,

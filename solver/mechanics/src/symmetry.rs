@@ -137,44 +137,37 @@ impl Plane {
     }
 
     /// Whether a vertex is of the cut.
-    #[must_use]
     pub fn contains(&self, vertex: usize) -> bool {
         self.vertices.binary_search(&vertex).is_ok()
     }
 
     /// Whether a facet is of the cut.
-    #[must_use]
     pub fn has_facet(&self, facet: [usize; 3]) -> bool {
         self.facets.contains(&facet_key(facet))
     }
 
     /// Vertices of the cut, ascending.
-    #[must_use]
     pub fn vertices(&self) -> &[usize] {
         &self.vertices
     }
 
     /// How far a point is from the plane, on the body's side [m].
-    #[must_use]
     pub fn height(&self, x: &Vec3) -> f64 {
         self.side * (x[self.axis] - self.level)
     }
 
     /// The mirror image of a point [m].
-    #[must_use]
     pub fn mirror(&self, mut x: Vec3) -> Vec3 {
         x[self.axis] = 2.0 * self.level - x[self.axis];
         x
     }
 
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> String {
         title(&self.tags)
     }
 
     /// The plane as an equation.
-    #[must_use]
     pub fn equation(&self) -> String {
         format!("{} = {:.6} m", AXES[self.axis], self.level)
     }
@@ -207,7 +200,6 @@ impl Plane {
 }
 
 /// What messages call the cut of some tags.
-#[must_use]
 pub fn title(tags: &[String]) -> String {
     format!("[[symmetry]] on \"{}\"", tags.join("\", \""))
 }

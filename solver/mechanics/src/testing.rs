@@ -197,7 +197,6 @@ pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
 ///
 /// # Panics
 /// Where the mesh is no eighth.
-#[must_use]
 pub fn balloon(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec3>) {
     let mesh = eighth_shell(levels, layers, BALLOON);
     // bulk modulus 2000 times the shear modulus 1
@@ -250,7 +249,6 @@ pub const BALLOON_MODULUS: f64 = 2.9995;
 
 /// Pressure over the shear modulus at a stretch of the inner wall of [`balloon`]: with W' = 2 (λ − λ⁻⁵) of the incompressible law,
 /// ∫ W'/(λ³ − 1) dλ between the stretches of both walls.
-#[must_use]
 pub fn balloon_pressure(inside: f64) -> f64 {
     let outside = (1.0 + (inside.powi(3) - 1.0) * BALLOON.powi(3)).cbrt();
     let part = |l: f64| 1.0 / l + 0.25 / l.powi(4);

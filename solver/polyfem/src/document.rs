@@ -33,9 +33,6 @@ pub struct Document {
 
 impl Document {
     /// Reads a JSON file.
-    ///
-    /// # Errors
-    /// When it cannot be read or is no JSON object.
     pub fn read(path: &Path) -> Result<Self> {
         let text = mesh::io::read_text(path)?;
         let root: Value = serde_json::from_str(&text)
@@ -49,7 +46,6 @@ impl Document {
     }
 
     /// The outermost object.
-    #[must_use]
     pub fn root(&self) -> Key<'_> {
         Key { document: self, pointer: String::new(), value: &self.root }
     }
@@ -57,7 +53,6 @@ impl Document {
     /// Keys in order, with what became of them. Keys that were not read get
     /// the reason of the longest prefix in `reasons`, patterns of pointers in
     /// which `*` is any one word, or else count as unknown.
-    #[must_use]
     pub fn fates(&self, reasons: &[(&str, &str)]) -> BTreeMap<String, Fate> {
         let mut fates = self.fates.borrow().clone();
         self.collect("", &self.root, reasons, &mut fates);
@@ -133,7 +128,6 @@ pub struct Key<'a> {
 
 impl<'a> Key<'a> {
     /// A member; none if it is absent or null.
-    #[must_use]
     pub fn get(&self, name: &str) -> Option<Key<'a>> {
         self.enter();
         let value = self.value.get(name).filter(|v| !v.is_null())?;
@@ -142,15 +136,11 @@ impl<'a> Key<'a> {
     }
 
     /// A member that must be there.
-    ///
-    /// # Errors
-    /// With what is needed.
     pub fn need(&self, name: &str, what: &str) -> Result<Key<'a>> {
         self.get(name).ok_or_else(|| self.wrong(&format!("there is no \"{name}\", {what}")))
     }
 
     /// The items of a list; of anything else, itself.
-    #[must_use]
     pub fn items(&self) -> Vec<Key<'a>> {
         self.enter();
         let Some(items) = self.value.as_array() else { return vec![self.clone()] };
@@ -167,7 +157,6 @@ impl<'a> Key<'a> {
     }
 
     /// Notes what it becomes; everything below it counts as translated, too.
-    #[must_use]
     pub fn becomes(self, what: &str) -> Self {
         self.note(Fate::Translated(what.to_owned()));
         self
@@ -188,7 +177,6 @@ impl<'a> Key<'a> {
     }
 
     /// An error at this place.
-    #[must_use]
     pub fn wrong(&self, what: &str) -> Error {
         let place = if self.pointer.is_empty() { "/" } else { &self.pointer };
         anyhow!("{}: {place}: {what}", self.document.path.display())
@@ -204,17 +192,11 @@ impl<'a> Key<'a> {
     }
 
     /// A finite number.
-    ///
-    /// # Errors
-    /// When it is none.
     pub fn number(&self) -> Result<f64> {
         self.value.as_f64().filter(|n| n.is_finite()).ok_or_else(|| self.instead("a number"))
     }
 
     /// A positive number.
-    ///
-    /// # Errors
-    /// When it is none.
     pub fn positive(&self) -> Result<f64> {
         self.number()
             .ok()
@@ -223,50 +205,32 @@ impl<'a> Key<'a> {
     }
 
     /// A whole number that is not negative.
-    ///
-    /// # Errors
-    /// When it is none.
     pub fn count(&self) -> Result<usize> {
         let count = self.value.as_u64().and_then(|n| usize::try_from(n).ok());
         count.ok_or_else(|| self.instead("a whole number, 0 or more"))
     }
 
     /// The id of a selection or of a volume.
-    ///
-    /// # Errors
-    /// When it is no whole number.
     pub fn id(&self) -> Result<i64> {
         self.value.as_i64().ok_or_else(|| self.instead("a whole number"))
     }
 
     /// Ids, one or a list.
-    ///
-    /// # Errors
-    /// When one is no whole number.
     pub fn ids(&self) -> Result<Vec<i64>> {
         self.items().iter().map(Key::id).collect()
     }
 
     /// A text.
-    ///
-    /// # Errors
-    /// When it is none.
     pub fn text(&self) -> Result<&'a str> {
         self.value.as_str().ok_or_else(|| self.instead("a text in quotes"))
     }
 
     /// Yes or no.
-    ///
-    /// # Errors
-    /// When it is neither.
     pub fn flag(&self) -> Result<bool> {
         self.value.as_bool().ok_or_else(|| self.instead("true or false"))
     }
 
     /// `dimension` numbers.
-    ///
-    /// # Errors
-    /// When they are not as many, or no numbers.
     pub fn numbers(&self, dimension: usize) -> Result<Vec<f64>> {
         let items = self.value.as_array().filter(|items| items.len() == dimension);
         let numbers = items.and_then(|items| items.iter().map(Value::as_f64).collect());
@@ -274,9 +238,6 @@ impl<'a> Key<'a> {
     }
 
     /// A file name as seen from the folder of the document.
-    ///
-    /// # Errors
-    /// When it is no text.
     pub fn file(&self) -> Result<PathBuf> {
         Ok(::scene::config::beside(&self.document.path, Path::new(self.text()?)))
     }

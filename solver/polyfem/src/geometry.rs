@@ -55,7 +55,6 @@ pub struct Geometry {
 }
 
 /// The tag of a selection.
-#[must_use]
 pub fn tag(id: i64) -> String {
     if id == UNSELECTED { "unselected".to_owned() } else { format!("s{id}") }
 }
@@ -81,9 +80,6 @@ impl Read {
 
 /// Reads, places and tags all bodies. Slabs are `thickness` thick, or else
 /// [`THIN`] times the mean edge of the body where it is smallest [m].
-///
-/// # Errors
-/// When a file is missing or malformed, or plane and other bodies are mixed.
 pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
     let (mut geometry, mut bodies) = (Geometry::default(), Vec::new());
     let mut names = Vec::new();

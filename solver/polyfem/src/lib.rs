@@ -57,9 +57,6 @@ pub struct Imported {
 }
 
 /// Reads a state or a run file and everything that it names.
-///
-/// # Errors
-/// With the file, the key, what was found and what is needed.
 pub fn read(path: &Path, options: &Options) -> Result<Imported> {
     if let Some(thickness) = options.thickness
         && !(thickness > 0.0 && thickness.is_finite())

@@ -19,13 +19,11 @@ pub struct Setting<'a> {
 
 impl Setting<'_> {
     /// Space dimensions of the values.
-    #[must_use]
     pub fn dimension(&self) -> usize {
         if self.clock.planar { 2 } else { 3 }
     }
 
     /// A tag as our scene calls it.
-    #[must_use]
     pub fn on(&self, solid: &Solid, tag: &str) -> String {
         if self.several { format!("{}.{tag}", solid.name) } else { tag.to_owned() }
     }
@@ -45,9 +43,6 @@ impl Setting<'_> {
 }
 
 /// Acceleration by gravity: minus the right-hand side.
-///
-/// # Errors
-/// When it is malformed.
 pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Vec<Amount>>> {
     let Some(key) = conditions.get("rhs") else { return Ok(None) };
     let key = key.becomes("gravity, with the opposite sign");
@@ -60,9 +55,6 @@ pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Vec<Amount>>> {
 }
 
 /// Writes all supports and loads.
-///
-/// # Errors
-/// When one is malformed.
 pub fn write(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<()> {
     let items = |name: &str| -> Vec<Key> {
         conditions.and_then(|c| c.get(name)).map(|key| key.items()).unwrap_or_default()
@@ -146,9 +138,6 @@ fn fixed(load: &Key, at: &Setting, text: &mut Text) -> Result<()> {
 }
 
 /// Writes the obstacles with their displacements.
-///
-/// # Errors
-/// When a displacement is malformed.
 pub fn write_obstacles(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<()> {
     let all = conditions.and_then(|c| c.get("obstacle_displacements"));
     let all = all.map(|key| key.items()).unwrap_or_default();
@@ -170,9 +159,6 @@ pub fn write_obstacles(conditions: Option<&Key>, at: &Setting, text: &mut Text) 
 }
 
 /// The initial velocity of a body, if it has one [m/s].
-///
-/// # Errors
-/// When it is malformed.
 pub fn velocity(root: &Key, solid: &Solid, dimension: usize) -> Result<Option<String>> {
     let all = root.get("initial_conditions").and_then(|c| c.get("velocity"));
     for item in all.map(|key| key.items()).unwrap_or_default() {

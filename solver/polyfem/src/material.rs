@@ -19,10 +19,6 @@ struct Translated {
 /// A plane NeoHookean body has λ = Eν/(1 − ν²) there. Its slab gets the E and ν
 /// that give the same λ and μ in space, with which its energy is the same:
 /// tr FᵀF − 3 of a plane strain is tr FᵀF − 2 in the plane.
-///
-/// # Errors
-/// When there is no material for this id, its law is unknown or a parameter
-/// missing.
 pub fn material(materials: &Key, id: i64, planar: bool) -> Result<String> {
     for key in materials.items() {
         let ids = key.get("id").map(|k| k.becomes("material").ids()).transpose()?;

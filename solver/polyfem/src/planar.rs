@@ -26,9 +26,6 @@ pub struct Plane {
 
 /// Reads the `v` and `f` lines of an OBJ file with two coordinates, or three
 /// of which the last is 0.
-///
-/// # Errors
-/// When it cannot be read, is no triangulation, or is not plane.
 pub fn read(path: &Path) -> Result<Plane> {
     let text = mesh::io::read_text(path)?;
     let mut plane = Plane::default();
@@ -66,13 +63,11 @@ pub fn read(path: &Path) -> Result<Plane> {
 
 impl Plane {
     /// Mean length of the edges [m].
-    #[must_use]
     pub fn mean_edge(&self) -> f64 {
         mesh::measure::mean_edge(&self.vertices, &self.triangles)
     }
 
     /// The slab; its sides, and its front and back.
-    #[must_use]
     pub fn extruded(&self, thickness: f64) -> (TetMesh, Vec<Facet>, Vec<[usize; 3]>) {
         let n = self.vertices.len();
         let above = self.vertices.iter().map(|v| v + thickness * Vec3::z());
@@ -105,7 +100,6 @@ impl Plane {
     }
 
     /// Whether an edge belongs to more than two triangles, or a triangle is flat.
-    #[must_use]
     pub fn flaw(&self) -> Option<String> {
         let mut edges: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         for (t, &[a, b, c]) in self.triangles.iter().enumerate() {

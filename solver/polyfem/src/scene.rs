@@ -49,9 +49,6 @@ pub struct Translated {
 }
 
 /// Reads a state file; `optimised` if an optimisation uses it.
-///
-/// # Errors
-/// With the file, the key, what was found and what is needed.
 pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<Translated> {
     let root = document.root();
     let mut notes = Vec::new();

@@ -62,9 +62,6 @@ impl Rule {
 
 /// The id of each facet of a body in `dimension` dimensions with these bounds
 /// [m]; [`UNSELECTED`] where no rule holds.
-///
-/// # Errors
-/// When the selection is malformed or its file cannot be read.
 pub fn select(
     selection: Option<&Key>,
     facets: &[Facet],

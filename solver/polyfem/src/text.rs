@@ -8,7 +8,6 @@ pub struct Text(pub String);
 
 impl Text {
     /// Begins with comments.
-    #[must_use]
     pub fn new(comments: &[String]) -> Self {
         let mut text = Self::default();
         for comment in comments {
@@ -43,19 +42,16 @@ impl Text {
 }
 
 /// A number that is read back as the same, and as no whole one.
-#[must_use]
 pub fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
 /// A text in quotes.
-#[must_use]
 pub fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
 /// A list of values in TOML.
-#[must_use]
 pub fn list(values: impl IntoIterator<Item = String>) -> String {
     format!("[{}]", values.into_iter().collect::<Vec<_>>().join(", "))
 }

@@ -37,13 +37,11 @@ pub enum Amount {
 
 impl Amount {
     /// Whether it is the number zero.
-    #[must_use]
     pub fn is_zero(&self) -> bool {
         *self == Self::Number(0.0)
     }
 
     /// Minus this.
-    #[must_use]
     pub fn negated(self) -> Self {
         match self {
             // 0.0 and not -0.0
@@ -54,7 +52,6 @@ impl Amount {
     }
 
     /// As it is written in a scene.
-    #[must_use]
     pub fn toml(&self) -> String {
         match self {
             Self::Number(value) => number(*value),
@@ -94,9 +91,6 @@ fn negated(text: &str) -> String {
 
 /// The value of a key: a number, an expression, or a list with one entry per
 /// time step or per entry of `times`, the times it is for.
-///
-/// # Errors
-/// When it is neither, or a list lacks a time step.
 pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
     if let Some(text) = key.value.as_str() {
         if let Ok(value) = text.trim().parse::<f64>() {
@@ -138,9 +132,6 @@ pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
 }
 
 /// Values of `dimension` components.
-///
-/// # Errors
-/// When there are not as many, or one is malformed.
 pub fn amounts(
     key: &Key,
     times: Option<&Key>,

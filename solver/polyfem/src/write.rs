@@ -17,7 +17,6 @@ const REPORT: &str = "import.report.json";
 
 impl Imported {
     /// Keys that have no part in our scene, by the reason.
-    #[must_use]
     pub fn left(&self) -> BTreeMap<String, Vec<String>> {
         let mut left: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for (document, reasons) in &self.documents {
@@ -32,16 +31,12 @@ impl Imported {
     }
 
     /// What the user should know: keys without a part, and choices made.
-    #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let line = |(why, keys): (String, Vec<String>)| format!("{why}: {}", keys.join(", "));
         self.left().into_iter().map(line).chain(self.scene.notes.iter().cloned()).collect()
     }
 
     /// Writes the scene; `sim.toml` appears last, when all that it names is there.
-    ///
-    /// # Errors
-    /// When a file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let _lock = program::FolderLock::new(folder)?;
         for name in [SCENE, DESIGN, REPORT] {

@@ -21,9 +21,6 @@ const MODES: [(&str, Mode); 4] = [
 
 /// Reads `kind`, the parameters of a law of a volume, and optionally `density`,
 /// `stretch_range`, `modes`, `stretch_at_break`, `creep` and `mullins`.
-///
-/// # Errors
-/// With what was found and what is needed.
 pub fn volume(table: &Table) -> Result<Specification> {
     let mut parameters = table.clone();
     let law = law(&mut parameters, material::LAWS, "solver list")?;
@@ -40,9 +37,6 @@ pub fn volume(table: &Table) -> Result<Specification> {
 }
 
 /// Reads `kind` and the parameters of a law of a sheet.
-///
-/// # Errors
-/// With what was found and what is needed.
 pub fn sheet(table: &Table) -> Result<sheet::Specification> {
     let mut parameters = table.clone();
     let law = law(&mut parameters, sheet::LAWS, "solver list --sheets")?;
@@ -50,9 +44,6 @@ pub fn sheet(table: &Table) -> Result<sheet::Specification> {
 }
 
 /// The law of a `kind`.
-///
-/// # Errors
-/// When there is none; the message lists those there are.
 pub fn find(kind: &str) -> Result<&'static Law> {
     find_in(material::LAWS, kind, "solver list")
 }
@@ -87,10 +78,6 @@ fn find_in<M: ?Sized + 'static>(
 }
 
 /// Reads the parameters of a law from a table, which must hold nothing else.
-///
-/// # Errors
-/// When one is missing, unknown, not a number or not finite, when lists
-/// differ in length, or when a modulus at rest is not positive.
 pub fn values<M: ?Sized + 'static>(law: &Law<M>, table: &Table) -> Result<Vec<f64>> {
     let is_known = |name: &String| law.parameters.iter().any(|p| p.name == *name);
     if let Some(name) = table.keys().find(|name| !is_known(name)) {
@@ -154,7 +141,6 @@ fn numbers(parameter: &Parameter, value: &Value) -> Result<Vec<f64>> {
 ///
 /// # Panics
 /// As [`Law::named`].
-#[must_use]
 pub fn written<M: ?Sized + 'static>(law: &Law<M>, numbers: &[f64]) -> Table {
     let value = |(p, values): (&Parameter, Vec<f64>)| {
         let mut items: Vec<_> = values.into_iter().map(Value::Float).collect();
@@ -165,7 +151,6 @@ pub fn written<M: ?Sized + 'static>(law: &Law<M>, numbers: &[f64]) -> Table {
 }
 
 /// The tables that [`volume`] reads, one for each law.
-#[must_use]
 pub fn volume_schemas() -> Vec<Schema> {
     let range = json!({
         "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
@@ -194,7 +179,6 @@ pub fn volume_schemas() -> Vec<Schema> {
 }
 
 /// The table of `kind` and the parameters of a law.
-#[must_use]
 pub fn schema<M: ?Sized>(law: &Law<M>) -> Schema {
     let limits = if law.limits.is_empty() { "" } else { ". Limits: " };
     let about = format!(

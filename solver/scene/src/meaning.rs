@@ -9,7 +9,6 @@ use mechanics::schedule::Malformed;
 use program::{KeyPath, Misfit, unknown};
 
 /// What an error of the mechanics means, if it is one.
-#[must_use]
 pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
     if let Some(error) = error.downcast_ref() {
         return Some(of_tag(error));
@@ -41,7 +40,6 @@ pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
 }
 
 /// Where a plane of symmetry is written that some tags are cut by.
-#[must_use]
 pub fn cut(tags: &[String]) -> KeyPath {
     let first = tags.first().map_or_else(KeyPath::default, |tag| KeyPath::word(tag));
     KeyPath::list("symmetry").with(first)

@@ -16,7 +16,6 @@ const ORDERING: f64 = 1.1e-5;
 
 /// What to say before the unknowns are put in order, which tells how much memory they need and takes long itself: where a
 /// compact body of as many unknowns would not fit.
-#[must_use]
 pub fn foretold(unknowns: usize) -> Option<String> {
     let n = unknowns as f64;
     let entries = COMPACT * n.powf(4.0 / 3.0);
@@ -34,9 +33,6 @@ pub fn foretold(unknowns: usize) -> Option<String> {
 }
 
 /// Whether a factorisation fits into the memory that is left.
-///
-/// # Errors
-/// [`Unusable`] if it does not: the input may be sound, and another machine can run it.
 pub fn require(need: Need) -> Result<(), Unusable> {
     need.check(available_memory()).map_err(|too_large| Unusable(too_large.to_string()))
 }

@@ -57,7 +57,6 @@ impl Silicone {
 
     /// What selects a fit after the name of the silicone and a slash: its source, or its law
     /// where it is not the first of that source.
-    #[must_use]
     pub fn selector(&self, fit: &Fit) -> &'static str {
         let first = self.fits.iter().find(|other| other.entry.source == fit.entry.source);
         match first.is_some_and(|first| std::ptr::eq(first, fit)) {
@@ -69,7 +68,6 @@ impl Silicone {
 
 impl Fit {
     /// Where the numbers come from, and their licence.
-    #[must_use]
     pub fn source(&self) -> &'static library::Source {
         self.entry.source()
     }
@@ -77,14 +75,12 @@ impl Fit {
 
 impl Named {
     /// The shear modulus, and what that is worth, in a line.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let words = self.silicone.entry.modulus_in_words(self.fit.entry);
         format!("{}: {words}", self.silicone.key)
     }
 
     /// For a report: name, source and test; shear modulus, and range of all sources [Pa].
-    #[must_use]
     pub fn report(&self) -> Value {
         let fit = self.fit.entry;
         json!({
@@ -101,7 +97,6 @@ impl Named {
 ///
 /// # Panics
 /// When a law of the library is wrong, which a test rules out.
-#[must_use]
 pub fn all() -> &'static [Silicone] {
     static ALL: LazyLock<Vec<Silicone>> = LazyLock::new(|| {
         let all = silicones().iter().chain(printed().iter());
@@ -126,9 +121,6 @@ fn modes(fit: &library::Fit) -> Vec<Mode> {
 }
 
 /// What a name stands for: `silicone`, `silicone/source` or `silicone/law`; the first that fits.
-///
-/// # Errors
-/// When there is none; the message lists those there are.
 pub fn find(name: &str) -> Result<Named> {
     let (key, which) = name.split_once('/').map_or((name, None), |(key, which)| (key, Some(which)));
     let silicone = all().iter().find(|s| s.key == key).ok_or_else(|| {

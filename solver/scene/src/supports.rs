@@ -34,9 +34,6 @@ pub struct Supports {
 impl Supports {
     /// Fixes the nodes of tags. Where tags meet, the first one owns what both
     /// fix. Motions must be defined and agree at the moments `times` [s].
-    ///
-    /// # Errors
-    /// When a tag is missing or two tags prescribe different displacements.
     pub fn new(
         configs: &[Fixed],
         times: &[f64],
@@ -68,7 +65,6 @@ impl Supports {
     }
 
     /// Whether some connected part of a range of vertices can move as a whole.
-    #[must_use]
     pub fn leave_loose(&self, space: &FunctionSpace, vertices: &Range<usize>) -> bool {
         parts(space).iter().any(|part| {
             let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
@@ -78,9 +74,6 @@ impl Supports {
     }
 
     /// As [`Self::new`], but no connected part can move as a rigid body.
-    ///
-    /// # Errors
-    /// As [`Self::new`], or when a part can.
     pub fn without_rigid_motions(
         configs: &[Fixed],
         times: &[f64],
@@ -93,13 +86,11 @@ impl Supports {
     }
 
     /// Whether any support moves.
-    #[must_use]
     pub fn move_at_all(&self) -> bool {
         self.motions.iter().any(|motion| motion.0.iter().any(|s| !s.is_zero()))
     }
 
     /// Displacement of the fixed degrees of freedom at a load [m], else zero.
-    #[must_use]
     pub fn displacement(&self, load: f64) -> Vec<f64> {
         let one = |(dof, owner): (usize, &Option<usize>)| {
             owner.map_or(0.0, |index| self.value(index, dof, load))
@@ -112,7 +103,6 @@ impl Supports {
     }
 
     /// Degrees of freedom that each tag holds. Several supports of one tag are one.
-    #[must_use]
     pub fn by_tag(&self) -> BTreeMap<String, Vec<usize>> {
         let mut held: BTreeMap<String, Vec<usize>> =
             self.tags.iter().map(|tag| (tag.clone(), Vec::new())).collect();
@@ -125,25 +115,21 @@ impl Supports {
     }
 
     /// Whether each degree of freedom is fixed.
-    #[must_use]
     pub fn fixed(&self) -> Vec<bool> {
         self.owner.iter().map(Option::is_some).collect()
     }
 
     /// Whether a component of a node is fixed at zero for all time.
-    #[must_use]
     pub fn stays(&self, node: usize, axis: usize) -> bool {
         self.owner[3 * node + axis].is_some_and(|i| self.motions[i].0[axis].is_zero())
     }
 
     /// Whether a component of a node is fixed.
-    #[must_use]
     pub fn holds(&self, node: usize, axis: usize) -> bool {
         self.owner[3 * node + axis].is_some()
     }
 
     /// Whether all components of a node are fixed.
-    #[must_use]
     pub fn clamps(&self, node: usize) -> bool {
         self.owner[3 * node..3 * node + 3].iter().all(Option::is_some)
     }
@@ -214,7 +200,6 @@ impl Supports {
     }
 
     /// The rigid motions of all connected parts that no support prevents.
-    #[must_use]
     pub fn free_motions(&self, space: &FunctionSpace) -> Vec<RigidMotion> {
         let of = |part: &Vec<usize>| {
             let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
@@ -264,7 +249,6 @@ pub struct RigidMotion {
 
 impl RigidMotion {
     /// Σ f · motion of forces on all degrees of freedom [N].
-    #[must_use]
     pub fn work(&self, forces: &[f64]) -> f64 {
         let one = |(n, motion): &(usize, Vec3)| {
             (0..3).map(|k| forces[3 * n + k] * motion[k]).sum::<f64>()

@@ -49,9 +49,6 @@ pub enum Verb {
 
 impl Verb {
     /// Does it.
-    ///
-    /// # Errors
-    /// Errors of the verb.
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments),

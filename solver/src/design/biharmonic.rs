@@ -48,9 +48,6 @@ pub enum WeightError {
 
 /// Weights of all handles, `[handle][vertex]`, for handles at vertices off the
 /// rim.
-///
-/// # Errors
-/// [`WeightError`] if the surface is degenerate.
 pub fn bounded_biharmonic(
     surface: &SurfaceMesh,
     rim: &[usize],

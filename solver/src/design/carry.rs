@@ -65,9 +65,6 @@ impl Wall {
 
 /// The shape `designed`, which has the boundary facets of the body `modelled`, on another mesh of that
 /// body. Their interiors may differ: a re-meshed interior leaves boundary vertices their numbers.
-///
-/// # Errors
-/// When the meshes do not belong together, a tag is missing, or elements turn over.
 pub fn carry(modelled: &Body, designed: &TetMesh, other: &Body) -> Result<Carried> {
     let [before, after] = [&modelled.mesh, designed].map(facets);
     ensure!(
@@ -100,9 +97,6 @@ pub fn carry(modelled: &Body, designed: &TetMesh, other: &Body) -> Result<Carrie
 }
 
 /// Checks that shapes which move facets with the tags of a body can be carried onto another mesh of it.
-///
-/// # Errors
-/// When a tag is missing, or the facets with one are too far apart.
 pub fn check_same_body(modelled: &Body, other: &Body, moving: &[String]) -> Result<()> {
     modelled.used_tags().try_for_each(|tag| same_facets(other, tag).map(drop))?;
     for tag in moving {

@@ -138,9 +138,6 @@ fn check_not_rigid(patches: &[Placed], rigid: &BTreeMap<usize, String>) -> Resul
 
 impl DesignMap {
     /// The map of one level on a body.
-    ///
-    /// # Errors
-    /// When a tag is missing or the handles cannot be placed.
     pub fn new(
         scene: &Scene,
         design: &DesignConfig,
@@ -166,26 +163,22 @@ impl DesignMap {
     }
 
     /// Number of design variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.shape_variables() + self.loads.variables()
     }
 
     /// Number of those of the shape, which come first.
-    #[must_use]
     pub fn shape_variables(&self) -> usize {
         self.patches.variables
     }
 
     /// Facets that move.
-    #[must_use]
     pub fn moving(&self) -> &[[usize; 3]] {
         &self.patches.moving
     }
 
     /// Mean edge length of the moving surface, of the whole boundary if none moves
     /// [m].
-    #[must_use]
     pub fn mean_edge(&self) -> f64 {
         self.mean_edge
     }
@@ -202,7 +195,6 @@ impl DesignMap {
     }
 
     /// Rest vertex positions with the moving surface at θ and all others at θ = 0 [m].
-    #[must_use]
     pub fn surface(&self, theta: &[f64]) -> Vec<Vec3> {
         let mut moved = self.rest.clone();
         for (patch, _, own) in self.each_patch(theta) {
@@ -214,7 +206,6 @@ impl DesignMap {
     }
 
     /// Rest vertex positions X(θ) [m].
-    #[must_use]
     pub fn shape(&self, theta: &[f64]) -> Vec<Vec3> {
         let Some(extension) = &self.extension else { return self.rest.clone() };
         let moved = self.surface(theta);
@@ -226,7 +217,6 @@ impl DesignMap {
 
     /// Variables at which the shape is that of the body, and the loads are those of another
     /// level, whose [`Self::loads`] they are; the scene's own without any.
-    #[must_use]
     pub fn start(&self, loads: &[f64]) -> Vec<f64> {
         let mut theta = vec![0.0; self.variables()];
         let own = &mut theta[self.shape_variables()..];
@@ -235,37 +225,31 @@ impl DesignMap {
     }
 
     /// Variables of the loads in mean edges, which mean the same in every level [1].
-    #[must_use]
     pub fn loads(&self, theta: &[f64]) -> Vec<f64> {
         self.load_variables(theta).iter().map(|own| own / self.mean_edge).collect()
     }
 
     /// Variables of the loads in the words of the scene, in the order of θ.
-    #[must_use]
     pub fn named_load_variables(&self) -> Vec<LoadVariable> {
         self.loads.named_variables()
     }
 
     /// Variables of the loads in θ [m].
-    #[must_use]
     pub fn load_variables<'a>(&self, theta: &'a [f64]) -> &'a [f64] {
         &theta[self.shape_variables()..]
     }
 
     /// Tag and pressures P_0, …, P_N of each designed pressure [Pa].
-    #[must_use]
     pub fn pressures(&self, theta: &[f64]) -> Vec<(String, Vec<f64>)> {
         self.loads.pressures(self.load_variables(theta))
     }
 
     /// Designed parameters of the scene by name.
-    #[must_use]
     pub fn parameters(&self, theta: &[f64]) -> BTreeMap<String, f64> {
         self.loads.numbers(self.load_variables(theta))
     }
 
     /// Largest motion of a vertex from θ = a to θ = b [m].
-    #[must_use]
     pub fn vertex_motion(&self, a: &[f64], b: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         for ((patch, _, a), (_, _, b)) in self.each_patch(a).zip(self.each_patch(b)) {
@@ -276,13 +260,11 @@ impl DesignMap {
     }
 
     /// [`Self::vertex_motion`], or the equivalent in a variable of a load if that is larger [m].
-    #[must_use]
     pub fn motion(&self, a: &[f64], b: &[f64]) -> f64 {
         self.scaled_motion(a, b, 1.0)
     }
 
     /// [`Self::motion`] where the motion of vertices counts so many times.
-    #[must_use]
     pub fn scaled_motion(&self, a: &[f64], b: &[f64], of_vertices: f64) -> f64 {
         let largest = of_vertices * self.vertex_motion(a, b);
         let from = self.shape_variables();
@@ -291,7 +273,6 @@ impl DesignMap {
     }
 
     /// dJ by the variables of the shape from dJ/dX, three components per vertex.
-    #[must_use]
     pub fn vjp(&self, theta: &[f64], by_rest: &[f64]) -> Vec<f64> {
         let mut gradient = Vec::with_capacity(self.variables());
         gradient.resize(self.shape_variables(), 0.0);
@@ -309,7 +290,6 @@ impl DesignMap {
 
     /// Derivatives by the variables of a number that depends on a few vertices of the surface, from those by their
     /// positions; variables without any are left out.
-    #[must_use]
     pub fn by_surface(&self, theta: &[f64], by: &[(usize, Vec3)]) -> Vec<(usize, f64)> {
         let mut all: BTreeMap<usize, f64> = BTreeMap::new();
         for (patch, start, own) in self.each_patch(theta) {
@@ -332,7 +312,6 @@ impl DesignMap {
 
     /// dJ/dX of the boundary when the interior follows it, three components per
     /// vertex, zero inside; as it is where nothing moves.
-    #[must_use]
     pub fn on_boundary(&self, by_rest: &[f64]) -> Vec<f64> {
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
         if let Some(extension) = &self.extension {
@@ -342,7 +321,6 @@ impl DesignMap {
     }
 
     /// What pressures with bounds are away from these [Pa], each with its derivatives by the variables.
-    #[must_use]
     pub fn pressures_within(&self, theta: &[f64]) -> Vec<(f64, Vec<(usize, f64)>)> {
         let first = self.shape_variables();
         let mut all = self.loads.pressures_within(&theta[first..]);
@@ -352,7 +330,6 @@ impl DesignMap {
 
     /// Smallest and largest value of each variable in an iteration from θ; none where
     /// nothing is bounded.
-    #[must_use]
     pub fn bounds(&self, theta: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.loads.variables() == 0 {
             return None;

@@ -46,7 +46,6 @@ pub struct Geodesics {
 
 impl Geodesics {
     /// Prepares a surface.
-    #[must_use]
     pub fn new(surface: &SurfaceMesh) -> Self {
         let length = |a: usize, b: usize| (surface.vertices[a] - surface.vertices[b]).norm();
         let mut sectors = Vec::with_capacity(3 * surface.triangles.len());
@@ -65,13 +64,11 @@ impl Geodesics {
 
     /// Distance of every vertex to the nearest of `sources` [m]; infinite on
     /// components without a source.
-    #[must_use]
     pub fn distances(&self, sources: &[usize]) -> Vec<f64> {
         self.within(sources, f64::INFINITY)
     }
 
     /// Distances of vertices up to `reach` [m]; those beyond are infinitely far.
-    #[must_use]
     pub fn within(&self, sources: &[usize], reach: f64) -> Vec<f64> {
         let mut distance = vec![f64::INFINITY; self.around.len()];
         let mut queue = BinaryHeap::new();

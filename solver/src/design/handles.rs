@@ -127,9 +127,6 @@ struct Site<'a> {
 
 /// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
 /// `spread`, and computes their weights. By each isometry of the patch in itself, `own`, a handle has an image.
-///
-/// # Errors
-/// [`HandleError`] if the patch has too few vertices or is degenerate.
 pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
@@ -259,16 +256,12 @@ fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
 
 impl Handles {
     /// These handles with another motion.
-    #[must_use]
     pub fn with(self, motion: HandleMotion) -> Self {
         Self { motion, ..self }
     }
 
     /// The handles of the image of the patch by an isometry, with the same variables; `rest`, `patch` and `held` are those of
     /// the image.
-    ///
-    /// # Errors
-    /// [`HandleError`] if the image has too few vertices or is degenerate.
     pub fn image(
         &self,
         by: &Isometry,
@@ -289,7 +282,6 @@ impl Handles {
     }
 
     /// Number of design variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.places().concat().into_iter().flatten().count()
     }
@@ -308,14 +300,12 @@ impl Handles {
     }
 
     /// Vertex ids of the patch, ascending, rim included.
-    #[must_use]
     pub fn vertices(&self) -> &[usize] {
         &self.vertices
     }
 
     /// Positions of the patch vertices for variables `theta` [m], from the rest
     /// positions `rest` of the whole mesh with which the handles were made.
-    #[must_use]
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
         let mut way = vec![Vec3::zeros(); self.vertices.len()];
         for (j, motion) in self.motions(theta).iter().enumerate() {
@@ -332,7 +322,6 @@ impl Handles {
     }
 
     /// (∂v'/∂θ)ᵀ `bar` for cotangents of the patch vertices.
-    #[must_use]
     pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         assert_eq!(bar.len(), self.vertices.len(), "one cotangent per patch vertex");
         let mut bar = bar.to_vec();

@@ -25,10 +25,6 @@ pub struct Flat {
 
 impl Flat {
     /// The vertices of the facets that move in a plane.
-    ///
-    /// # Errors
-    /// With the nearest vertex when no facet lies in the plane, or when a face that should give the
-    /// plane is not flat.
     pub fn find(keep: &KeepConfig, body: &Body, moving: &[[usize; 3]]) -> Result<Self> {
         let rest = &body.mesh.vertices;
         let tolerance = OFF_PLANE * mean_edge(rest, moving);
@@ -96,7 +92,6 @@ pub struct Held<'a> {
 
 impl Held<'_> {
     /// Unit normals of all planes, parallel ones once.
-    #[must_use]
     pub fn normals(&self) -> Vec<Vec3> {
         let across = self.planes.iter().map(|plane| Vec3::ith(plane.axis, 1.0));
         let mut normals: Vec<Vec3> = Vec::new();
@@ -109,7 +104,6 @@ impl Held<'_> {
     }
 
     /// Whether a vertex of the body does not move along a normal.
-    #[must_use]
     pub fn along(&self, vertex: usize, normal: &Vec3) -> bool {
         let by_plane =
             |p: &Plane| are_parallel(&Vec3::ith(p.axis, 1.0), normal) && p.contains(vertex);
@@ -120,7 +114,6 @@ impl Held<'_> {
 
     /// Orthonormal directions in which a vertex of the body does not move, and those in which it
     /// does.
-    #[must_use]
     pub fn directions(&self, vertex: usize) -> (Vec<Vec3>, Vec<Vec3>) {
         let normals = self.normals();
         let held = normals.into_iter().filter(|normal| self.along(vertex, normal));
@@ -142,7 +135,6 @@ impl Held<'_> {
 
     /// The vertices of a patch that do not move at all, ascending; `ids` are its vertices in the
     /// body.
-    #[must_use]
     pub fn rim(&self, surface: &SurfaceMesh, ids: &[usize]) -> Vec<usize> {
         let rim = open_rim(surface, ids, self.planes);
         if self.margin == 0.0 || rim.is_empty() {

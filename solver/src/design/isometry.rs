@@ -30,7 +30,6 @@ pub struct Isometry {
 
 impl Isometry {
     /// The map from the first tag of a symmetry to that at a place in it; of one tag alone, its image of this number.
-    #[must_use]
     pub fn of(symmetric: &SymmetricConfig, place: usize) -> Self {
         let axis = |axis: scene::config::Axis| Vec3::ith(axis as usize, 1.0);
         let about = |linear: Mat3, fixed: Vec3| Self { linear, shift: fixed - linear * fixed };
@@ -48,19 +47,16 @@ impl Isometry {
     }
 
     /// The images of a tag in itself; none of one that is no image of itself.
-    #[must_use]
     pub fn own(symmetric: &SymmetricConfig) -> Vec<Self> {
         (1..=symmetric.own_images()).map(|place| Self::of(symmetric, place)).collect()
     }
 
     /// g(x) [m].
-    #[must_use]
     pub fn image(&self, x: &Vec3) -> Vec3 {
         self.linear * x + self.shift
     }
 
     /// Whether a translation along an axis is its own image, and whether a rotation about it is.
-    #[must_use]
     pub fn keeps(&self, axis: usize) -> [bool; 2] {
         let along = Vec3::ith(axis, 1.0);
         let image = self.linear * along;
@@ -69,9 +65,6 @@ impl Isometry {
     }
 
     /// Checks that the image of a tag is where the other tag is; of each, its name and facets.
-    ///
-    /// # Errors
-    /// With the largest distance of a vertex of one from the other.
     pub fn check_there(
         &self,
         symmetric: &SymmetricConfig,

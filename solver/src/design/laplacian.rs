@@ -21,7 +21,6 @@ const DEGENERATE: f64 = 1e-8;
 pub type Rows = Vec<BTreeMap<usize, f64>>;
 
 /// L, and A_v of all vertices.
-#[must_use]
 pub fn cotangent_laplacian(surface: &SurfaceMesh) -> (Rows, Vec<f64>) {
     let n = surface.vertices.len();
     let (mut rows, mut areas) = (vec![BTreeMap::new(); n], vec![0.0; n]);

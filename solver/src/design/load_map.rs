@@ -66,9 +66,6 @@ pub struct LoadVariable {
 impl LoadMap {
     /// The map to the chambers of a scene, with a body whose moving surface has edges of about
     /// `edge` [m].
-    ///
-    /// # Errors
-    /// When the scene has no such pressure or parameter, or one outside its bounds.
     pub fn new(
         scene: &Scene,
         pressures: &[ChamberDesign],
@@ -235,13 +232,11 @@ impl LoadMap {
     }
 
     /// Number of design variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.curve_variables() + self.numbers.len()
     }
 
     /// Each design variable, in the order of θ.
-    #[must_use]
     pub fn named_variables(&self) -> Vec<LoadVariable> {
         let slopes = self.curves.iter().flat_map(|Curve { on, curve, .. }| {
             (1..=curve.variables()).map(move |step| LoadVariable {
@@ -283,13 +278,11 @@ impl LoadMap {
     }
 
     /// Tag and pressures P_0, …, P_N of each curve [Pa].
-    #[must_use]
     pub fn pressures(&self, theta: &[f64]) -> Vec<(String, Vec<f64>)> {
         self.each_curve(theta).map(|(c, own)| (c.on.clone(), c.curve.values(own))).collect()
     }
 
     /// Designed numbers by name.
-    #[must_use]
     pub fn numbers(&self, theta: &[f64]) -> BTreeMap<String, f64> {
         self.each_number(theta).map(|(n, y)| (n.name.clone(), n.scalar.value(y))).collect()
     }
@@ -308,9 +301,6 @@ impl LoadMap {
     }
 
     /// The problem of a scene and a body with the loads and numbers of θ.
-    ///
-    /// # Errors
-    /// When the scene does not admit a number.
     pub fn problem(&self, base: &Problem, on: (&Scene, &Body), theta: &[f64]) -> Result<Problem> {
         let mut problem = base.clone();
         let paths = self.each_number(theta);
@@ -338,7 +328,6 @@ impl LoadMap {
     }
 
     /// dJ/dθ from dJ/dp.
-    #[must_use]
     pub fn vjp(&self, theta: &[f64], swept: &Swept) -> Vec<f64> {
         let by_parameters = swept.parameters();
         let mut gradient = Vec::with_capacity(self.variables());
@@ -366,7 +355,6 @@ impl LoadMap {
     }
 
     /// What pressures with bounds are away from these [Pa], each with its derivatives by the variables.
-    #[must_use]
     pub fn pressures_within(&self, theta: &[f64]) -> Vec<(f64, Vec<(usize, f64)>)> {
         let (mut all, mut first) = (Vec::new(), 0);
         for (curve, own) in self.each_curve(theta) {
@@ -381,7 +369,6 @@ impl LoadMap {
     }
 
     /// Smallest and largest value of each variable in an iteration from θ.
-    #[must_use]
     pub fn bounds(&self, theta: &[f64]) -> Vec<[f64; 2]> {
         let around = |[low, high]: [f64; 2], y: f64, change: f64| {
             [low.max(y - change), high.min(y + change)]

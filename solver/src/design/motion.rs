@@ -21,14 +21,12 @@ pub struct Motion {
 
 impl Motion {
     /// Q R_z R_y R_x Qᵀ.
-    #[must_use]
     pub fn rotation(&self) -> Mat3 {
         let [x, y, z] = self.axes();
         self.image(z.0 * y.0 * x.0)
     }
 
     /// The derivatives of the rotation by α₁, α₂, α₃.
-    #[must_use]
     pub fn rotation_slopes(&self) -> [Mat3; 3] {
         let [x, y, z] = self.axes();
         let slopes = [z.0 * y.0 * x.1, z.0 * y.1 * x.0, z.1 * y.0 * x.0];

@@ -30,9 +30,6 @@ pub struct FreeVertices {
 
 impl Patch {
     /// A patch with handles, with all vertices free, or as a whole; `own` are its images in itself.
-    ///
-    /// # Errors
-    /// [`HandleError`] if the patch has too few vertices or is degenerate.
     pub fn new(
         rest: &[Vec3],
         facets: &[[usize; 3]],
@@ -61,9 +58,6 @@ impl Patch {
     }
 
     /// The image of this patch by an isometry, with the same variables; `rest`, `facets` and `held` are those of the image.
-    ///
-    /// # Errors
-    /// [`HandleError`] if the image has too few vertices or is degenerate, or vertices move freely.
     pub fn image(
         &self,
         by: &Isometry,
@@ -79,7 +73,6 @@ impl Patch {
     }
 
     /// Number of design variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         match self {
             Self::Handles(handles) => handles.variables(),
@@ -89,7 +82,6 @@ impl Patch {
     }
 
     /// Ids of the vertices that it may move, ascending.
-    #[must_use]
     pub fn vertices(&self) -> &[usize] {
         match self {
             Self::Handles(handles) => handles.vertices(),
@@ -100,7 +92,6 @@ impl Patch {
 
     /// Positions of its vertices [m], from the rest positions of the whole mesh
     /// with which it was made.
-    #[must_use]
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
         match self {
             Self::Handles(handles) => handles.apply(theta, rest),
@@ -114,7 +105,6 @@ impl Patch {
     }
 
     /// Cotangents of the variables for those of its vertices' positions.
-    #[must_use]
     pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
             Self::Handles(handles) => handles.vjp(theta, rest, bar),

@@ -33,7 +33,6 @@ impl PressureCurve {
     /// Slopes within `bounds` [Pa/s] around a pressure with `values` P_n [Pa] at
     /// `times` t_n [s], the first 0. `scale` is a typical pressure [Pa], `edge` a
     /// typical motion of the shape [m].
-    #[must_use]
     pub fn new(times: &[f64], values: &[f64], bounds: [f64; 2], scale: f64, edge: f64) -> Self {
         let slopes = (1..times.len())
             .map(|n| (values[n] - values[n - 1]) / (times[n] - times[n - 1]))
@@ -43,13 +42,11 @@ impl PressureCurve {
     }
 
     /// Number of design variables: one per time step.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.slopes.len()
     }
 
     /// P_0, …, P_N [Pa].
-    #[must_use]
     pub fn values(&self, y: &[f64]) -> Vec<f64> {
         let mut values = vec![self.start];
         for (n, (slope, y)) in self.slopes.iter().zip(y).enumerate() {
@@ -60,7 +57,6 @@ impl PressureCurve {
     }
 
     /// Cotangents of the variables for those of P_1, …, P_N.
-    #[must_use]
     pub fn vjp(&self, bar: &[f64]) -> Vec<f64> {
         let mut later = 0.0;
         let mut by: Vec<f64> = (0..bar.len())
@@ -75,20 +71,17 @@ impl PressureCurve {
     }
 
     /// Smallest and largest value of each variable.
-    #[must_use]
     pub fn bounds(&self) -> Vec<[f64; 2]> {
         let own = |slope: &f64| self.bounds.map(|b| (b - slope) / self.unit);
         self.slopes.iter().map(own).collect()
     }
 
     /// Change of a slope by a metre of its variable, r [Pa/s/m].
-    #[must_use]
     pub fn slope_per_metre(&self) -> f64 {
         self.unit
     }
 
     /// What P_1, …, P_N are above the low and below the high one [Pa], each with its derivatives by the variables.
-    #[must_use]
     pub fn within(&self, y: &[f64], [low, high]: [f64; 2]) -> Vec<(f64, Vec<(usize, f64)>)> {
         let values = self.values(y);
         let of_one = |n: usize| {
@@ -102,7 +95,6 @@ impl PressureCurve {
     }
 
     /// A change of slopes [Pa/s] in variables [m].
-    #[must_use]
     pub fn variable_change(&self, slope: f64) -> f64 {
         slope / self.unit
     }

@@ -39,7 +39,6 @@ pub struct TooManyHandles {
 }
 
 /// Vertex ids on the rim of a surface, ascending.
-#[must_use]
 pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
     let mut rim: Vec<usize> = topology::boundary_edges(&surface.triangles).concat();
     rim.sort_unstable();
@@ -49,7 +48,6 @@ pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
 
 /// The part of the rim of a patch that is in no plane of symmetry; `ids` are its vertices in
 /// the body.
-#[must_use]
 pub fn open_rim(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane]) -> Vec<usize> {
     let mut edges = topology::boundary_edges(&surface.triangles);
     edges.retain(|edge| !planes.iter().any(|plane| edge.iter().all(|&v| plane.contains(ids[v]))));
@@ -61,9 +59,6 @@ pub fn open_rim(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane]) -> Vec<u
 
 /// `count` vertices of a surface, none on its rim. Each has `images`, which are sources of distances as it is; the images of
 /// a vertex are none where nothing is symmetric.
-///
-/// # Errors
-/// [`TooManyHandles`] if there are not that many.
 pub fn spread_points(
     surface: &SurfaceMesh,
     rim: &[usize],

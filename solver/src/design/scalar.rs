@@ -25,37 +25,31 @@ pub struct Scalar {
 impl Scalar {
     /// A number that is `start` at y = 0, within `bounds`; `edge` is a typical motion
     /// of the shape [m].
-    #[must_use]
     pub fn new(start: f64, bounds: [f64; 2], edge: f64) -> Self {
         Self { start, unit: SHARE * (bounds[1] - bounds[0]) / edge, bounds }
     }
 
     /// p
-    #[must_use]
     pub fn value(&self, y: f64) -> f64 {
         self.start + self.unit * y
     }
 
     /// Cotangent of y for that of p.
-    #[must_use]
     pub fn vjp(&self, bar: f64) -> f64 {
         self.unit * bar
     }
 
     /// Smallest and largest y [m].
-    #[must_use]
     pub fn bounds(&self) -> [f64; 2] {
         self.bounds.map(|b| (b - self.start) / self.unit)
     }
 
     /// Change of p by a metre of its variable, r.
-    #[must_use]
     pub fn per_metre(&self) -> f64 {
         self.unit
     }
 
     /// A change of p as one of y [m].
-    #[must_use]
     pub fn variable_change(&self, by: f64) -> f64 {
         by / self.unit
     }

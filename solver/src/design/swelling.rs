@@ -27,7 +27,6 @@ pub struct Swelling {
 
 impl Swelling {
     /// Makes the map of a patch at rest positions.
-    #[must_use]
     pub fn new(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
         let (surface, ids) = topology::submesh(rest, facets);
         let rim = held.rim(&surface, &ids);
@@ -49,13 +48,11 @@ impl Swelling {
     }
 
     /// Positions of its vertices [m].
-    #[must_use]
     pub fn apply(&self, distance: f64, rest: &[Vec3]) -> Vec<Vec3> {
         self.vertices.iter().zip(&self.ways).map(|(&v, way)| rest[v] + distance * way).collect()
     }
 
     /// Cotangent of the distance.
-    #[must_use]
     pub fn vjp(&self, bar: &[Vec3]) -> f64 {
         self.ways.iter().zip(bar).map(|(way, bar)| way.dot(bar)).sum()
     }

@@ -98,9 +98,6 @@ struct Converted {
 }
 
 /// The program whose decks end as a path does.
-///
-/// # Errors
-/// When there is none.
 pub fn format_of(path: &Path) -> Result<&'static Format> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     let found = FORMATS.iter().find(|format| format.ending.eq_ignore_ascii_case(ending));
@@ -113,9 +110,6 @@ pub fn format_of(path: &Path) -> Result<&'static Format> {
 
 impl Deck {
     /// The deck of a scene.
-    ///
-    /// # Errors
-    /// When the scene has something that no deck says, or its tags do not fit its body.
     pub fn new(scene: &Scene) -> Result<Self> {
         scene.file.checked(|_| refused::check(scene))?;
         let (problem, _) = scene.problem(&scene.body)?;
@@ -144,9 +138,6 @@ impl Deck {
     }
 
     /// The deck as text; differences between laws are told to the log.
-    ///
-    /// # Errors
-    /// When the program has no law like one of the scene.
     pub fn text(&self, format: &Format) -> Result<String> {
         (format.write)(self)
     }

@@ -9,9 +9,6 @@ use scene::config::Dilatation;
 const HIGHEST_DEGREE: usize = 2;
 
 /// Refuses a scene with anything that would be missing in a deck.
-///
-/// # Errors
-/// With the key and what could be done.
 pub fn check(scene: &Scene) -> Result<()> {
     let config = &scene.config;
     if config.degree > HIGHEST_DEGREE {

@@ -88,13 +88,11 @@ impl Candidate {
     ///
     /// # Panics
     /// Never: every candidate's key is in the table, which a test proves.
-    #[must_use]
     pub fn law(&self) -> &'static Law {
         LAWS.iter().find(|law| law.key == self.key).expect("a key of the table")
     }
 
     /// Number of unknowns.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         match self.unknowns {
             Unknowns::Stresses { start, .. } => start.len(),

@@ -45,9 +45,6 @@ struct Layout {
 }
 
 /// Reads a test, as far as `up_to`.
-///
-/// # Errors
-/// With file, line and what was found and needed.
 pub fn read(path: &Path, mode: Mode, units: &Units, up_to: Option<f64>) -> Result<Test> {
     let text = mesh::io::read_text(path)?;
     let points = parse(&text, units, up_to).with_context(|| path.display().to_string())?;

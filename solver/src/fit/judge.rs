@@ -61,7 +61,6 @@ pub(super) fn left_out(
 /// The fit to use. Of those that are stable over the data, the one with the fewest parameters that is as good as the
 /// best: where several modes were tested, as it predicts each of them from the others; else within 0.001 of the best R², and
 /// in no mode far from what most of these say. Without a stable one, the one that is stable furthest.
-#[must_use]
 pub fn choose<'a>(fits: &'a [Fitted], tests: &[Test]) -> Option<&'a Fitted> {
     let stable: Vec<_> = fits.iter().filter(|f| f.stable()).collect();
     let errors = stable.iter().filter_map(|f| f.quality.left_out);
@@ -91,7 +90,6 @@ pub fn choose<'a>(fits: &'a [Fitted], tests: &[Test]) -> Option<&'a Fitted> {
 }
 
 /// How far the laws that fit as well as the best, or as the chosen one, are apart in the modes that were not tested.
-#[must_use]
 pub fn spreads(fits: &[Fitted], chosen: &Fitted, tests: &[Test]) -> Vec<Spread> {
     let stresses = tests.iter().flat_map(|test| test.points.iter().map(|point| point.1.abs()));
     let untold = UNTOLD * stresses.fold(0.0, f64::max);

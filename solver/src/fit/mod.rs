@@ -70,20 +70,17 @@ pub struct Quality {
 
 impl Fitted {
     /// The law.
-    #[must_use]
     pub fn law(&self) -> &'static Law {
         self.candidate.law()
     }
 
     /// Whether it is stable over all of the data, in every mode.
-    #[must_use]
     pub fn stable(&self) -> bool {
         self.quality.stretch_range == self.quality.tested
     }
 }
 
 /// Fits one candidate; nothing if no admissible parameters describe the data.
-#[must_use]
 pub fn fit(candidate: &'static Candidate, tests: &[Test], bulk_ratio: f64) -> Option<Fitted> {
     let values = candidate.solve(tests, bulk_ratio)?;
     let mut quality = quality(candidate.law(), &values, tests);

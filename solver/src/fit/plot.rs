@@ -13,9 +13,6 @@ const DRAWN: usize = 80;
 
 /// Draws tests and fits over the range of the data; the chosen fit is drawn
 /// thick.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn draw(path: &Path, tests: &[Test], fits: &[Fitted], chosen: &Fitted) -> Result<()> {
     let axes = Axes {
         x: "stretch along the pull [1]".to_owned(),

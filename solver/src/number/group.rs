@@ -28,7 +28,6 @@ pub struct Group {
 
 impl Group {
     /// All parameters that are stresses, of all laws or of those of a body or volume, by one factor.
-    #[must_use]
     pub fn modulus(scene: &Scene, on: Option<&str>) -> Self {
         Self::of(scene, "material", Change::Factor, |number| {
             let law = &scene.laws[number.owner()];
@@ -37,7 +36,6 @@ impl Group {
     }
 
     /// The density of all bodies, or of a body or volume, by one factor.
-    #[must_use]
     pub fn density(scene: &Scene, on: Option<&str>) -> Self {
         Self::of(scene, "density", Change::Factor, |number| {
             on.is_none_or(|on| scene.is_law_of(&scene.laws[number.owner()], on))
@@ -46,7 +44,6 @@ impl Group {
 
     /// The thickness of all sheets, or of those on a tag, by one factor: their forces are in
     /// proportion to it as they are to their modulus.
-    #[must_use]
     pub fn membrane(scene: &Scene, on: Option<&str>) -> Self {
         Self::of(scene, "membrane", Change::Factor, |number| {
             let own = on.is_none_or(|on| scene.membranes[number.owner()].config.on == on);
@@ -55,20 +52,17 @@ impl Group {
     }
 
     /// All parameters of one of the laws that are stresses, by one factor.
-    #[must_use]
     pub fn modulus_of(scene: &Scene, law: usize) -> Self {
         let own = |number: &Number| number.unit == "Pa" && number.owner() == law;
         Self::of(scene, "material", Change::Factor, own)
     }
 
     /// The coefficient of friction, by a factor.
-    #[must_use]
     pub fn friction(scene: &Scene) -> Self {
         Self::of(scene, "contact", Change::Factor, |_| true)
     }
 
     /// The pressure or fill of all chambers, or of that with a tag, by one offset.
-    #[must_use]
     pub fn pressure(scene: &Scene, on: Option<&str>) -> Self {
         let chamber = |number: &Number| &scene.config.chamber[number.owner()];
         Self::of(scene, "chamber", Change::Offset, |number| {
@@ -78,7 +72,6 @@ impl Group {
     }
 
     /// The number with a path; nothing where the scene does not have it.
-    #[must_use]
     pub fn of_path(scene: &Scene, path: &str) -> Self {
         let word = path.split('.').next().unwrap_or_default();
         Self::of(scene, word, Change::Value, |number| number.path == path)
@@ -92,7 +85,6 @@ impl Group {
     }
 
     /// Unit of what they change by, and what it is in the scene as it was read.
-    #[must_use]
     pub fn start(&self, scene: &Scene) -> Option<(&'static str, f64)> {
         let first = self.numbers.first()?;
         Some(match self.change {
@@ -103,9 +95,6 @@ impl Group {
     }
 
     /// Changes them in a scene as it was read.
-    ///
-    /// # Errors
-    /// When the scene does not admit what they become.
     pub fn apply(&self, scene: &mut Scene, walls: Option<&Walls>, by: f64) -> Result<()> {
         for number in &self.numbers {
             let value = match self.change {
@@ -119,7 +108,6 @@ impl Group {
     }
 
     /// The derivative of a result by what they change by, in a scene where it is `by`.
-    #[must_use]
     pub fn derivative(&self, swept: &Swept, by: f64) -> f64 {
         let each = self.numbers.iter();
         match self.change {

@@ -225,7 +225,6 @@ fn largest(scene: &Scene, schedule: &Schedule) -> f64 {
 
 /// The derivative by the velocity of a body at t = 0, from that by the velocities of all nodes:
 /// the sum over its nodes, without what supports hold.
-#[must_use]
 pub fn velocity_vjp(problem: &Problem, body: &Body, part: usize, by_nodes: &[f64]) -> [f64; 3] {
     let mut sum = Vec3::zeros();
     for node in nodes_of(body, part, &problem.space) {

@@ -90,7 +90,6 @@ pub struct Swept<'a> {
 
 impl<'a> Swept<'a> {
     /// Derivatives for a scene that ran, and the problem that was solved.
-    #[must_use]
     pub fn new(
         scene: &'a Scene,
         problem: &'a Problem,
@@ -102,7 +101,6 @@ impl<'a> Swept<'a> {
     }
 
     /// Derivatives by the numbers that the energies are made with.
-    #[must_use]
     pub fn parameters(&self) -> &ParameterGradients {
         &self.by.parameters
     }
@@ -121,13 +119,11 @@ pub struct Number {
 
 impl Kind {
     /// The first word of the paths.
-    #[must_use]
     pub fn word(&self) -> &'static str {
         self.path.split('.').next().unwrap_or_default()
     }
 
     /// The numbers in a scene.
-    #[must_use]
     pub fn numbers(&'static self, scene: &Scene) -> Vec<Number> {
         let number = |(name, unit, place): Entry| {
             let path = [self.word(), &name].map(str::to_owned);
@@ -140,15 +136,11 @@ impl Kind {
 
 impl Number {
     /// All numbers of a scene.
-    #[must_use]
     pub fn all(scene: &Scene) -> Vec<Self> {
         KINDS.iter().flat_map(|kind| kind.numbers(scene)).collect()
     }
 
     /// The number with a path.
-    ///
-    /// # Errors
-    /// When the scene has none; the message lists those that it has.
     pub fn find(scene: &Scene, path: &str) -> Result<Self> {
         let all = Self::all(scene);
         if let Some(found) = all.iter().find(|number| number.path == path) {
@@ -163,29 +155,23 @@ impl Number {
     }
 
     /// The word of its kind.
-    #[must_use]
     pub fn word(&self) -> &'static str {
         self.kind.word()
     }
 
     /// Which of the scene's bodies, sheets or tables it belongs to.
-    #[must_use]
     pub fn owner(&self) -> usize {
         self.place[0]
     }
 
     /// The value in a scene, in its unit; of what may be a function of time, or of a position,
     /// what is added to it: 0.
-    #[must_use]
     pub fn value(&self, scene: &Scene) -> f64 {
         (self.kind.value)(scene, self.place)
     }
 
     /// Gives it a value. Several numbers may have to change before a scene admits them:
     /// [`Self::check`] says whether it does.
-    ///
-    /// # Errors
-    /// When the value cannot be set.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         match self.kind.set {
             Setting::By(set) => set(scene, walls, self.place, value),
@@ -205,9 +191,6 @@ impl Number {
     }
 
     /// Gives it a value in place of the constant that the scene has; what [`Self::set`] would add to that.
-    ///
-    /// # Errors
-    /// When the scene has a function of time or of the position, or the value cannot be set.
     pub fn replace(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         ensure!(value.is_finite(), "{} = {value}: must be finite", self.path);
         let Some(schedule) = self.added_to(scene) else { return self.set(scene, walls, value) };
@@ -223,21 +206,16 @@ impl Number {
     }
 
     /// Whether the scene admits its value.
-    ///
-    /// # Errors
-    /// With the value and what is needed.
     pub fn check(&self, scene: &Scene) -> Result<()> {
         (self.kind.check)(scene, self.place)
     }
 
     /// What changes of it are small against, in its unit, where that is not its value.
-    #[must_use]
     pub fn scale(&self, scene: &Scene) -> Option<f64> {
         self.kind.scale.map(|scale| scale(scene, self.place))
     }
 
     /// The derivative of a result by it.
-    #[must_use]
     pub fn derivative(&self, swept: &Swept) -> f64 {
         (self.kind.derivative)(swept, self.place)
     }
@@ -245,9 +223,6 @@ impl Number {
 
 /// Reads a scene, with other meshes and values as [`Scene::read_with`] does, and gives its `[numbers]`
 /// their values.
-///
-/// # Errors
-/// With the file, what was found and what was needed.
 pub fn read(
     path: &Path,
     others: &[(Option<String>, PathBuf)],
@@ -257,9 +232,6 @@ pub fn read(
 }
 
 /// Gives the `[numbers]` of a scene their values.
-///
-/// # Errors
-/// When the scene does not have a number, or does not admit a value.
 pub fn apply(mut scene: Scene) -> Result<Scene> {
     let values = std::mem::take(&mut scene.config.numbers);
     let set = set(&mut scene, &values);
@@ -268,9 +240,6 @@ pub fn apply(mut scene: Scene) -> Result<Scene> {
 }
 
 /// Gives numbers of a scene values by their paths.
-///
-/// # Errors
-/// When the scene does not have a number, or does not admit a value.
 pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
     let find = |(path, value): (&String, &f64)| Ok((Number::find(scene, path)?, *value));
     let numbers = values.iter().map(find).collect::<Result<Vec<_>>>()?;

@@ -43,9 +43,6 @@ pub struct Walls {
 
 impl Walls {
     /// Moves of the walls of a body, or of several bodies. Rigid parts stay: derivatives by their shape are not known.
-    ///
-    /// # Errors
-    /// When an element is so flat that the interior cannot follow, or the tag of a rigid part is missing.
     pub fn new(scene: &Scene) -> Result<Self> {
         let body = &scene.body;
         let (x, rigid) = (&body.mesh.vertices, scene.rigid_vertices(body)?);
@@ -64,9 +61,6 @@ impl Walls {
     }
 
     /// Where numbers are walls, those of the bodies of a scene.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
     pub fn of<'a>(
         numbers: impl IntoIterator<Item = &'a Number>,
         scene: &Scene,
@@ -95,7 +89,6 @@ impl Walls {
     }
 
     /// The moves of all vertices per distance of the part with a tag, where there is one.
-    #[must_use]
     pub fn moves(&self, tag: &str) -> Option<Vec<Vec3>> {
         let wall = self.shifts.iter().position(|(own, _)| own.as_deref() == Some(tag))?;
         Some(self.moves_of(wall))

@@ -39,15 +39,11 @@ fn lack(bound: &Bound, c: f64) -> f64 {
 
 impl Level {
     /// What the runs keep, the same in all scenarios.
-    #[must_use]
     pub fn bounds(&self) -> &[Bound] {
         self.scenarios[0].bounds()
     }
 
     /// Each bound at the run of each scenario, with the derivatives, where the level is linearised.
-    ///
-    /// # Errors
-    /// When an adjoint system has no accurate solution.
     pub fn bound_rows(
         &mut self,
         theta: &[f64],
@@ -70,7 +66,6 @@ impl Level {
     }
 
     /// The terms of the objective, and the mean c of each bound, by name.
-    #[must_use]
     pub fn numbers(&self, at: &Evaluation) -> BTreeMap<String, f64> {
         let mean = |k: usize| {
             let each = at.runs.iter().zip(self.robust.weights());
@@ -82,7 +77,6 @@ impl Level {
     }
 
     /// φ of an evaluation.
-    #[must_use]
     pub fn merit(&self, at: &Evaluation, penalties: &[f64]) -> f64 {
         let of_run = |run: &Run| -> f64 {
             let each = self.bounds().iter().zip(&run.kept).zip(penalties);
@@ -92,7 +86,6 @@ impl Level {
     }
 
     /// ν of each bound at the start of a design.
-    #[must_use]
     pub fn first_penalties(&self, at: &Evaluation, gradient_norm: f64) -> Vec<f64> {
         let unit = FIRST * at.objective.abs().max(gradient_norm * self.map.mean_edge());
         self.bounds().iter().map(|bound| unit / bound.size()).collect()
@@ -100,7 +93,6 @@ impl Level {
 
     /// The inequalities of bounds that are kept; the slope of the merit gets those that are not. Their constraints come
     /// after those of the rest shape.
-    #[must_use]
     pub fn bounded(&self, rows: &[BoundRow], penalties: &[f64], slope: &mut [f64]) -> Vec<KeptRow> {
         let first = self.constraints.len();
         let one = |row: &BoundRow| {
@@ -117,7 +109,6 @@ impl Level {
     }
 
     /// The bounds that an evaluation violates beyond their tolerances, in words; none where it keeps all.
-    #[must_use]
     pub fn violated(&self, at: &Evaluation) -> Option<String> {
         let said = self.bounds().iter().enumerate().filter_map(|(k, bound)| {
             let worst = at.runs.iter().map(|run| run.kept[k]).fold(f64::INFINITY, f64::min);

@@ -115,7 +115,6 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// Before the first solve of the first level.
-    #[must_use]
     pub fn new(inputs: String, lbfgs: Lbfgs) -> Self {
         Self {
             inputs,
@@ -157,7 +156,6 @@ impl Checkpoint {
     }
 
     /// Before the first solve of the level after this one.
-    #[must_use]
     pub fn next_level(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
         let endings_before = self.all_endings();
         // The meshes of the levels before stay in the folder, as a part of the result.
@@ -181,7 +179,6 @@ impl Checkpoint {
     }
 
     /// Before the first solve of the same level on a new mesh of the same shape.
-    #[must_use]
     pub fn on_new_mesh(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
         self.files.retain(|name, _| !is_run(name));
         Self {
@@ -197,7 +194,6 @@ impl Checkpoint {
     }
 
     /// How this level ended, at the latest.
-    #[must_use]
     pub fn end(&self) -> LevelEnd {
         let level = self.level + 1;
         let mut end = match &self.ending {
@@ -211,13 +207,11 @@ impl Checkpoint {
     }
 
     /// How the levels up to this one ended.
-    #[must_use]
     pub fn all_endings(&self) -> Vec<LevelEnd> {
         self.endings_before.iter().cloned().chain([self.end()]).collect()
     }
 
     /// Whether the shape is another than that of the mesh.
-    #[must_use]
     pub fn has_moved(&self) -> bool {
         self.iteration > self.meshed_at
     }
@@ -233,9 +227,6 @@ impl Checkpoint {
     }
 
     /// Reads the checkpoint of a folder; none when the folder has none.
-    ///
-    /// # Errors
-    /// When it cannot be read or is not a checkpoint.
     pub fn read(folder: &Path) -> Result<Option<Self>> {
         let path = Self::path(folder);
         if !path.exists() {
@@ -245,9 +236,6 @@ impl Checkpoint {
     }
 
     /// Makes sure that its vectors have the sizes of its level.
-    ///
-    /// # Errors
-    /// When they have not.
     pub fn check_sizes(&self, folder: &Path, variables: usize) -> Result<()> {
         let found = [self.theta.len(), self.gradient.len()];
         ensure!(
@@ -271,9 +259,6 @@ impl Checkpoint {
     }
 
     /// Puts displacements at times [s, m] on disk, next to which the level's first runs are.
-    ///
-    /// # Errors
-    /// When they cannot be written.
     pub fn write_start(&mut self, folder: &Path, states: &[(f64, Vec<f64>)]) -> Result<()> {
         let path = self.states_path(folder, "start");
         let shape = [states.len(), states.first().map_or(0, |(_, u)| u.len())];
@@ -283,19 +268,12 @@ impl Checkpoint {
     }
 
     /// The displacements of [`Self::write_start`] [m].
-    ///
-    /// # Errors
-    /// When they cannot be read.
     pub fn read_start(&self, folder: &Path) -> Result<npy::Rows> {
         Ok(npy::read_rows(&self.states_path(folder, "start"))?)
     }
 
     /// Displacements at the ends of the time steps of the accepted runs, one scenario after
     /// the other [m].
-    ///
-    /// # Errors
-    /// When they cannot be read or are not those of as many time steps with as many degrees
-    /// of freedom.
     pub fn read_runs(&self, folder: &Path, shape: [usize; 2]) -> Result<npy::Rows> {
         let path = self.run_path(folder);
         let rows = npy::read_rows(&path)?;
@@ -310,9 +288,6 @@ impl Checkpoint {
 
     /// Writes the checkpoint of a folder with the runs that it belongs to, and then
     /// removes those of the one before.
-    ///
-    /// # Errors
-    /// When it cannot be written; the one before then still stands.
     pub fn write_with_runs(&mut self, folder: &Path, runs: &[Run]) -> Result<()> {
         let path = self.run_path(folder);
         let steps: usize = runs.iter().map(|run| run.states.steps()).sum();
@@ -326,9 +301,6 @@ impl Checkpoint {
     }
 
     /// Removes runs that it does not belong to, as a kill may leave them.
-    ///
-    /// # Errors
-    /// When one cannot be removed.
     pub fn remove_other_runs(&self, folder: &Path) -> Result<()> {
         for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
             let other = entry?.path();
@@ -341,27 +313,18 @@ impl Checkpoint {
     }
 
     /// Remembers a file as it is now.
-    ///
-    /// # Errors
-    /// When it cannot be read.
     pub fn add_file(&mut self, path: &Path) -> Result<()> {
         self.files.insert(name_of(path), program::sha256_file(path)?);
         Ok(())
     }
 
     /// Makes sure that all files are as they were when the checkpoint was written.
-    ///
-    /// # Errors
-    /// When one cannot be read or was altered.
     pub fn check_files(&self, folder: &Path) -> Result<()> {
         let mut files = self.files.iter();
         files.try_for_each(|(name, hash)| program::check_unaltered(&folder.join(name), hash))
     }
 
     /// Makes sure that it belongs to these inputs.
-    ///
-    /// # Errors
-    /// When it was made from others.
     pub fn check_inputs(&self, folder: &Path, inputs: &str) -> Result<()> {
         ensure!(
             self.inputs == inputs,
@@ -375,9 +338,6 @@ impl Checkpoint {
     }
 
     /// Writes the checkpoint of a folder.
-    ///
-    /// # Errors
-    /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
         program::write_checkpoint(&Self::path(folder), scene::PROGRAM, self)
     }

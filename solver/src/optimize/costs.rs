@@ -22,7 +22,6 @@ struct Cost {
 
 impl Costs {
     /// Collects the terms of the parameters of a design.
-    #[must_use]
     pub fn new(parameters: &[ParameterDesign], map: &DesignMap) -> Self {
         let named = map.named_load_variables();
         let at_zero = map.parameters(&vec![0.0; map.variables()]);

@@ -31,9 +31,6 @@ pub struct Curvature {
 impl Level {
     /// Curvature of the objective along first-order changes of the runs with θ, where the level is linearised. None
     /// where a run has no usable tangent.
-    ///
-    /// # Errors
-    /// When a scenario does not admit the loads.
     pub fn curvature(
         &mut self,
         theta: &[f64],
@@ -73,9 +70,6 @@ impl Level {
     }
 
     /// The runs after a step d from an evaluation, to first order.
-    ///
-    /// # Errors
-    /// When a scenario does not admit the loads.
     pub fn foreseen(
         &self,
         theta: &[f64],
@@ -95,14 +89,12 @@ impl Level {
     }
 
     /// Whether it has so few variables that their curvature is within reach.
-    #[must_use]
     pub fn is_small(&self) -> bool {
         self.variables() <= MOST_VARIABLES
     }
 
     /// Mean square of the motion of the moving surface as a quadratic form in a step from θ; the variables of loads
     /// count as motions.
-    #[must_use]
     pub fn metric(&self, theta: &[f64]) -> DMatrix<f64> {
         let sizes = self.variations(theta);
         let shapes = self.map.shape_variables();

@@ -9,13 +9,11 @@ use super::Rejected;
 const STILL_FALLING: f64 = 1e-3;
 
 /// The end of a level in words.
-#[must_use]
 pub fn in_words(end: &LevelEnd) -> String {
     format!("level {} {}: {}", end.level, end.ending.in_words(), end.why)
 }
 
 /// The end of a level that took all of its iterations, whose last one lowered the objective by a part of it.
-#[must_use]
 pub fn at_the_last(level: usize, last_fall: f64) -> LevelEnd {
     let is_falling = last_fall > STILL_FALLING;
     let ending = if is_falling { Ended::StillFalling } else { Ended::IterationLimit };
@@ -102,7 +100,6 @@ impl Rejections {
     }
 
     /// In words; none where nothing was rejected.
-    #[must_use]
     pub fn describe(&self) -> Option<String> {
         let all = self.flat + self.shape + self.run + self.mold + self.high;
         let kinds = [

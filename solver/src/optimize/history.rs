@@ -17,15 +17,11 @@ pub struct History {
 
 impl History {
     /// The history of a folder.
-    #[must_use]
     pub fn new(folder: &Path) -> Self {
         Self { path: folder.join("history.jsonl") }
     }
 
     /// All lines.
-    ///
-    /// # Errors
-    /// When they cannot be read.
     pub fn read(&self) -> Result<Vec<Iteration>> {
         let text = mesh::io::read_own_text(&self.path)?;
         let lines = text.lines().map(serde_json::from_str).collect::<Result<_, _>>();
@@ -33,9 +29,6 @@ impl History {
     }
 
     /// Adds a line.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub fn append(&self, line: &Iteration) -> Result<()> {
         let line = serde_json::to_value(line)?;
         let mut file = mesh::io::open_to_append(&self.path)?;
@@ -45,17 +38,11 @@ impl History {
     }
 
     /// SHA-256 of all lines.
-    ///
-    /// # Errors
-    /// When they cannot be read.
     pub fn sha256(&self) -> Result<String> {
         Ok(program::sha256_file(&self.path)?)
     }
 
     /// Keeps the first `lines` lines, which have this SHA-256 if there are any.
-    ///
-    /// # Errors
-    /// When there are fewer or others, or the file cannot be read or written.
     pub fn truncate(&self, lines: usize, sha256: &str) -> Result<()> {
         let path = &self.path;
         let text = if path.exists() { mesh::io::read_own_text(path)? } else { String::new() };

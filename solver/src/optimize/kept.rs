@@ -37,7 +37,6 @@ pub struct KeptRow {
 
 impl Level {
     /// The inequalities of the constraints that a step that moves the surface by at most `motion` [m] may violate.
-    #[must_use]
     pub fn kept_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
         if self.constraints.is_empty() {
             return Vec::new();
@@ -50,7 +49,6 @@ impl Level {
     }
 
     /// Inequalities by which no gap of the surface closes by more than a part in one step.
-    #[must_use]
     pub fn open_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
         if self.map().moving().is_empty() {
             return Vec::new();
@@ -84,7 +82,6 @@ impl Level {
     }
 
     /// How far one may be violated.
-    #[must_use]
     pub fn tolerance(&self, kept: &KeptRow) -> f64 {
         let of_shape = self.constraints.len();
         match kept.constraint {
@@ -95,9 +92,6 @@ impl Level {
     }
 
     /// Whether a rest shape keeps all constraints, to their tolerances.
-    ///
-    /// # Errors
-    /// With the constraints that it does not keep, by how much and where.
     pub fn check_kept(&self, rest: &[Vec3]) -> Result<(), Rejected> {
         let rests = |worst: &Inequality| {
             let zero = vec![0.0; self.variables()];
@@ -120,9 +114,6 @@ impl Level {
     }
 
     /// The variables next to these at which all constraints are kept.
-    ///
-    /// # Errors
-    /// When there are none nearby, with the constraints that cannot be kept together.
     pub fn restored(&self, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
         let mut theta = theta.to_vec();
         if self.constraints.is_empty() || self.map().shape_variables() == 0 {

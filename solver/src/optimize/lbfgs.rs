@@ -40,19 +40,16 @@ pub struct Lbfgs {
 
 impl Lbfgs {
     /// Remembers up to `memory` pairs, none yet.
-    #[must_use]
     pub fn new(memory: usize) -> Self {
         Self { memory, pairs: VecDeque::new() }
     }
 
     /// Whether there is no pair, so that nothing is known of the curvature.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
 
     /// B; none without pairs.
-    #[must_use]
     pub fn model(&self) -> Option<Model> {
         let pairs: Vec<&Pair> = self.pairs.iter().collect();
         // the oldest pair is dropped where the small matrix is singular in rounding

@@ -88,9 +88,6 @@ pub struct Level {
 
 impl Level {
     /// Sets up a level on a body.
-    ///
-    /// # Errors
-    /// When a tag is missing, the handles cannot be placed or the memory is too small.
     pub fn new(
         scene: &Scene,
         objectives: &ObjectiveBuilder,
@@ -121,31 +118,26 @@ impl Level {
     }
 
     /// Number of design variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.map.variables()
     }
 
     /// What the rest shape keeps to.
-    #[must_use]
     pub fn constraints(&self) -> &[Constraint] {
         &self.constraints
     }
 
     /// The surface on the way to another shape.
-    #[must_use]
     pub fn path(&self) -> &RestPath {
         &self.path
     }
 
     /// From variables to rest shape and loads.
-    #[must_use]
     pub fn map(&self) -> &DesignMap {
         &self.map
     }
 
     /// The scenarios; the scene itself where the design has none.
-    #[must_use]
     pub fn scenarios(&self) -> &[Scenario] {
         &self.scenarios
     }
@@ -156,25 +148,21 @@ impl Level {
     }
 
     /// Number of degrees of freedom of an equilibrium.
-    #[must_use]
     pub fn dofs(&self) -> usize {
         self.first().problem().dofs()
     }
 
     /// Whether the scene goes through time.
-    #[must_use]
     pub fn is_transient(&self) -> bool {
         self.first().is_transient()
     }
 
     /// Number of time steps.
-    #[must_use]
     pub fn steps(&self) -> usize {
         self.first().steps()
     }
 
     /// Names of the terms, in the order of the design file, and of [`EXCESS`], if there is one.
-    #[must_use]
     pub fn term_names(&self) -> Vec<String> {
         let excess = (!self.robust.is_mean()).then_some(EXCESS);
         self.first().term_names().chain(excess).map(str::to_owned).collect()
@@ -191,10 +179,6 @@ impl Level {
     }
 
     /// Shape, runs and objective at θ.
-    ///
-    /// # Errors
-    /// [`Rejected`] when the shape is invalid, a term is infinite or there is
-    /// no equilibrium.
     pub fn evaluate(&mut self, theta: &[f64], start: Start) -> Result<Evaluation, Rejected> {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
@@ -208,9 +192,6 @@ impl Level {
 
     /// An evaluation as it was, from the displacements of all scenarios at the ends of time
     /// steps, one scenario after the other [m].
-    ///
-    /// # Errors
-    /// When one of them cannot be read.
     pub fn recall<E: Into<anyhow::Error>>(
         &mut self,
         theta: &[f64],
@@ -228,7 +209,6 @@ impl Level {
     }
 
     /// Factors of the terms, in the order of the design file.
-    #[must_use]
     pub fn weights(&self) -> Vec<f64> {
         self.first().weights()
     }
@@ -240,9 +220,6 @@ impl Level {
 
     /// Gives the terms the shares that they are to have at an evaluation,
     /// and the evaluation with the new weights.
-    ///
-    /// # Errors
-    /// When a term that is to have a share is zero.
     pub fn weigh(&mut self, terms: &[ObjectiveConfig], at: Evaluation) -> Result<Evaluation> {
         let wanted: Vec<_> = terms.iter().map(|term| (term.name(), term.weight())).collect();
         if wanted.iter().all(|(_, weight)| matches!(weight, Weight::Factor(_))) {
@@ -284,7 +261,6 @@ impl Level {
 
     /// What a trial looks for next to an evaluation: the displacements that were predicted for
     /// the equilibria of a scene without time, else the whole runs.
-    #[must_use]
     pub fn near<'a>(&self, at: &'a Evaluation, predicted: &'a [Vec<f64>]) -> Start<'a> {
         if self.is_transient() { Start::Guided(&at.runs) } else { Start::Next(predicted) }
     }
@@ -315,7 +291,6 @@ impl Level {
     }
 
     /// The body with the rest shape of an evaluation.
-    #[must_use]
     pub fn shape(&self, at: &Evaluation) -> Body {
         let mut body = self.body.clone();
         body.mesh.vertices.clone_from(&at.rest);
@@ -324,7 +299,6 @@ impl Level {
 
     /// The displacements of an evaluation on another mesh of the same shape, by elements
     /// of another degree [m], and their times [s], one scenario after the other.
-    #[must_use]
     pub fn carry(&self, at: &Evaluation, body: &Body, degree: usize) -> Vec<(f64, Vec<f64>)> {
         let one = |(scenario, run): (&Scenario, &Run)| {
             let carried = scenario.carry(run, &at.rest, body, degree);
@@ -335,9 +309,6 @@ impl Level {
 
     /// Runs with the shape at θ that have been carried over to the mesh of this level
     /// ([`Self::carry`]).
-    ///
-    /// # Errors
-    /// When a displacement cannot be read.
     pub fn carried<E: Into<anyhow::Error>>(
         &mut self,
         theta: &[f64],
@@ -356,9 +327,6 @@ impl Level {
 
     /// dJ/dθ at an evaluation made with the same θ, where the level is
     /// linearised.
-    ///
-    /// # Errors
-    /// When the adjoint system has no accurate solution.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
         let shape = self.map.shape_variables();
         let wanted = match theta.len() - shape {
@@ -377,9 +345,6 @@ impl Level {
     /// dJ of the objective, or of its terms of a name, by all that the run of each scenario
     /// depends on; their sum counts. Where the level is linearised at the evaluation, that
     /// saves factorisations.
-    ///
-    /// # Errors
-    /// When an adjoint system has no accurate solution.
     pub fn sweep(&mut self, at: &Evaluation, of: Option<&str>) -> Result<Vec<Gradient>, Rejected> {
         self.sweep_for(at, Wanted::All, of)
     }
@@ -404,7 +369,6 @@ impl Level {
     }
 
     /// dJ/dθ from what was swept at θ.
-    #[must_use]
     pub fn vjp(&self, theta: &[f64], swept: &[Gradient]) -> Vec<f64> {
         let mut gradient = self.map.vjp(theta, &sum(swept.iter().map(|by| &by.rest)));
         let loads = self.map.load_variables(theta);
@@ -415,18 +379,12 @@ impl Level {
     }
 
     /// Mean displacement of each tag over its rest area in each scenario [m].
-    ///
-    /// # Errors
-    /// When a tag has no facets.
     pub fn mean_displacements(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
         let pairs = self.scenarios.iter().zip(&at.runs);
         pairs.map(|(scenario, run)| scenario.mean_displacements(run, &self.body)).collect()
     }
 
     /// The probes of the scene in each scenario, in the units of their kinds.
-    ///
-    /// # Errors
-    /// As [`Scene::probes`].
     pub fn measured(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
         let pairs = self.scenarios.iter().zip(&at.runs);
         pairs.map(|(scenario, run)| scenario.measured(run, &self.body)).collect()
@@ -434,7 +392,6 @@ impl Level {
 
     /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
     /// does not intersect itself.
-    #[must_use]
     pub fn free_fraction(&self, theta: &[f64], d: &[f64]) -> f64 {
         if self.map.moving().is_empty() {
             return 1.0;
@@ -445,18 +402,12 @@ impl Level {
 
     /// Whether a rest shape is valid in all scenarios and every term admits it; cheap beside
     /// the equilibria.
-    ///
-    /// # Errors
-    /// With the element, facet or term that is not valid.
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
         let moving = self.map.moving();
         self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, &self.body, moving))
     }
 
     /// Whether the rest shape at θ has no elements that are too flat for a trial.
-    ///
-    /// # Errors
-    /// With the worst element.
     pub fn check_flat(&self, theta: &[f64]) -> Result<(), Rejected> {
         let tets = &self.body.mesh.tets;
         let least = validity::smallest_of_trials(&self.body.mesh.vertices, tets);
@@ -465,13 +416,11 @@ impl Level {
     }
 
     /// The solution's grid of the first scenario for ParaView.
-    #[must_use]
     pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
         self.first().grid(&at.runs[0])
     }
 
     /// Surfaces that have passed through each other at the end of a scenario.
-    #[must_use]
     pub fn crossing(&self, at: &Evaluation) -> Option<Crossing> {
         let mut all = self.scenarios.iter().zip(&at.runs);
         all.find_map(|(scenario, run)| scenario.crossing(run, &self.body))

@@ -32,9 +32,6 @@ impl Other {
 
 impl Meshes {
     /// The meshes of a design, with `read` for the bodies of a scene on the mesh of a level.
-    ///
-    /// # Errors
-    /// When one cannot be read, or is not of the same body.
     pub fn new(
         scene: &Body,
         design: &DesignConfig,
@@ -55,7 +52,6 @@ impl Meshes {
     }
 
     /// Index of the mesh of a level: 0 is the scene's.
-    #[must_use]
     pub fn of(&self, level: &LevelConfig) -> usize {
         self.others.iter().position(|other| other.is_of(level)).map_or(0, |i| i + 1)
     }
@@ -67,9 +63,6 @@ impl Meshes {
 
     /// Bodies on the mesh with this index, moved as the surface is from `before` to `after`, which have the
     /// same boundary facets.
-    ///
-    /// # Errors
-    /// When elements turn over.
     pub fn follow(
         &self,
         index: usize,

@@ -33,10 +33,6 @@ pub struct Molding {
 
 impl Molding {
     /// As a design asks for it, if it does; `path` is its file, and `body` the shape at the start.
-    ///
-    /// # Errors
-    /// When there is no such file, it is not said which of several bodies is cast, or the file does not fit the
-    /// body at the start.
     pub fn new(path: &Path, design: &DesignConfig, body: &Body) -> Result<Option<Self>> {
         let Some(mold) = &design.mold else { return Ok(None) };
         let config = beside(path, &mold.config);
@@ -85,9 +81,6 @@ impl Molding {
     }
 
     /// The verdict on a shape.
-    ///
-    /// # Errors
-    /// When `fab` is not to be found.
     pub fn ask(&self, shape: &Body) -> Result<Castable> {
         Ok(self.plan(shape)?.unwrap_or_else(|(refused, _)| Castable::Refused { refused }))
     }

@@ -24,9 +24,6 @@ pub struct Offset {
 
 impl Offset {
     /// The map for a body; none where no wall is off.
-    ///
-    /// # Errors
-    /// When a tag is missing, or an element is so flat that the interior cannot follow.
     pub fn new(config: &ScenarioConfig, body: &Body) -> Result<Option<Self>> {
         let mut walls = Vec::new();
         for (tag, distance) in config.walls() {
@@ -45,7 +42,6 @@ impl Offset {
     }
 
     /// X_s [m].
-    #[must_use]
     pub fn apply(&self, designed: &[Vec3]) -> Vec<Vec3> {
         let mut moves = vec![Vec3::zeros(); designed.len()];
         for (facets, distance) in &self.walls {

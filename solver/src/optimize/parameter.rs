@@ -26,7 +26,6 @@ pub enum Parameter {
 impl Parameter {
     /// All that the runs of a level depend on. Walls move with the shape, and pressures that are
     /// designed are among the loads.
-    #[must_use]
     pub fn of(scene: &Scene, level: &Level, design: &DesignConfig) -> Vec<Self> {
         let mut all = Vec::new();
         let shape = level.map().shape_variables();
@@ -50,7 +49,6 @@ impl Parameter {
     }
 
     /// The name in reports.
-    #[must_use]
     pub fn name(&self) -> String {
         match self {
             Self::Shape => "shape".to_owned(),
@@ -68,7 +66,6 @@ impl Parameter {
     }
 
     /// Number of its numbers.
-    #[must_use]
     pub fn count(&self, level: &Level) -> usize {
         let shape = level.map().shape_variables();
         match self {
@@ -79,7 +76,6 @@ impl Parameter {
     }
 
     /// dJ by its numbers, from the sweeps of all scenarios at θ = 0.
-    #[must_use]
     pub fn gradient(&self, scene: &Scene, level: &Level, swept: &[Gradient]) -> Vec<f64> {
         let shape = level.map().shape_variables();
         let by_variables = || level.vjp(&vec![0.0; level.variables()], swept);
@@ -111,7 +107,6 @@ pub struct Derivative {
 impl Derivative {
     /// All of them, from the sweeps of all scenarios at θ = 0: the loads that are designed, then the
     /// numbers of the scene. A number counts in the scenarios that give it no value of their own.
-    #[must_use]
     pub fn of(
         scene: &Scene,
         level: &Level,
@@ -183,9 +178,6 @@ pub struct Perturbed<'a> {
 impl Perturbed<'_> {
     /// The evaluation at θ = 0 with a parameter changed by `by`, next to that of the
     /// level.
-    ///
-    /// # Errors
-    /// When the shape is not admissible or the run fails.
     pub fn evaluate(
         &self,
         level: &mut Level,

@@ -26,7 +26,6 @@ impl LevelProgress {
     }
 
     /// Gain of the level so far, over its first objective; none before there is an iteration.
-    #[must_use]
     pub fn gain(&self) -> Option<f64> {
         let [first, .., last] = self.objectives[..] else { return None };
         Some((first - last) / first.abs())
@@ -34,7 +33,6 @@ impl LevelProgress {
 
     /// Gain per Newton iteration of the last two iterations, relative to that of all iterations
     /// of the level; none before there are more than two, or where nothing was gained.
-    #[must_use]
     pub fn rate(&self) -> Option<f64> {
         let end = self.objectives.len().checked_sub(1)?;
         let since = |first: usize| {

@@ -43,20 +43,17 @@ pub struct Model {
 
 impl Model {
     /// With a matrix for every variable.
-    #[must_use]
     pub fn full(matrix: DMatrix<f64>) -> Self {
         Self { basis: None, within: matrix, beyond: 0.0 }
     }
 
     /// θ in all directions.
-    #[must_use]
     pub fn round(variables: usize, curvature: f64) -> Self {
         let basis = Some(DMatrix::zeros(variables, 0));
         Self { basis, within: DMatrix::zeros(0, 0), beyond: curvature }
     }
 
     /// θ I − W K Wᵀ, which is positive definite.
-    #[must_use]
     pub fn limited(curvature: f64, w: &DMatrix<f64>, k: &DMatrix<f64>) -> Self {
         let q = w.clone().qr().q();
         let through = q.tr_mul(w);
@@ -66,13 +63,11 @@ impl Model {
     }
 
     /// Whether every variable has a row.
-    #[must_use]
     pub fn is_full(&self) -> bool {
         self.basis.is_none()
     }
 
     /// Whether it is positive definite.
-    #[must_use]
     pub fn is_positive(&self) -> bool {
         self.beyond >= 0.0 && self.within.clone().cholesky().is_some()
     }
@@ -94,7 +89,6 @@ impl Model {
     }
 
     /// dᵀ B d.
-    #[must_use]
     pub fn bend(&self, d: &[f64]) -> f64 {
         let (y, z) = self.split(&DVector::from_column_slice(d));
         y.dot(&(&self.within * &y)) + self.beyond * z.norm_squared()
@@ -176,7 +170,6 @@ pub struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     /// A model with a gradient, M and inequalities, whose steps are about so long [m].
-    #[must_use]
     pub fn new(
         model: &'a Model,
         gradient: &'a [f64],
@@ -188,19 +181,16 @@ impl<'a> Problem<'a> {
     }
 
     /// g·d + ½ dᵀ B d.
-    #[must_use]
     pub fn change(&self, d: &[f64]) -> f64 {
         dot(self.gradient, d) + 0.5 * self.model.bend(d)
     }
 
     /// A mean of the curvature, to begin λ with.
-    #[must_use]
     pub fn mean_curvature(&self) -> f64 {
         self.model.mean(self.metric)
     }
 
     /// The minimum with λ; none where B + λM is not positive definite.
-    #[must_use]
     pub fn minimum(&self, shift: f64) -> Option<Minimum> {
         let model = self.model.shifted(shift, self.metric);
         let gradient = DMatrix::from_column_slice(self.gradient.len(), 1, self.gradient);

@@ -11,9 +11,6 @@ use scene::Scene;
 const REMESH_PASSES: usize = 10;
 
 /// Writes a mesh file for each body of a scene, placed as the scene reads them.
-///
-/// # Errors
-/// When one cannot be written.
 pub fn write_bodies(folder: &Path, what: &str, scene: &Scene, body: &Body) -> Result<()> {
     for (part, (name, mut mesh, tags)) in scene.parts.iter().zip(body.separate()) {
         let shift = mesh::Vec3::from(part.config.translate);
@@ -24,7 +21,6 @@ pub fn write_bodies(folder: &Path, what: &str, scene: &Scene, body: &Body) -> Re
 }
 
 /// Name of a mesh file, of one body of several if it has a name.
-#[must_use]
 pub fn mesh_file(what: &str, body: Option<&str>) -> String {
     body.map_or_else(|| format!("{what}.msh"), |name| format!("{what}.{name}.msh"))
 }

@@ -28,7 +28,6 @@ pub struct RestPath {
 
 impl RestPath {
     /// A boundary of which the vertices of `moving` facets move.
-    #[must_use]
     pub fn new(vertices: usize, boundary: &[[usize; 3]], moving: &[[usize; 3]], edge: f64) -> Self {
         let mut moves = vec![false; vertices];
         moving.iter().flatten().for_each(|&v| moves[v] = true);
@@ -37,7 +36,6 @@ impl RestPath {
 
     /// The fraction of the path `at`(t), t from 0 to 1, that is free: vertex positions
     /// of the whole mesh [m].
-    #[must_use]
     pub fn free(&self, at: impl Fn(f64) -> Vec<Vec3>) -> f64 {
         let (mut begin, mut from) = (0.0, at(0.0));
         let mut length = LONGEST;
@@ -61,7 +59,6 @@ impl RestPath {
 
     /// Distances between parts of the surface without a common vertex, where a motion of at most `motion` [m] may close
     /// them and they are within half an edge.
-    #[must_use]
     pub fn gaps(&self, x: &[Vec3], motion: f64) -> Vec<Inequality> {
         let mut pairs =
             candidates::close_within(&self.features, x, (2.0 * motion).min(0.5 * self.mean_edge));

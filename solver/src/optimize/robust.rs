@@ -31,7 +31,6 @@ enum Measure {
 
 impl Robust {
     /// As a design has it.
-    #[must_use]
     pub fn new(scenarios: &[ScenarioConfig], config: Option<RobustConfig>) -> Self {
         let sum: f64 = scenarios.iter().map(|scenario| scenario.weight).sum();
         let weights = scenarios.iter().map(|scenario| scenario.weight / sum).collect();
@@ -44,25 +43,21 @@ impl Robust {
     }
 
     /// Weights, whose sum is 1.
-    #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
     /// Whether it is the mean, of terms as of their sum.
-    #[must_use]
     pub fn is_mean(&self) -> bool {
         self.weights.len() == 1 || matches!(self.measure, Measure::Deviations(0.0))
     }
 
     /// m.
-    #[must_use]
     pub fn mean(&self, objectives: &[f64]) -> f64 {
         self.weights.iter().zip(objectives).map(|(w, j)| w * j).sum()
     }
 
     /// The one objective.
-    #[must_use]
     pub fn value(&self, objectives: &[f64]) -> f64 {
         let mean = self.mean(objectives);
         match self.measure {
@@ -77,7 +72,6 @@ impl Robust {
 
     /// The derivatives by the objectives; their sum is 1. Where all objectives are the same, a
     /// standard deviation has none, and those of the mean are taken.
-    #[must_use]
     pub fn derivatives(&self, objectives: &[f64]) -> Vec<f64> {
         match self.measure {
             Measure::Deviations(count) => {

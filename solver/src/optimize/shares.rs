@@ -20,9 +20,6 @@ const LARGE: f64 = 0.8;
 const STILL: f64 = 0.01;
 
 /// The weights of terms with these names and values J.
-///
-/// # Errors
-/// When a term that is to have a share is zero or not finite.
 pub fn weights(terms: &[(&str, Weight)], values: &[f64]) -> Result<Vec<f64>> {
     let (mut given, mut shares) = (0.0, 0.0);
     for ((name, weight), value) in terms.iter().zip(values) {
@@ -48,7 +45,6 @@ pub fn weights(terms: &[(&str, Weight)], values: &[f64]) -> Result<Vec<f64>> {
 }
 
 /// The share of each weighted term, the largest first.
-#[must_use]
 pub fn shares(terms: &BTreeMap<String, f64>) -> Vec<(&str, f64)> {
     let total: f64 = terms.values().map(|value| value.abs()).sum();
     let mut shares: Vec<(&str, f64)> =
@@ -58,7 +54,6 @@ pub fn shares(terms: &BTreeMap<String, f64>) -> Vec<(&str, f64)> {
 }
 
 /// The shares in words, where there is more than one term.
-#[must_use]
 pub fn describe(terms: &BTreeMap<String, f64>) -> Option<String> {
     let one = |(name, share): (&str, f64)| format!("{name} {:.1} %", 100.0 * share);
     let all: Vec<String> = shares(terms).into_iter().map(one).collect();
@@ -66,7 +61,6 @@ pub fn describe(terms: &BTreeMap<String, f64>) -> Option<String> {
 }
 
 /// What to say of a term that was nearly all of the objective in a level and hardly changed.
-#[must_use]
 pub fn drowns(before: &BTreeMap<String, f64>, after: &BTreeMap<String, f64>) -> Option<String> {
     let &(name, share) = shares(before).first()?;
     let change = (after.get(name)? - before[name]) / before[name].abs();

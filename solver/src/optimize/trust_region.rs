@@ -55,19 +55,16 @@ pub struct TrustRegion {
 
 impl TrustRegion {
     /// As trusted as this one, without a model.
-    #[must_use]
     pub fn without_model(&self) -> Self {
         Self { radius: self.radius, ..Self::default() }
     }
 
     /// Whether there is no model yet.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.hessian.is_empty()
     }
 
     /// Whether there is a model that was updated at most `oldest` times and told the last decrease.
-    #[must_use]
     pub fn is_good_for(&self, oldest: usize) -> bool {
         !self.is_empty() && self.age <= oldest && USABLE.contains(&self.agreement)
     }
@@ -96,7 +93,6 @@ impl TrustRegion {
     }
 
     /// The matrix B.
-    #[must_use]
     pub fn matrix(&self) -> DMatrix<f64> {
         let n = self.hessian.len().isqrt();
         DMatrix::from_column_slice(n, n, &self.hessian)
@@ -121,7 +117,6 @@ impl TrustRegion {
 
 /// The step that minimises the model under its inequalities and moves no farther than `radius`; none where the model
 /// has no minimum.
-#[must_use]
 pub fn step_within(
     problem: &Problem,
     radius: f64,

@@ -62,9 +62,6 @@ fn point(p: &Vec3) -> String {
 
 /// Checks vertex positions `rest` of a body, of whose boundary facets `moving` are those
 /// that the design moves.
-///
-/// # Errors
-/// [`Invalid`] with what is wrong and where.
 pub fn check(rest: &[Vec3], body: &Body, moving: &[[usize; 3]]) -> Result<(), Invalid> {
     check_volumes(rest, &body.mesh.tets, SMALLEST)?;
     check_sides(rest, body)?;
@@ -101,7 +98,6 @@ fn volumes(rest: &[Vec3], tets: &[[usize; 4]]) -> Vec<f64> {
 }
 
 /// The smallest volume over the mean of shapes that a design moves to from a start: re-meshing may leave smaller ones there.
-#[must_use]
 pub fn smallest_of_trials(start: &[Vec3], tets: &[[usize; 4]]) -> f64 {
     let smallest = volumes(start, tets).into_iter().fold(f64::INFINITY, f64::min);
     (0.5 * smallest).clamp(SMALLEST, SMALLEST_OF_TRIALS)

@@ -16,13 +16,11 @@ const SMALL: f64 = 0.01;
 const FAR: f64 = 2.0;
 
 /// The load at which a stiffness that is one at rest and another at a load vanishes.
-#[must_use]
 pub fn critical_load(load: f64, [at_rest, there]: [f64; 2]) -> Option<f64> {
     (at_rest > there && there > 0.0).then(|| load * at_rest / (at_rest - there))
 }
 
 /// What to say of a body that buckles about at a load.
-#[must_use]
 pub fn in_words(scene: &Scene, load: f64) -> String {
     format!(
         "the body buckles at about {}: there the stiffness of its softest mode vanishes, and beyond it bends far under \
@@ -36,7 +34,6 @@ pub fn in_words(scene: &Scene, load: f64) -> String {
 /// A warning after a load step of a static scene that took many iterations, where the body buckles near its load: `before`
 /// is the state before it, at rest the first. Pressures and contact make the method slow in other ways. The factor in the
 /// workspace stays.
-#[must_use]
 pub fn foreseen(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),

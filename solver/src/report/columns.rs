@@ -14,9 +14,6 @@ use super::results::STEPS;
 
 /// The rows of a run: lines of a history.jsonl or steps.jsonl, the steps of a report.json, or the
 /// runs in a file of compare.
-///
-/// # Errors
-/// When the file cannot be read or has no rows.
 pub fn rows(path: &Path) -> Result<Vec<Value>> {
     let text = mesh::io::read_text(path)?;
     let context = || path.display().to_string();
@@ -40,7 +37,6 @@ pub fn rows(path: &Path) -> Result<Vec<Value>> {
 
 /// The state at rest of the run of which [`rows`] are in a file: in the report.json, or in that beside a steps.jsonl.
 /// None where the report does not have it.
-#[must_use]
 pub fn at_rest(path: &Path) -> Option<Value> {
     let report = match path.file_name()?.to_str()? {
         STEPS => path.with_file_name("report.json"),
@@ -59,18 +55,12 @@ struct Table {
 }
 
 /// The number of a column in a row, whose names are keys, or keys joined by dots.
-///
-/// # Errors
-/// As [`combined`].
 pub fn number(row: &Value, column: &str) -> Result<f64> {
     combined(column, &|keys| one_number(row, keys))
 }
 
 /// The number that the text of a column means: a name, which may have a factor after a star, an expression as scenes
 /// have them; or a number; or several of these with " + " between them. `find` gives the number with a name.
-///
-/// # Errors
-/// When `find` finds no number, or a factor is none.
 pub fn combined(column: &str, find: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
     // a name may have a plus or a star itself
     if let Ok(number) = find(column) {

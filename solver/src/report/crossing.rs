@@ -25,7 +25,6 @@ pub struct Crossing {
 impl Crossing {
     /// At a state of a body in a scene without contact; none where it has contact, or says that
     /// it is ignored, or nothing intersects. Decided by exact predicates.
-    #[must_use]
     pub fn find(scene: &Scene, body: &Body, problem: &Problem, at: &Iterate) -> Option<Self> {
         if scene.config.contact.is_some() {
             return None;
@@ -47,7 +46,6 @@ impl Crossing {
     }
 
     /// What to say of it.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let [a, b] = &self.bodies;
         let p = self.place;
@@ -60,7 +58,6 @@ impl Crossing {
     }
 
     /// For report.json.
-    #[must_use]
     pub fn report(&self) -> reports::Crossing {
         let (pairs, bodies, place) = (self.pairs, self.bodies.clone(), self.place.into());
         reports::Crossing { pairs, bodies, place }

@@ -14,9 +14,6 @@ use super::results::CURVE;
 use super::table;
 
 /// Writes the table of a run to a folder, from the `lines` of its states.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write<'a>(
     folder: &Path,
     lines: impl Iterator<Item = &'a Step>,

@@ -45,7 +45,6 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// Looks at both sides of the load step that failed; factors twice.
-    #[must_use]
     pub fn new(
         scene: &Scene,
         body: &Body,
@@ -94,9 +93,6 @@ impl Diagnosis {
 
     /// Writes the last equilibrium to [`FAILED`]: cell array `worst_element` is 1
     /// there and 0 elsewhere.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub fn write_state(&self, folder: &Path) -> Result<()> {
         Ok(vtu::write_vtu(&folder.join(FAILED), &self.grid)?)
     }
@@ -152,7 +148,6 @@ fn worst_element(
 }
 
 /// The element that is inverted most by displacements, and where it is at rest; none where no element is.
-#[must_use]
 pub fn inverted(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Option<String> {
     let each = (0..space.tets().len()).map(|e| (e, smallest_volume_ratio(space, rest, u, e)));
     let (worst, ratio) = each.min_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -64,7 +64,6 @@ impl Point {
 }
 
 /// Fields at the points, and of the cells.
-#[must_use]
 pub fn fields(energies: &Energies, at: &Iterate) -> [Vec<Field>; 2] {
     let space = at.space;
     let quadrature = space.volume_table().weights.len();

@@ -7,7 +7,6 @@ use mesh::measure::diagonal;
 
 /// What to say of the first body whose mean displacement grows, from the displacement `before` to
 /// `after` [m], by more than its own length: it may pass others that it should have met.
-#[must_use]
 pub fn leap(body: &Body, before: &[f64], after: &[f64]) -> Option<String> {
     body.parts.iter().find_map(|part| {
         let (vertices, count) = (part.vertices.clone(), part.vertices.len() as f64);

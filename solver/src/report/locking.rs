@@ -81,7 +81,6 @@ impl Richer {
 
 /// The estimate of a state, where the scene asks for it or its elements are likely to lock; it is said
 /// in the log, too, as a warning where the state is not to be trusted.
-#[must_use]
 pub fn estimate(
     scene: &Scene,
     of: (&Problem, &[Probe]),
@@ -125,16 +124,12 @@ pub fn foresee(scene: &Scene) {
 }
 
 /// The largest bulk modulus of a scene's laws, in shear moduli.
-#[must_use]
 pub fn bulk_over_shear(scene: &Scene) -> f64 {
     let moduli = scene.laws.iter().map(|law| law.material.moduli());
     moduli.map(|m| m.bulk / m.shear).fold(0.0, f64::max)
 }
 
 /// The estimate for a state of a scene's bodies.
-///
-/// # Errors
-/// Where there is too little memory, or no step with the next degree.
 fn estimated(
     scene: &Scene,
     with: Richer,

@@ -15,7 +15,6 @@ use mesh::{Tags, TetMesh, Vec3, facet_key};
 const OFF_PLANE: f64 = 1e-12;
 
 /// A mesh with its mirror image. Vertices of the cut are shared, and its tags vanish.
-#[must_use]
 pub fn mirror_body(mesh: &TetMesh, tags: &Tags, plane: &Plane) -> (TetMesh, Tags) {
     let (vertices, image) = with_images(&mesh.vertices, |v| plane.contains(v), |x| plane.mirror(x));
     let mut tets = mesh.tets.clone();
@@ -35,7 +34,6 @@ pub fn mirror_body(mesh: &TetMesh, tags: &Tags, plane: &Plane) -> (TetMesh, Tags
 
 /// A grid with its mirror image in the plane across an axis at `level` [m]. Points in it
 /// are shared; vectors and tensors are mirrored.
-#[must_use]
 pub fn mirror_grid(grid: &Grid, axis: usize, level: f64) -> Grid {
     let near = OFF_PLANE * mesh::measure::diagonal(&grid.points);
     let in_plane = |p: usize| (grid.points[p][axis] - level).abs() <= near;

@@ -17,7 +17,6 @@ use scene::Scene;
 const NOTABLE: f64 = 0.01;
 
 /// How far each law with softening is softened; none of a scene without it.
-#[must_use]
 pub fn softened(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Vec<reports::Mullins>> {
     let one = |(name, mullins): (String, &Mullins)| {
         let MullinsSummary { largest_energy, factor, factor_at_rest, mean_factor_at_rest, lost } =
@@ -32,7 +31,6 @@ pub fn softened(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Vec<
 }
 
 /// The inflations of all chambers; none of a scene without softening.
-#[must_use]
 pub fn inflations(scene: &Scene, lines: &[Step]) -> Option<Vec<Inflation>> {
     let names = lines.first().into_iter().flat_map(|line| line.chambers.keys());
     let of_chamber = |name: &String| {
@@ -97,7 +95,6 @@ fn rises(values: &[f64]) -> Vec<RangeInclusive<usize>> {
 }
 
 /// Fields of the cells.
-#[must_use]
 pub fn fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
     let softened: Vec<&Mullins> =
         energies.bodies.iter().filter_map(|body| body.mullins.as_ref()).collect();

@@ -52,9 +52,6 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// The checkpoint of a folder, if there is one.
-    ///
-    /// # Errors
-    /// When it cannot be read or belongs to other inputs.
     pub fn read(folder: &Path, inputs: &str) -> Result<Option<Self>> {
         let path = folder.join(CHECKPOINT);
         if !path.exists() {
@@ -72,17 +69,11 @@ impl Checkpoint {
     }
 
     /// Writes it to a folder.
-    ///
-    /// # Errors
-    /// When it cannot be written; the one before then still stands.
     pub fn write(&self, folder: &Path) -> Result<()> {
         program::write_checkpoint(&folder.join(CHECKPOINT), scene::PROGRAM, self)
     }
 
     /// Takes it away from a folder.
-    ///
-    /// # Errors
-    /// When there is one and it cannot be removed.
     pub fn remove(folder: &Path) -> Result<()> {
         Ok(mesh::io::remove_output(&folder.join(CHECKPOINT))?)
     }
@@ -123,9 +114,6 @@ pub struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     /// Begins with nothing, or after the first `done` lines of the folder.
-    ///
-    /// # Errors
-    /// When they or their pictures are not as they were.
     pub fn new(
         scene: &'a Scene,
         (problem, probes): (&'a Problem, &'a [Probe]),
@@ -162,9 +150,6 @@ impl<'a> Recorder<'a> {
     }
 
     /// Begins with nothing, and writes nothing.
-    ///
-    /// # Errors
-    /// When a tag is missing.
     pub fn measuring(
         scene: &'a Scene,
         (problem, probes): (&'a Problem, &'a [Probe]),
@@ -185,9 +170,6 @@ impl<'a> Recorder<'a> {
 
     /// Follows the work of the loads through all load steps, writes those that are reported,
     /// then the checkpoint.
-    ///
-    /// # Errors
-    /// When a file cannot be written.
     pub fn write(&mut self, finished: Finished) -> Result<()> {
         for (i, step) in finished.steps.iter().enumerate() {
             let at = step.iterate(self.problem, &self.scene.body.mesh.vertices);
@@ -205,13 +187,11 @@ impl<'a> Recorder<'a> {
     }
 
     /// Work of gas, dead loads and moving supports so far.
-    #[must_use]
     pub fn work(&self) -> &Work {
         &self.work
     }
 
     /// Largest energy gain of all steps over the largest stored and kinetic energy of a step [1].
-    #[must_use]
     pub fn largest_gain(&self) -> Option<f64> {
         let start = self.kinetic_at_start?;
         let gains =

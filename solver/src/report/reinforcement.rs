@@ -29,7 +29,6 @@ pub const THREADS: &str = "windings.csv";
 const NO_FORCE: f64 = 1e-6;
 
 /// Measures of every family of fibres.
-#[must_use]
 pub fn fibres(energies: &Energies, at: &Iterate) -> Vec<Fibre> {
     let one = |family: &Fibres| {
         let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
@@ -83,7 +82,6 @@ fn axial_forces(
 }
 
 /// Measures of every thread, in the order of the scene.
-#[must_use]
 pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding> {
     let one = |(winding, thread): (&WindingConfig, &energy::Winding)| {
         let WindingSummary { length, energy, force, mean_force, taut } = thread.summary(at);
@@ -119,9 +117,6 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
 }
 
 /// Writes the threads of a state to a folder, if there are any.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write_threads(
     folder: &Path,
     scene: &Scene,
@@ -151,7 +146,6 @@ pub fn write_threads(
 }
 
 /// Fields of the cells.
-#[must_use]
 pub fn fibre_fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
     energies.fibres.iter().flat_map(|family| of_family(family, at)).collect()
 }

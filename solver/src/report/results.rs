@@ -41,9 +41,6 @@ pub const FAILED: &str = "not_full_load.vtu";
 
 /// What a report in a folder says of the files that the result was made from, and of what was set from
 /// outside.
-///
-/// # Errors
-/// When a mesh cannot be read.
 pub fn provenance(
     folder: &Path,
     design: Option<&Settings>,
@@ -64,17 +61,11 @@ pub fn provenance(
 }
 
 /// Writes the report of a run, its keys in alphabetical order.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write_report(folder: &Path, report: &impl Serialize) -> Result<()> {
     program::write_json(&folder.join("report.json"), &serde_json::to_value(report)?)
 }
 
 /// Measures every tag that has facets at an equilibrium.
-///
-/// # Errors
-/// When a tag has no facets.
 pub fn tags(
     scene: &Scene,
     body: &Body,
@@ -111,7 +102,6 @@ fn reactions(
 }
 
 /// Area and displacements of the facets of a tag.
-#[must_use]
 pub fn displacements(body: &Body, space: &FunctionSpace, facets: &[[usize; 3]], u: &[f64]) -> Tag {
     let table = space.facet_table();
     let (mut area, mut length, mut vector, mut largest) = (0.0, 0.0, Vec3::zeros(), 0.0_f64);
@@ -139,9 +129,6 @@ pub fn displacements(body: &Body, space: &FunctionSpace, facets: &[[usize; 3]], 
 /// Measures of one load step: the step, its chambers, reactions, balance of
 /// forces, energies and probes; of one with the velocity `v` [m/s] the kinetic one, too. The loads have done
 /// some work so far [J].
-///
-/// # Errors
-/// When a tag is missing.
 pub fn step(
     scene: &Scene,
     body: &Body,
@@ -185,7 +172,6 @@ pub fn step(
 }
 
 /// Rest before any load, where prescribed volumes need no pressure.
-#[must_use]
 pub fn still(problem: &Problem) -> LoadStep {
     let relaxed = |m: &Multiplier| Multiplier { pressure: 0.0, ..*m };
     LoadStep {
@@ -205,9 +191,6 @@ pub fn still(problem: &Problem) -> LoadStep {
 
 /// Measures of the state at rest, if it is one of equilibrium without any load: the first point of curves. With inertia
 /// loads may set in at once.
-///
-/// # Errors
-/// When a tag is missing.
 pub fn at_rest(scene: &Scene, problem: &Problem, probes: &[Probe]) -> Result<Option<Step>> {
     let (body, mut still) = (&scene.body, still(problem));
     let (gradient, _) = problem.gradient(&still.iterate(problem, &body.mesh.vertices));
@@ -225,7 +208,6 @@ pub fn at_rest(scene: &Scene, problem: &Problem, probes: &[Probe]) -> Result<Opt
 }
 
 /// ½ vᵀ M v of all bodies with inertia [J].
-#[must_use]
 pub fn kinetic_energy(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> f64 {
     let rigid = energies.rigid.iter().filter_map(|part| part.mass.as_ref());
     let of_bodies: f64 = energies.inertia().map(|i| i.kinetic_energy(space, rest, v)).sum();
@@ -233,7 +215,6 @@ pub fn kinetic_energy(energies: &Energies, space: &FunctionSpace, rest: &[Vec3],
 }
 
 /// ∫ ρ v dX of all bodies with inertia [kg m/s].
-#[must_use]
 pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> Vec3 {
     let rigid = energies.rigid.iter().filter_map(|part| part.mass.as_ref());
     let of_bodies: Vec3 = energies.inertia().map(|i| i.momentum(space, rest, v)).sum();
@@ -241,7 +222,6 @@ pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[
 }
 
 /// How far each rigid part has moved and turned.
-#[must_use]
 pub fn rigid_parts(energies: &Energies, u: &[f64]) -> BTreeMap<String, RigidPart> {
     let one = |part: &energy::RigidEnergies| {
         let turned = part.stiffness.as_ref().map(|own| own.rotation(u));
@@ -253,7 +233,6 @@ pub fn rigid_parts(energies: &Energies, u: &[f64]) -> BTreeMap<String, RigidPart
 }
 
 /// Measures every chamber.
-#[must_use]
 pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, Chamber> {
     let report = |chamber: &energy::Chamber| {
         let (volume, gas) = chamber.state(at);
@@ -266,7 +245,6 @@ pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, Chamber> 
 }
 
 /// Thickness, law and measures of every sheet, in the order of the scene.
-#[must_use]
 pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Membrane> {
     let one = |(membrane, energy): (&SceneMembrane, &energy::Membrane)| {
         let MembraneSummary { area, energy, stretch, tension, taut, wrinkled, slack } =
@@ -289,7 +267,6 @@ pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Membra
 }
 
 /// Kind, unit and value of every probe.
-#[must_use]
 pub fn probes(
     probes: &[Probe],
     problem: &Problem,
@@ -305,7 +282,6 @@ pub fn probes(
 
 /// Energies of a state by kind, and their sum `total` [J]. What inertia and
 /// friction add to the potential of a step in time is none.
-#[must_use]
 pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f64> {
     // those that a scene may lack are reported, too
     let mut stored = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
@@ -318,7 +294,6 @@ pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f6
 }
 
 /// Energy of a state that is stored in bodies, sheets and contacts, not in loads [J].
-#[must_use]
 pub fn internal_energy(energies: &Energies, at: &Iterate) -> f64 {
     let internal =
         |kind: Kind| kind.is_stored() && !kind.is_dead_load() && !matches!(kind, Kind::Chamber(_));
@@ -327,7 +302,6 @@ pub fn internal_energy(energies: &Energies, at: &Iterate) -> f64 {
 
 /// Resultants of the loads by kind and of the reactions [N]; the norm of their
 /// sum is `out_of_balance`.
-#[must_use]
 pub fn balance(problem: &Problem, state: &Iterate) -> ForceBalance {
     let nodes = state.space.node_count();
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
@@ -346,17 +320,11 @@ pub fn balance(problem: &Problem, state: &Iterate) -> ForceBalance {
 }
 
 /// Writes nodes and displacements exactly: two arrays of shape (nodes, 3) [m].
-///
-/// # Errors
-/// When a file cannot be written.
 pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Result<()> {
     write_arrays(folder, &space.node_positions(rest), u)
 }
 
 /// Writes nodes and displacements exactly, from the positions of the nodes at rest [m].
-///
-/// # Errors
-/// When a file cannot be written.
 pub fn write_arrays(folder: &Path, nodes: &[Vec3], u: &[f64]) -> Result<()> {
     let shape = [nodes.len(), 3];
     let nodes: Vec<f64> = nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
@@ -368,7 +336,6 @@ pub fn write_arrays(folder: &Path, nodes: &[Vec3], u: &[f64]) -> Result<()> {
 /// Forces between surfaces at a state: how close they are, and for each pair of
 /// bodies the force on the first [N] and the sum of its magnitudes; none where the
 /// scene has no contact.
-#[must_use]
 pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Collisions> {
     let contact = energies.contact.as_ref()?;
     let names = scene.surface_names();
@@ -391,7 +358,6 @@ pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Co
 
 /// [`grid`] with strains and stresses, and with the forces of contact and friction on the
 /// nodes [N].
-#[must_use]
 pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     let mut grid = grid(at.space, at.rest, at.u);
     let [at_points, of_cells] = fields(energies, at);
@@ -410,7 +376,6 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
 }
 
 /// The body with its displacement, and the mean of J over each element.
-#[must_use]
 pub fn grid(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> vtu::Grid {
     let types = [vtu::CellType::Tet4, vtu::CellType::Tet10, vtu::CellType::Tet20];
     let cell_type = types[space.degree() - 1];
@@ -439,7 +404,6 @@ fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64
 }
 
 /// Planes of symmetry of a body, for `solver mirror`.
-#[must_use]
 pub fn symmetry(body: &Body) -> Vec<CutPlane> {
     let one = |plane: &Plane| CutPlane {
         on: plane.tags.clone(),
@@ -450,9 +414,6 @@ pub fn symmetry(body: &Body) -> Vec<CutPlane> {
 }
 
 /// Writes the state at the end, with the softest mode, where it is known.
-///
-/// # Errors
-/// When a file cannot be written.
 pub fn write_end(
     folder: &Path,
     problem: &Problem,
@@ -467,9 +428,6 @@ pub fn write_end(
 
 /// Results of an earlier run must not remain beside a report that contradicts
 /// them; those of the steps that an interrupted one has done stay.
-///
-/// # Errors
-/// When a file cannot be removed.
 pub fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     let kept: Vec<String> = (0..done).map(|i| format!("step_{i:03}.vtu")).collect();
     for entry in std::fs::read_dir(folder)? {

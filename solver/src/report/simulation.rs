@@ -26,9 +26,6 @@ use crate::report::stability;
 use crate::report::threads;
 
 /// What is known before a run whose results lie in a folder.
-///
-/// # Errors
-/// When a mesh cannot be read.
 pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulation> {
     let (inputs, set) = results::provenance(folder, None, scene)?;
     let cut = !scene.body.planes.is_empty();
@@ -133,7 +130,6 @@ pub struct Verdict {
 impl Verdict {
     /// Of the state at the end of a run of some load steps, the last of which is known on a path. They have added a part of
     /// the largest energy to it [1], where that is known. What a user should know of it is said in the log, as warnings.
-    #[must_use]
     pub fn new(
         scene: &Scene,
         problem: &Problem,
@@ -162,7 +158,6 @@ impl Verdict {
     }
 
     /// What the result is.
-    #[must_use]
     pub fn status(&self) -> Status {
         match (&self.crossing, &self.missed) {
             (Some(_), _) => Status::SurfacesCrossed,
@@ -172,16 +167,12 @@ impl Verdict {
     }
 
     /// Why the result must not be used, if it must not.
-    #[must_use]
     pub fn refusal(&self) -> Option<String> {
         self.crossing.as_ref().map(Crossing::in_words).or_else(|| self.missed.clone())
     }
 }
 
 /// What is known of the state at the end of a run, of which there is a verdict.
-///
-/// # Errors
-/// When a tag has no facets.
 pub fn end(
     scene: &Scene,
     (problem, probes): (&Problem, &[Probe]),

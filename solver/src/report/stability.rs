@@ -22,7 +22,6 @@ fn of_state(
 
 /// The stability of the last state of a run with its softest mode: that of a path is known, that of another one is
 /// computed where the scene asks for it.
-#[must_use]
 pub fn at_end(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),
@@ -56,7 +55,6 @@ fn report(found: &forward::Stability, rest_stiffness: f64) -> Stability {
 }
 
 /// A state of a path, as reports have it.
-#[must_use]
 pub fn path_state(point: &ArcPoint) -> PathState {
     let passed = |passed: &Passed| match *passed {
         Passed::LimitPoint(loads) => PassedPoint { kind: PointKind::LimitPoint, loads },
@@ -71,14 +69,12 @@ pub fn path_state(point: &ArcPoint) -> PathState {
 }
 
 /// A mode as a field of pictures.
-#[must_use]
 pub fn field(mode: &[f64]) -> vtu::Field {
     let (name, unit) = ("softest_mode".to_owned(), "1".to_owned());
     vtu::Field { name, unit, components: 3, values: mode.to_vec() }
 }
 
 /// What lies between the state before and this one of a path, for people.
-#[must_use]
 pub fn in_words(step: &LoadStep) -> Vec<String> {
     let one = |passed: &Passed| match passed {
         Passed::LimitPoint([from, to]) => {
@@ -93,7 +89,6 @@ pub fn in_words(step: &LoadStep) -> Vec<String> {
 
 /// Why a path ends at a state before it comes to the full load, if it does: the number of states that were made, or
 /// the volume of a chamber.
-#[must_use]
 pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) -> Option<String> {
     let solver = &scene.config.solver;
     if !solver.follow.is_load() && states >= most_states(scene) {
@@ -110,7 +105,6 @@ pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) 
 
 /// What a path that ended after so many states did not come to, where the scene asks for the full load: the end in
 /// words.
-#[must_use]
 pub fn missed(scene: &Scene, states: usize, last: Option<&LoadStep>) -> Option<String> {
     let solver = &scene.config.solver;
     let last = last.filter(|step| !step.ends_time_step && !solver.path_only)?;

@@ -14,7 +14,6 @@ const READABLE: &[(&str, f64, &str)] =
 const TENTH: usize = 10;
 
 /// How far the body moves, how far it is stretched, each chamber and each probe.
-#[must_use]
 pub fn in_words(found: &End) -> String {
     let mut parts = Vec::new();
     let moved = found.tags.values().map(|tag| tag.max_displacement);
@@ -33,7 +32,6 @@ pub fn in_words(found: &End) -> String {
 }
 
 /// What a constraint that holds a design back is worth: what the objective would fall by with a tenth less or more.
-#[must_use]
 pub fn of_constraint(name: &str, kept: &Kept) -> Option<String> {
     let Kept { unit, least, most, found, worth } = kept;
     let (side, bound, way) = match (least, most) {
@@ -53,7 +51,6 @@ pub fn of_constraint(name: &str, kept: &Kept) -> Option<String> {
 
 /// Each chamber's first inflation, and its tenth or, of fewer, the last: volume and probes at half of the
 /// largest pressure on the way up, and there.
-#[must_use]
 pub fn inflations(found: &End) -> Vec<String> {
     let all = found.inflations.as_deref().unwrap_or_default();
     let told = |inflation: &&Inflation| {
@@ -92,7 +89,6 @@ fn stretch(range: &StretchRange) -> String {
 
 /// What a design came to: each probe before and after, with what was wanted, and the part `fall` by
 /// which the objective fell where no number was wanted.
-#[must_use]
 pub fn of_design(probes: Option<&BTreeMap<String, DesignedProbe>>, fall: f64) -> String {
     let mut parts = Vec::new();
     let mut is_wanted = false;
@@ -111,7 +107,6 @@ pub fn of_design(probes: Option<&BTreeMap<String, DesignedProbe>>, fall: f64) ->
 }
 
 /// A number with four digits and a unit that people read.
-#[must_use]
 pub fn quantity(value: f64, unit: &str) -> String {
     let known = READABLE.iter().find(|row| row.0 == unit);
     let (value, unit) = known.map_or((value, unit), |(_, factor, name)| (value * factor, name));

@@ -9,9 +9,6 @@ const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 /// Writes rows with commas. Names that people chose are never a formula of a spreadsheet: a space comes before one that
 /// begins like that and is no number. Programs that read tables drop it.
-///
-/// # Errors
-/// When the rows differ in length or the file cannot be written.
 pub fn write(path: &Path, rows: impl IntoIterator<Item = Vec<String>>) -> Result<()> {
     let mut table = csv::Writer::from_writer(Vec::new());
     for row in rows {

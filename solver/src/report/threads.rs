@@ -14,7 +14,6 @@ const MEET: f64 = 1e-6;
 type Segment = [Vec3; 2];
 
 /// Which threads cross, and how often.
-#[must_use]
 pub fn crossings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<String> {
     let rest = |winding: &mechanics::energy::Winding| -> Vec<Segment> {
         winding.strands(at).into_iter().map(|strand| strand.rest).collect()
@@ -67,7 +66,6 @@ fn cross([p, p_end]: &Segment, [q, q_end]: &Segment) -> bool {
 }
 
 /// Points of lines that were moved far to reach their tag.
-#[must_use]
 pub fn far_points(scene: &Scene) -> Vec<String> {
     let one = |winding: &scene::config::WindingConfig| -> Option<String> {
         let (i, distance) = scene.farthest_point(winding)?;

@@ -18,7 +18,6 @@ const LAST: usize = 3;
 const WORTH_SAYING: f64 = 1.5;
 
 /// A watch that says, once, how much is left of a run of so many Newton iterations.
-#[must_use]
 pub fn foretell(mut others: Option<Watch>, expected: f64) -> Watch {
     let (mut begin, mut made) = (Instant::now(), 0);
     Box::new(move |event| {
@@ -53,7 +52,6 @@ pub struct Pace {
 
 impl Pace {
     /// The pace of a run that begins at the time `start` and ends at `end` [s].
-    #[must_use]
     pub fn new(start: f64, end: f64) -> Self {
         Self { passed: VecDeque::from([[start, 0.0]]), end }
     }

@@ -18,9 +18,6 @@ pub struct Writer {
 
 impl Writer {
     /// Hands over a time step. Waits while others are not written yet.
-    ///
-    /// # Errors
-    /// When one before it could not be written.
     pub fn send(&mut self, finished: Finished) -> Result<()> {
         let clock = Clock::start();
         let sent = self.sender.send(finished);
@@ -34,9 +31,6 @@ impl Writer {
 ///
 /// The writer has a pool of one thread: it neither waits for the threads that compute nor
 /// takes their work.
-///
-/// # Errors
-/// Errors of the recorder, else errors of the computation.
 pub fn write_beside<T>(
     recorder: &mut Recorder,
     compute: impl FnOnce(&mut Writer) -> Result<T>,

@@ -96,9 +96,6 @@ type Value = (f64, Vec<f64>);
 
 impl Measured {
     /// Reads the file.
-    ///
-    /// # Errors
-    /// With the file, what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
         let file = Settings::read(path, &[], KEYS)?;
         let measured: Self = file.parse()?;
@@ -318,9 +315,6 @@ impl<'a> Model<'a> {
 }
 
 /// Finds by how much the walls of a scene are off, and moves them in it.
-///
-/// # Errors
-/// With the file, what was found and what is needed.
 pub fn apply(scene: &mut Scene, path: &Path) -> Result<AsCast> {
     let measured = Measured::read(path)?;
     let found = found(scene, &measured, path).with_context(|| path.display().to_string())?;
@@ -383,7 +377,6 @@ fn found(scene: &Scene, measured: &Measured, path: &Path) -> Result<AsCast> {
 }
 
 /// What was found, in lines of text.
-#[must_use]
 pub fn in_words(found: &AsCast) -> Vec<String> {
     let wall = |Offset { on, offset, standard_error }: &Offset| {
         format!(

@@ -26,9 +26,6 @@ pub struct Course {
 impl Course {
     /// Solves a scene: next to a displacement [m] if there is one and the way there does not matter; from rest where
     /// nothing is found there.
-    ///
-    /// # Errors
-    /// [`Unreached`] with the last state that is in balance.
     pub fn new(
         scene: &Scene,
         (problem, workspace): (&Problem, &mut Workspace),

@@ -39,7 +39,6 @@ pub struct Edges {
 }
 
 /// The limit of the state at the end of a run, and its burst.
-#[must_use]
 pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfig) -> Edges {
     let growing = growing(problem, config);
     let held = problem.held(end.time, &growing);
@@ -89,7 +88,6 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
 }
 
 /// A state that is no step in time, on its own.
-#[must_use]
 pub fn configuration<'a>(at: &Iterate<'a>) -> Configuration<'a> {
     let Iterate { rest, time, .. } = *at;
     Configuration { rest, time, step: None, u: at.u.to_vec(), multipliers: at.multipliers.to_vec() }
@@ -109,7 +107,6 @@ fn at_burst(torn: Torn) -> Option<Box<Burst>> {
 }
 
 /// What to say of a body that is torn at its pressure, and of which no state with less stretch was found.
-#[must_use]
 pub fn beyond(why: Option<&forward::Failure>) -> String {
     match why {
         None => "its largest stretch is beyond that at break without any pressure".to_owned(),
@@ -122,7 +119,6 @@ pub fn beyond(why: Option<&forward::Failure>) -> String {
 }
 
 /// The chambers whose pressures grow.
-#[must_use]
 pub fn growing(problem: &Problem, config: &LimitConfig) -> Vec<ChamberId> {
     let chambers = problem.energies.chambers();
     let named = chambers.filter(|(_, c)| config.on.is_empty() || config.on.contains(&c.name));
@@ -195,7 +191,6 @@ fn kind_of(kind: Kind) -> PointKind {
 }
 
 /// The limit for people.
-#[must_use]
 pub fn in_words(limit: &Limit) -> String {
     let times = |factor: f64| format!("{factor:.3} × the pressure");
     let mut text = match (limit.status, limit.kind, limit.factor) {

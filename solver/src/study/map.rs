@@ -91,9 +91,6 @@ pub struct Row {
 
 impl<'a> Map<'a> {
     /// A table for a scene without time steps.
-    ///
-    /// # Errors
-    /// When the scene has none of the numbers or not the tag, or has time steps.
     pub fn new(
         scene: &'a Scene,
         grid: &'a [Grid],
@@ -119,13 +116,11 @@ impl<'a> Map<'a> {
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.grid.iter().map(|own| own.values.len()).product()
     }
 
     /// Names of the columns.
-    #[must_use]
     pub fn columns(&self) -> Vec<String> {
         let mut columns: Vec<String> = self.grid.iter().map(|own| own.path.clone()).collect();
         columns.push("status".to_owned());
@@ -153,7 +148,6 @@ impl<'a> Map<'a> {
     }
 
     /// The values of the grid in a row.
-    #[must_use]
     pub fn at(&self, row: usize) -> Vec<f64> {
         let mut rest = row;
         let mut at = vec![0.0; self.grid.len()];
@@ -170,9 +164,6 @@ impl<'a> Map<'a> {
     }
 
     /// Finds a row, from the displacement of the one before [m] if there is one.
-    ///
-    /// # Errors
-    /// When the scene does not admit the values.
     pub fn row(&self, row: usize, before: &[f64]) -> Result<Row> {
         let at = self.at(row);
         let mut scene = self.scene.clone();

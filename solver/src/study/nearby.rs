@@ -9,7 +9,6 @@ use mechanics::forward::{
 use scene::Scene;
 
 /// Whether an equilibrium does not depend on the way to it.
-#[must_use]
 pub fn is_free_of_history(scene: &Scene) -> bool {
     let rubs = scene.config.contact().is_some_and(|contact| contact.friction > 0.0);
     !rubs && scene.config.time.is_none()
@@ -17,9 +16,6 @@ pub fn is_free_of_history(scene: &Scene) -> bool {
 
 /// The equilibrium under the full load next to a displacement [m], in one load step. It is found to the same
 /// residual as from rest.
-///
-/// # Errors
-/// [`Failure`] of Newton's method, where the state is not near.
 pub fn next_to(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),

@@ -34,9 +34,6 @@ pub struct Outcome<'a> {
 impl Outcome<'_> {
     /// Completes the report of the run and writes it to a folder, beside the state at the end. The result is why it
     /// must not be used, if it must not.
-    ///
-    /// # Errors
-    /// When a file cannot be written.
     pub fn write(
         &self,
         scene: &Scene,

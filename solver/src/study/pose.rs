@@ -45,9 +45,6 @@ pub struct Pose {
 
 impl Tip {
     /// The tag of a body.
-    ///
-    /// # Errors
-    /// When there is no such tag.
     pub fn new(body: &Body, space: &FunctionSpace, tag: &str) -> Result<Self> {
         let x = &body.mesh.vertices;
         let mut weights = std::collections::BTreeMap::<usize, f64>::new();
@@ -70,9 +67,6 @@ impl Tip {
     }
 
     /// The pose at a displacement [m].
-    ///
-    /// # Errors
-    /// When the nodes are in a line, about which a rotation is not defined.
     pub fn pose(&self, u: &[f64]) -> Result<Pose> {
         let mean: Vec3 = self.nodes.iter().map(|(n, _, w)| *w * at(u, *n)).sum();
         let moved =
@@ -108,7 +102,6 @@ impl Tip {
 impl Pose {
     /// The derivative of each of the six numbers by the displacement: of the position [1], of the
     /// rotation vector [rad/m].
-    #[must_use]
     pub fn by_displacement(&self) -> [Vec<f64>; 6] {
         let mut rows = self.rows.clone();
         for i in 0..3 {
@@ -120,9 +113,6 @@ impl Pose {
 
     /// The factored Hessian, and with it the stiffness at the tip: forces [N] and torques [N m] by small motions [m]
     /// and spins [rad]. No stiffness where the Hessian has no accurate inverse.
-    ///
-    /// # Errors
-    /// When a volume is prescribed, whose pressure would have to follow.
     pub fn stiffness(
         &self,
         problem: &Problem,

@@ -10,9 +10,6 @@ use mechanics::forward::{Linearizations, Problem, Trajectory, Workspace, solve_m
 use scene::Scene;
 
 /// The value of each probe at the end of time step n ≥ 1 of a run, and its derivatives.
-///
-/// # Errors
-/// When the adjoint system has no accurate solution.
 pub fn sensitivities(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),

@@ -77,9 +77,6 @@ impl Off {
 }
 
 /// Whether a scene has all numbers that it says may be off.
-///
-/// # Errors
-/// With the path of the number that it does not have.
 pub fn check(scene: &Scene) -> Result<()> {
     let Some(config) = &scene.config.uncertainty else { return Ok(()) };
     let context = || scene.path.display().to_string();
@@ -107,9 +104,6 @@ pub fn report(
 }
 
 /// Error bars of all probes at the end of a run, by their names.
-///
-/// # Errors
-/// When the scene does not have a number, or the adjoint system has no accurate solution.
 pub fn error_bars(
     scene: &Scene,
     config: &UncertaintyConfig,
@@ -279,7 +273,6 @@ fn range_of_sources(scene: &Scene) -> [f64; 2] {
 }
 
 /// The bars in lines of text, the largest first, for each probe.
-#[must_use]
 pub fn in_words(bars: &BTreeMap<String, ErrorBars>) -> Vec<String> {
     let mut lines = Vec::new();
     for (name, ErrorBars { value, unit, together, bars }) in bars {

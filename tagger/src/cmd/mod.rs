@@ -28,9 +28,6 @@ pub enum Verb {
 
 impl Verb {
     /// Runs the verb.
-    ///
-    /// # Errors
-    /// Whatever went wrong, with the file and what to do about it.
     pub fn run(self) -> Result<()> {
         match self {
             Self::Tag(args) => tag::run(&args),

@@ -29,9 +29,6 @@ struct Row {
 }
 
 /// Runs `tagger show`.
-///
-/// # Errors
-/// If the mesh cannot be read or the table cannot be printed.
 pub fn run(args: &Args) -> Result<()> {
     let MshFile { mesh, tags } = io::read_tets(&args.tagged)?;
     let mut out = program::stdout();

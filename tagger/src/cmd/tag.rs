@@ -39,9 +39,6 @@ pub struct Args {
 }
 
 /// Runs `tagger tag`.
-///
-/// # Errors
-/// If an input is bad, a tag is empty or a pressure wall cannot be simulated.
 pub fn run(args: &Args) -> Result<()> {
     let config = Config::read(&args.config, &args.changes.set)?;
     let io::MshFile { mesh, tags: before } = io::read_tets(&args.volume)?;

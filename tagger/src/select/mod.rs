@@ -27,9 +27,6 @@ pub use patch::nearest_patches;
 /// A rule that picks boundary facets.
 pub trait Selector {
     /// Which facets are selected.
-    ///
-    /// # Errors
-    /// If the rule names something that the mesh does not have.
     fn select(&self, facets: &Facets, sources: &Sources) -> Result<Vec<bool>>;
 
     /// Area that the selection should have [m²], where the input knows it.
@@ -82,7 +79,6 @@ pub struct Sources {
 
 impl Sources {
     /// No patches yet.
-    #[must_use]
     pub fn new(folder: &Path, epsilon: f64) -> Self {
         let folder = folder.to_path_buf();
         let recognized = Recognized::default();
@@ -90,9 +86,6 @@ impl Sources {
     }
 
     /// Looks for the faces that were picked among the patches in the folder.
-    ///
-    /// # Errors
-    /// If there is no such folder, or a patch in it cannot be read.
     pub fn recognize(&mut self, picked: &BTreeMap<String, Picked>) -> Result<()> {
         let shown = || self.folder.display().to_string();
         let entries = std::fs::read_dir(&self.folder).with_context(shown)?;
@@ -109,9 +102,6 @@ impl Sources {
     }
 
     /// The file of a selection; of a face that was picked, the one that is like it.
-    ///
-    /// # Errors
-    /// If no face is like it any more.
     pub fn file(&self, name: &str) -> Result<PathBuf> {
         Ok(self.folder.join(self.recognized.file(name)?))
     }
@@ -137,7 +127,6 @@ fn extent(facets: &Facets) -> String {
 }
 
 /// A point, for messages [m].
-#[must_use]
 pub fn point(p: &Vec3) -> String {
     format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)
 }

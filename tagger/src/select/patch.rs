@@ -166,7 +166,6 @@ impl Inputs {
 }
 
 /// The patch that each facet belongs to, if any.
-#[must_use]
 pub fn nearest_patches(facets: &Facets, sources: &Sources) -> Vec<Option<usize>> {
     if sources.patches.is_empty() {
         return vec![None; facets.len()];

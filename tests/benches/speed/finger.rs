@@ -22,9 +22,6 @@ const ROD: [f64; 3] = [0.08, -0.010, 0.008];
 const ROUND: usize = 48;
 
 /// Writes `scene/sim.toml` and its meshes.
-///
-/// # Errors
-/// When the folder cannot be written.
 pub fn write(folder: &Path) -> Result<bool> {
     let scene = folder.join("scene");
     std::fs::create_dir_all(&scene)?;

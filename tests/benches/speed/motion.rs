@@ -65,9 +65,6 @@ const CASES: [Case; 4] = [
 ];
 
 /// The rows whose keys are wanted.
-///
-/// # Errors
-/// When a scene is at hand and cannot be run.
 pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<(Row, Timings)>> {
     let mut rows = Vec::new();
     for case in &CASES {

@@ -38,7 +38,6 @@ const LONGEST: usize = 1 << 18;
 ///
 /// # Panics
 /// If the corpus is empty.
-#[must_use]
 pub fn mutate(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut pick =
         |n: usize| (((random.uniform() + 1.0) / 2.0 * n as f64) as usize).min(n.max(1) - 1);

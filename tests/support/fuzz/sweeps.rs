@@ -11,7 +11,6 @@ use crate::workdir::{Workdir, repository};
 ///
 /// # Panics
 /// When the files cannot be written.
-#[must_use]
 pub fn campaign(cases: usize, seed: usize) -> Option<String> {
     let python = repository().join(".venv-sweep/bin/python");
     if !python.is_file() {

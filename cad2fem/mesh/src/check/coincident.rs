@@ -14,7 +14,6 @@ const NEAR: f64 = 1e-5;
 
 /// The vertices of a mesh with finite coordinates that are at the place of an earlier one of the same
 /// body; bodies may touch.
-#[must_use]
 pub fn coincident(mesh: &TetMesh) -> Option<Finding> {
     let edges = topology::tet_edges(&mesh.tets);
     let length = |&[a, b]: &[usize; 2]| (mesh.vertices[b] - mesh.vertices[a]).norm();

@@ -11,7 +11,6 @@ const MOST_PAIRS: usize = 1_000_000;
 
 /// Pairs of triangles that meet in more than the vertices and edge they share,
 /// decided exactly; sorted.
-#[must_use]
 pub fn self_intersections(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
     self_intersecting_pairs(surface)
 }

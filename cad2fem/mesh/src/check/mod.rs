@@ -67,7 +67,6 @@ pub const CHECKS: &[Check] = &[
 ];
 
 /// What all rules find.
-#[must_use]
 pub fn check_surface(surface: &SurfaceMesh) -> Vec<Finding> {
     let all: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
     run(surface, &all)
@@ -78,7 +77,6 @@ pub fn check_surface(surface: &SurfaceMesh) -> Vec<Finding> {
 ///
 /// # Panics
 /// If a name is not in [`CHECKS`].
-#[must_use]
 pub fn run(surface: &SurfaceMesh, rules: &[&str]) -> Vec<Finding> {
     for rule in rules {
         assert!(CHECKS.iter().any(|check| check.name == *rule), "unknown rule {rule:?}");

@@ -8,7 +8,6 @@ use crate::{TetMesh, facet_key};
 /// What is wrong with a tetrahedral mesh: it is empty or not finite, indices do
 /// not exist, volumes are not positive, more than two tetrahedra or two on the
 /// same side share a facet, vertices are used by no tetrahedron.
-#[must_use]
 pub fn check_tets(mesh: &TetMesh) -> Vec<Finding> {
     let unusable: Vec<Finding> = [finite(mesh), indices(mesh)].into_iter().flatten().collect();
     if !unusable.is_empty() {

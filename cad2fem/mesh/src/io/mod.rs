@@ -62,7 +62,6 @@ impl IoError {
     }
 
     /// An error about the content of `path`.
-    #[must_use]
     pub fn content(path: &Path, message: impl Into<String>) -> Self {
         Self::Content { path: path.to_path_buf(), message: message.into() }
     }

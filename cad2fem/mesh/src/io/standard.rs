@@ -25,7 +25,6 @@ pub fn is_standard(path: &Path) -> Result<bool, IoError> {
 }
 
 /// The format that the end of a file's name tells, or what stands before `:-`, in lower case.
-#[must_use]
 pub fn extension(path: &Path) -> String {
     let of_file = || path.extension().and_then(|e| e.to_str()).unwrap_or_default();
     format(path).unwrap_or_else(of_file).to_ascii_lowercase()

@@ -71,19 +71,16 @@ pub struct Place {
 
 impl Place {
     /// A shift only.
-    #[must_use]
     pub fn at(shift: Vec3) -> Self {
         Self { turn: Matrix3::identity(), shift }
     }
 
     /// The image of a point.
-    #[must_use]
     pub fn point(&self, p: &Vec3) -> Vec3 {
         self.turn * p + self.shift
     }
 
     /// First `first`, then this.
-    #[must_use]
     pub fn after(&self, first: &Self) -> Self {
         Self { turn: self.turn * first.turn, shift: self.point(&first.shift) }
     }
@@ -102,7 +99,6 @@ pub struct Shape {
 
 impl Shape {
     /// The surface where it stands.
-    #[must_use]
     pub fn placed(&self) -> SurfaceMesh {
         let mut surface = self.surface.clone();
         surface.vertices.iter_mut().for_each(|p| *p = self.place.point(p));

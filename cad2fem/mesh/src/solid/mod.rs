@@ -114,13 +114,11 @@ impl Solid {
     }
 
     /// The boundary of the solid.
-    #[must_use]
     pub fn to_surface(&self) -> SurfaceMesh {
         surface_of(&self.kernel.get_mesh_gl64(-1))
     }
 
     /// The boundary of the solid and the origin of each of its triangles.
-    #[must_use]
     pub fn to_surface_with_origin(&self) -> (SurfaceMesh, Vec<Origin>) {
         let mesh = self.kernel.get_mesh_gl64(-1);
         let mut origins = Vec::with_capacity(mesh.num_tri());
@@ -136,7 +134,6 @@ impl Solid {
 
     /// The number by which [`Origin::solid`] knows this solid, if all of its
     /// triangles come from one input.
-    #[must_use]
     pub fn id(&self) -> Option<u32> {
         let (_, origins) = self.to_surface_with_origin();
         let first = origins.first()?.solid;
@@ -144,32 +141,27 @@ impl Solid {
     }
 
     /// The points in this solid or in the other.
-    #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { kernel: self.kernel.union(&other.kernel) }
     }
 
     /// The points in this solid and not in the other.
-    #[must_use]
     pub fn difference(&self, other: &Self) -> Self {
         Self { kernel: self.kernel.difference(&other.kernel) }
     }
 
     /// The points in both solids.
-    #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         Self { kernel: self.kernel.intersection(&other.kernel) }
     }
 
     /// The solid moved by `v` [m].
-    #[must_use]
     pub fn translate(&self, v: &Vec3) -> Self {
         Self { kernel: self.kernel.translate(to_kernel(v)) }
     }
 
     /// The solid under the affine map x ↦ A x + t, `map` = (A | t), t in [m]. A
     /// reflection keeps the outside outside.
-    #[must_use]
     pub fn transform(&self, map: &Matrix3x4<f64>) -> Self {
         let column = |k: usize| KernelVec3::new(map[(0, k)], map[(1, k)], map[(2, k)]);
         let map = Mat3x4::from_cols(column(0), column(1), column(2), column(3));
@@ -177,45 +169,38 @@ impl Solid {
     }
 
     /// Volume [m³].
-    #[must_use]
     pub fn volume(&self) -> f64 {
         self.kernel.volume()
     }
 
     /// Area of the boundary [m²].
-    #[must_use]
     pub fn area(&self) -> f64 {
         self.kernel.surface_area()
     }
 
     /// Genus 1 − χ/2 of the whole boundary, χ its Euler number: the number of
     /// handles for one shell, and one less for each further shell.
-    #[must_use]
     pub fn genus(&self) -> i32 {
         self.kernel.genus()
     }
 
     /// Triangles of the boundary.
-    #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.kernel.num_tri()
     }
 
     /// Whether the solid has no points.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.kernel.is_empty()
     }
 
     /// Corners of the bounding box [m]; inverted infinities for the empty solid.
-    #[must_use]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let bounds = self.kernel.bounding_box();
         (from_kernel(bounds.min), from_kernel(bounds.max))
     }
 
     /// The connected bodies, each with the cavities inside it, largest first.
-    #[must_use]
     pub fn decompose(&self) -> Vec<Self> {
         let shells = self.kernel.decompose().into_iter().map(|kernel| Self { kernel });
         let (mut outer, mut cavities) = (Vec::new(), Vec::new());
@@ -238,7 +223,6 @@ impl Solid {
 
     /// The parts beyond and before the plane x · n = `offset` [m], where n is
     /// `normal` scaled to unit length.
-    #[must_use]
     pub fn split_by_plane(&self, normal: &Vec3, offset: f64) -> (Self, Self) {
         let (beyond, before) = self.kernel.split_by_plane(to_kernel(normal), offset);
         (Self { kernel: beyond }, Self { kernel: before })
@@ -246,20 +230,17 @@ impl Solid {
 
     /// The part beyond the plane x · n = `offset` [m], where n is `normal` scaled
     /// to unit length. A cut along a coordinate plane is exact.
-    #[must_use]
     pub fn trim_by_plane(&self, normal: &Vec3, offset: f64) -> Self {
         Self { kernel: self.kernel.trim_by_plane(to_kernel(normal), offset) }
     }
 
     /// Fewer triangles, the boundary moved by no more than about `tolerance` [m].
-    #[must_use]
     pub fn simplify(&self, tolerance: f64) -> Self {
         Self { kernel: self.kernel.simplify(tolerance) }
     }
 
     /// The box with the given corners [m]; empty unless min < max in every
     /// coordinate.
-    #[must_use]
     pub fn cube(min: &Vec3, max: &Vec3) -> Self {
         if (0..3).any(|k| max[k] <= min[k]) {
             return Self { kernel: Manifold::empty() };
@@ -277,7 +258,6 @@ impl Solid {
     /// The frustum of a cone from `base` to `base + axis` [m] with the radii `r0`
     /// at its base and `r1` at its top [m], inscribed with `segments` sides (at
     /// least 3). Empty if it has no volume.
-    #[must_use]
     pub fn cylinder(base: &Vec3, axis: &Vec3, r0: f64, r1: f64, segments: usize) -> Self {
         let height = axis.norm();
         if !(height > 0.0 && r0.min(r1) >= 0.0 && r0.max(r1) > 0.0) {
@@ -296,7 +276,6 @@ impl Solid {
 
     /// The inscribed polyhedron of a sphere [m] with `segments` edges around a
     /// great circle, rounded up to a multiple of four. Empty if it has no volume.
-    #[must_use]
     pub fn sphere(centre: &Vec3, radius: f64, segments: usize) -> Self {
         if radius <= 0.0 {
             return Self { kernel: Manifold::empty() };
@@ -307,7 +286,6 @@ impl Solid {
 
     /// The prism z₀ ≤ z ≤ z₁ [m] over plane polygons [m]: outlines
     /// counter-clockwise, holes clockwise, not crossing. Empty if it has no volume.
-    #[must_use]
     pub fn extrude(polygons: &[Vec<[f64; 2]>], z0: f64, z1: f64) -> Self {
         let polygons: Vec<Vec<KernelVec2>> = polygons
             .iter()
@@ -321,7 +299,6 @@ impl Solid {
     }
 
     /// The convex hull of points [m].
-    #[must_use]
     pub fn hull(points: &[Vec3]) -> Self {
         let points: Vec<_> = points.iter().map(to_kernel).collect();
         Self { kernel: Manifold::hull(&points) }

@@ -72,9 +72,6 @@ pub struct Body {
 
 impl Body {
     /// Reads a folder.
-    ///
-    /// # Errors
-    /// If a file is missing or cannot be read, or if patches are not of `model.stl`.
     pub fn read(folder: &Path) -> Result<Self> {
         let report = folder.join("model.json");
         ensure!(
@@ -124,7 +121,6 @@ impl Body {
     }
 
     /// What its faces measure, by the names of their files.
-    #[must_use]
     pub fn measured(&self) -> Vec<(String, mesh::faces::Face)> {
         let with_file: Vec<usize> =
             (0..self.faces.len()).filter(|&i| self.faces[i].file.is_some()).collect();

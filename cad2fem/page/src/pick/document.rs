@@ -25,7 +25,6 @@ const KEYS: [(&[&str], &str); 11] = [
 ];
 
 /// Puts the page together.
-#[must_use]
 pub fn assemble(title: &str, data: &Value, store: &Store) -> String {
     let style = format!("{STYLE}{}", include_str!("../../web/pick/pick.css"));
     let content = html! {

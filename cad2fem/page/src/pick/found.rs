@@ -28,7 +28,6 @@ const ROOMY: f64 = 2e-3;
 const PROBES: usize = 4000;
 
 /// All proposals.
-#[must_use]
 pub fn of(body: &Body) -> Value {
     json!({
         "chambers": chambers(body),

@@ -100,9 +100,6 @@ impl Names {
 
 impl Given {
     /// Reads a tag file for a body.
-    ///
-    /// # Errors
-    /// If it is no tag file, a name is missing or used twice, or a patch is no face of the body.
     pub fn read(path: &Path, body: &Body) -> Result<Self> {
         let settings = Settings::read(path, &[], Keys::default())?;
         settings.checked(|settings| Self::of(settings.parse()?, body))

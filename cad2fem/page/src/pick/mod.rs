@@ -48,10 +48,6 @@ pub struct Source<'a> {
 }
 
 /// Writes a page to `output`.
-///
-/// # Errors
-/// If the folder is not complete, its files do not belong together, the tags are not of this body, or
-/// the page cannot be written.
 pub fn write(source: &Source<'_>, output: &Path) -> Result<Summary> {
     let body = Body::read(source.folder)?;
     let title = source.title.unwrap_or(&body.source);

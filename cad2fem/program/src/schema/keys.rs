@@ -16,7 +16,6 @@ pub struct Key {
 }
 
 /// The names of a table's keys, in the order of its type.
-#[must_use]
 pub fn key_names<T: DeserializeOwned>() -> &'static [&'static str] {
     let mut names: &[&str] = &[];
     // ends with an error as soon as the type has said its names
@@ -25,7 +24,6 @@ pub fn key_names<T: DeserializeOwned>() -> &'static [&'static str] {
 }
 
 /// The keys of a table, in the order of its type.
-#[must_use]
 pub fn keys_of<T: DeserializeOwned + JsonSchema>() -> Vec<Key> {
     let schema = T::json_schema(&mut SchemaGenerator::default()).to_value();
     let meaning = |name: &str| schema["properties"][name]["description"].as_str();

@@ -8,7 +8,6 @@ use super::finish::{self, reference};
 
 /// A table of keys for each table of a file, with type, default and meaning of each key; of a report
 /// without defaults.
-#[must_use]
 pub fn markdown(schema: &Value, is_report: bool) -> String {
     let mut schema = schema.clone();
     finish::clean(&mut schema);

@@ -33,13 +33,11 @@ pub struct Format {
 
 impl Format {
     /// The format that is read into a `T`.
-    #[must_use]
     pub const fn of<T: JsonSchema>(name: &'static str, file: &'static str) -> Self {
         Self { name, file, schema: schema::<T>, is_report: false }
     }
 
     /// The format of a report that a `T` is written to.
-    #[must_use]
     pub const fn of_report<T: JsonSchema>(name: &'static str, file: &'static str) -> Self {
         Self { name, file, schema: report::<T>, is_report: true }
     }
@@ -72,9 +70,6 @@ pub struct SchemaArguments {
 
 impl SchemaArguments {
     /// Prints one of these formats, or their names.
-    ///
-    /// # Errors
-    /// If there is none of that name, or standard output cannot be written.
     pub fn print(&self, formats: &[Format]) -> Result<()> {
         let names = || formats.iter().map(|format| format.name);
         let text = match &self.format {

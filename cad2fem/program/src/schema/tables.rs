@@ -33,28 +33,24 @@ pub fn add_kind(schema: &mut Schema, kind: &str, about: &str) {
 }
 
 /// Exactly one of several forms.
-#[must_use]
 pub fn one_of(forms: impl IntoIterator<Item = Schema>) -> Schema {
     let forms: Vec<Value> = forms.into_iter().map(Schema::to_value).collect();
     schemars::json_schema!({ "oneOf": forms })
 }
 
 /// One of several words.
-#[must_use]
 pub fn one_of_these<'a>(words: impl IntoIterator<Item = &'a str>) -> Schema {
     let words: Vec<&str> = words.into_iter().collect();
     schemars::json_schema!({ "type": "string", "enum": words })
 }
 
 /// One of several words, or nothing.
-#[must_use]
 pub fn one_of_these_or_none<'a>(words: impl IntoIterator<Item = &'a str>) -> Schema {
     let words: Vec<Option<&str>> = words.into_iter().map(Some).chain([None]).collect();
     schemars::json_schema!({ "type": ["string", "null"], "enum": words })
 }
 
 /// `schema` for a table that may have any part of the keys, all definitions written out.
-#[must_use]
 pub fn partial(schema: &Schema, definitions: &Map<String, Value>) -> Schema {
     let mut value = schema.clone().to_value();
     loosen(&mut value, definitions);

@@ -27,7 +27,6 @@ pub struct Changes {
 impl Changes {
     /// Changes of the file itself, and changes of the scene that it names, whose paths begin with
     /// `scene.`.
-    #[must_use]
     pub fn own_and_scene(&self) -> (Vec<Change>, Vec<Change>) {
         let (mut own, mut scene) = (Vec::new(), Vec::new());
         for change in &self.set {
@@ -76,7 +75,6 @@ impl fmt::Display for Change {
 
 impl Change {
     /// `path=value`, without what led to the file.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }

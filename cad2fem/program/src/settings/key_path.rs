@@ -35,73 +35,61 @@ pub(super) enum Step {
 
 impl KeyPath {
     /// The table `[name]` of the file.
-    #[must_use]
     pub fn table(name: &str) -> Self {
         Self(vec![Step::Table(name.to_owned())])
     }
 
     /// The tables `[[name]]` of the file.
-    #[must_use]
     pub fn list(name: &str) -> Self {
         Self(vec![Step::List(name.to_owned())])
     }
 
     /// A key of the file, or of the table that a context says; perhaps with dots.
-    #[must_use]
     pub fn of(key: &str) -> Self {
         Self::default().key(key)
     }
 
     /// What is below a key here.
-    #[must_use]
     pub fn key(self, key: &str) -> Self {
         self.then(Step::Key(key.to_owned()))
     }
 
     /// The one of these tables with this name.
-    #[must_use]
     pub fn named(self, name: &str) -> Self {
         self.then(Step::Named(name.to_owned()))
     }
 
     /// The one of these tables on this tag.
-    #[must_use]
     pub fn on(self, tag: &str) -> Self {
         self.then(Step::On(tag.to_owned()))
     }
 
     /// The one of these tables with this number, counted from 1.
-    #[must_use]
     pub fn number(self, number: usize) -> Self {
         self.then(Step::Number(number))
     }
 
     /// The component of this vector along an axis: 0, 1 or 2.
-    #[must_use]
     pub fn along(self, axis: usize) -> Self {
         self.then(Step::Along(axis))
     }
 
     /// The key or text that is this word, wherever it is in the table that a context says.
-    #[must_use]
     pub fn word(word: &str) -> Self {
         Self(vec![Step::Word(word.to_owned())])
     }
 
     /// The error that is there: `what` follows the keys in its message.
-    #[must_use]
     pub fn says(self, what: impl Display) -> Misfit {
         Misfit { message: format!("{self}{what}"), path: self }
     }
 
     /// The error that is there, whose message names the keys itself.
-    #[must_use]
     pub fn told(self, what: impl Display) -> Misfit {
         Misfit { message: what.to_string(), path: self }
     }
 
     /// The error of what is below these keys, with a title.
-    #[must_use]
     pub fn around(self, title: impl Display, error: &anyhow::Error) -> Misfit {
         let below = Self::told_by(error, None).titled(title);
         Misfit { path: self.with(below.path), ..below }
@@ -109,7 +97,6 @@ impl KeyPath {
 
     /// The message of an error, with the keys that it carries: those of a context, and of what is in it. `meaning` is
     /// what errors of other crates have.
-    #[must_use]
     pub(super) fn told_by(error: &anyhow::Error, meaning: Option<Meaning>) -> Misfit {
         let mut path = error.downcast_ref::<Self>().cloned().unwrap_or_default();
         let mut told = Vec::new();
@@ -127,7 +114,6 @@ impl KeyPath {
     }
 
     /// The keys below these.
-    #[must_use]
     pub fn with(mut self, below: Self) -> Self {
         self.0.extend(below.0);
         self
@@ -187,7 +173,6 @@ pub type Meaning = fn(&(dyn std::error::Error + 'static)) -> Option<Misfit>;
 
 impl Misfit {
     /// Puts a title before the message.
-    #[must_use]
     pub fn titled(self, title: impl Display) -> Self {
         Self { message: format!("{title}: {}", self.message), ..self }
     }

@@ -89,10 +89,6 @@ enum Origin {
 
 impl Settings {
     /// Reads a file and all that it includes, with changes from outside.
-    ///
-    /// # Errors
-    /// If a file cannot be read or is not TOML, files include each other in a circle, or there is
-    /// nothing where a change belongs.
     pub fn read(path: &Path, changes: &[Change], keys: Keys) -> Result<Self> {
         let mut settings = Self { keys, sources: Vec::new(), own: 0, is_made: false };
         settings.own = settings.add_file(path, Path::new(""), &mut Vec::new())?;
@@ -106,7 +102,6 @@ impl Settings {
     /// A text in place of a file.
     ///
     /// It includes nothing.
-    #[must_use]
     pub fn of_text(text: &str) -> Self {
         let mut settings =
             Self { keys: Keys::default(), sources: Vec::new(), own: 0, is_made: false };
@@ -117,16 +112,11 @@ impl Settings {
     }
 
     /// Settings that a program has put into words: errors have the keys that lead there, and no line.
-    #[must_use]
     pub fn made(text: &str) -> Self {
         Self { is_made: true, ..Self::of_text(text) }
     }
 
     /// Everything as a `T`.
-    ///
-    /// # Errors
-    /// If it does not fit. The message has the file, the line, and for a type that denies unknown
-    /// fields the valid keys and the nearest of them.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T> {
         let tree = self.tree()?;
         if let Some((what, place)) = magnitude::refused(&tree) {
@@ -146,15 +136,11 @@ impl Settings {
     }
 
     /// What `read` makes of it; its errors have their place, as for [`Settings::place`].
-    ///
-    /// # Errors
-    /// Errors of `read`.
     pub fn checked<T>(&self, read: impl FnOnce(&Self) -> Result<T>) -> Result<T> {
         read(self).map_err(|error| self.place(error))
     }
 
     /// An error in what the settings mean, with its place: that of the [`KeyPath`]s that it carries.
-    #[must_use]
     pub fn place(&self, error: anyhow::Error) -> anyhow::Error {
         if error.chain().any(|cause| cause.is::<Placed>() || cause.is::<crate::Unusable>()) {
             return error;
@@ -170,7 +156,6 @@ impl Settings {
     }
 
     /// What states depend on: the hash of the file, those of what it includes, and the changes.
-    #[must_use]
     pub fn hash(&self) -> String {
         let mut all = vec![self.sources[self.own].sha256.clone()];
         for (i, source) in self.sources.iter().enumerate() {
@@ -185,13 +170,11 @@ impl Settings {
     }
 
     /// The file itself, as it was given.
-    #[must_use]
     pub fn file(&self) -> InputFile {
         self.file_hash(self.own).expect("it is a file")
     }
 
     /// What it includes, as seen from the working directory.
-    #[must_use]
     pub fn included(&self) -> Vec<InputFile> {
         (0..self.sources.len())
             .filter(|i| *i != self.own)
@@ -200,7 +183,6 @@ impl Settings {
     }
 
     /// What was set from outside, as it was written.
-    #[must_use]
     pub fn changes(&self) -> Vec<String> {
         let change = |source: &Source| match &source.origin {
             Origin::Change(change) => Some(change.to_string()),
@@ -410,9 +392,6 @@ fn paths(include: &Spanned<DeValue>) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Reads a file in TOML that takes no changes.
-///
-/// # Errors
-/// As for [`Settings::read`] and [`Settings::parse`].
 pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     Settings::read(path, &[], Keys::default())?.parse()
 }

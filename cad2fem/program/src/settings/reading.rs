@@ -15,17 +15,11 @@ use super::key_path::{KeyPath, Misfit, Step};
 use crate::nearest::unknown;
 
 /// A table as a `T`.
-///
-/// # Errors
-/// With the keys below the table that lead to what does not fit.
 pub fn read_table<T: DeserializeOwned>(table: &Table) -> Result<T, Misfit> {
     T::deserialize(MapAccessDeserializer::new(Entries::of(table)))
 }
 
 /// The value of a key as a `T`, if there is one.
-///
-/// # Errors
-/// With the keys that lead to what does not fit.
 pub fn read_key<T: DeserializeOwned>(table: &Table, key: &str) -> Result<Option<T>, Misfit> {
     let read = |value| T::deserialize(Reader(value));
     let found = table.get(key).map(read).transpose();
@@ -39,7 +33,6 @@ thread_local! {
 
 impl Misfit {
     /// As an error of serde, in a type that reads itself. Where that is a [`Misfit`], too, the keys are kept.
-    #[must_use]
     pub fn carried<E: Error>(self) -> E {
         let message = self.to_string();
         CARRIED.set(Some(self));
@@ -83,7 +76,6 @@ impl Error for Misfit {
 
 impl KeyPath {
     /// The error that a word is none of those that are known.
-    #[must_use]
     pub fn unknown(self, what: &str, word: &str, known: &[&str]) -> Misfit {
         let before = format!("unknown {what} `{word}`");
         self.told(unknown(&before, word, known.iter().copied(), ',', &expected(known)))

@@ -7,9 +7,6 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Refuses a file that was written for a later version. An older one is read; keys that have
 /// another form today are refused by their readers, with that form.
-///
-/// # Errors
-/// In words.
 pub fn check(found: &DeValue) -> Result<(), String> {
     let text = found.as_str().unwrap_or_default();
     let Some(numbers) = numbers(text) else {

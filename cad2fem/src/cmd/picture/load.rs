@@ -40,9 +40,6 @@ pub struct Loaded {
 }
 
 /// Reads a surface, a volume mesh or a result.
-///
-/// # Errors
-/// If the file cannot be read or has no such field.
 pub fn load(path: &Path, paint: &Paint) -> Result<Loaded> {
     let loaded = match extension(path).as_str() {
         "msh" => tagged(path, paint),

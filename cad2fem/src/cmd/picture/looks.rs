@@ -66,9 +66,6 @@ pub struct Looks {
 
 impl Looks {
     /// Refuses what cannot be drawn.
-    ///
-    /// # Errors
-    /// If the size or the factor on the deformation makes no sense.
     pub fn check(&self) -> Result<()> {
         let Pair(width, height) = self.size;
         let fits = |s: usize| (64..=LARGEST).contains(&s);
@@ -81,22 +78,17 @@ impl Looks {
     }
 
     /// How a file is coloured and deformed.
-    #[must_use]
     pub fn paint(&self, color: Rgb, tags: bool) -> Paint<'_> {
         let (field, deform) = (self.color.as_ref(), self.deform.as_deref());
         Paint { color, field, deform, magnify: self.magnify, tags }
     }
 
     /// The plane that cuts, if there is one.
-    #[must_use]
     pub fn plane(&self) -> Option<Plane> {
         self.cut.as_ref().map(|cut| cut.plane(&self.view.frame()[2]))
     }
 
     /// The colour scale over a range of values, unless the user gives one.
-    ///
-    /// # Errors
-    /// If there is no range.
     pub fn scale(&self, range: Option<(f64, f64)>) -> Result<Option<Scale>> {
         let Some(field) = &self.color else { return Ok(None) };
         if let Some(Pair(min, max)) = self.range {
@@ -113,14 +105,12 @@ impl Looks {
     }
 
     /// What explains the colours of a field, if there is one.
-    #[must_use]
     pub fn key(&self, loaded: &[Loaded], scale: Option<Scale>) -> Option<Key> {
         let unit = loaded.iter().find_map(|l| l.unit.clone()).unwrap_or_default();
         Some(Key::Scale { name: self.color.as_ref()?.to_string(), unit, scale: scale? })
     }
 
     /// A sheet over a ground at a height.
-    #[must_use]
     pub fn sheet(&self, scale: Option<Scale>, ground: Option<f64>, key: Key) -> Sheet {
         let projection =
             if self.orthographic { Projection::Orthographic } else { Projection::Perspective };
@@ -139,7 +129,6 @@ impl Looks {
 }
 
 /// The least and the largest finite value of all facets, if there are any.
-#[must_use]
 pub fn values(panels: &[Panel]) -> Option<(f64, f64)> {
     let facets = panels.iter().flat_map(|p| &p.pieces).flat_map(|p| &p.facets);
     let finite = facets.flat_map(|f| f.values).filter(|v| v.is_finite());

@@ -57,9 +57,6 @@ pub struct Args {
 }
 
 /// Runs `cad2fem picture`.
-///
-/// # Errors
-/// If a file cannot be read or written, a field is missing, or nothing is left to draw.
 pub fn run(args: &Args) -> Result<()> {
     args.looks.check()?;
     let args = &of_model(args)?;

@@ -33,7 +33,6 @@ pub enum Cut {
 
 impl Cut {
     /// The plane for a camera in direction `toward`.
-    #[must_use]
     pub fn plane(&self, toward: &Vec3) -> Plane {
         match *self {
             Self::Axis(axis, at) => {

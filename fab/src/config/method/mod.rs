@@ -129,19 +129,16 @@ pub struct Method(&'static Row);
 
 impl Method {
     /// All methods, in the order in which they are preferred.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         METHODS.iter().copied().map(Self).collect()
     }
 
     /// The method with a name.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         METHODS.iter().copied().find(|row| row.name == name).map(Self)
     }
 
     /// The name in files.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.0.name
     }
@@ -149,7 +146,6 @@ impl Method {
 
 impl Core {
     /// The filament that they are printed of, if it is another one than that of the shells.
-    #[must_use]
     pub fn filament(&self) -> Option<Filament> {
         match self.made {
             Made::Of(filament) => Some(filament),
@@ -158,7 +154,6 @@ impl Core {
     }
 
     /// Whether they are cast.
-    #[must_use]
     pub fn is_cast(&self) -> bool {
         self.made == Made::Cast
     }

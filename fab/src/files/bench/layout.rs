@@ -84,7 +84,6 @@ pub enum Block {
 
 /// Pages on which all blocks are: one, if text of 85 % of its size makes that possible, or else two, if text of
 /// 76 % does; the text is as large as it can be.
-#[must_use]
 pub fn pages(blocks: &[Block], pictures: &[Picture], faces: &Typefaces) -> Vec<Vec<Mark>> {
     let at = |scale: f64| {
         let mut flow = Flow { faces, pictures, scale, y: PAGE[1] - TOP, pages: vec![Vec::new()] };

@@ -38,9 +38,6 @@ struct Cast {
 }
 
 /// Writes the sheet of all molds of a plan, which are in `folder`, with the pictures that are there.
-///
-/// # Errors
-/// If a mold has no readable report, a picture cannot be read, or the sheet cannot be written.
 pub fn write(folder: &Path, plan: &PlanReport, title: &str) -> Result<(), IoError> {
     let mut casts = Vec::new();
     let mut pictures = Vec::new();

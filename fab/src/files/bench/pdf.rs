@@ -15,7 +15,6 @@ const FONTS: [Name; 2] = [Name(b"R"), Name(b"B")];
 const GREY: f32 = 0.72;
 
 /// The file with a title.
-#[must_use]
 pub fn file(title: &str, pages: &[Vec<Mark>], pictures: &[Picture], faces: &Typefaces) -> Vec<u8> {
     let mut pdf = Pdf::new();
     let mut next = Ref::new(1);

@@ -17,9 +17,6 @@ pub struct Picture {
 
 impl Picture {
     /// Reads one of the PNG files that `fab` writes.
-    ///
-    /// # Errors
-    /// If it cannot be read, or is no PNG file with eight bits of red, green and blue.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let wrong = |message: String| IoError::content(path, message);
         let decoder = png::Decoder::new(Cursor::new(read_bytes(path)?));
@@ -34,14 +31,12 @@ impl Picture {
     }
 
     /// Width over height.
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         f64::from(self.size[0]) / f64::from(self.size[1])
     }
 }
 
 /// Bytes as zlib.
-#[must_use]
 pub fn packed(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     // a vector takes all that is written to it

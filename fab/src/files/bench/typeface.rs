@@ -22,7 +22,6 @@ pub struct Typefaces {
 
 impl Typefaces {
     /// The weights that are built in.
-    #[must_use]
     pub fn new() -> Self {
         let read = |bytes, name| {
             let face = Face::parse(bytes, 0).expect("tests read the fonts");
@@ -32,7 +31,6 @@ impl Typefaces {
     }
 
     /// One of them.
-    #[must_use]
     pub fn of(&self, bold: bool) -> &Typeface {
         if bold { &self.bold } else { &self.regular }
     }
@@ -46,33 +44,28 @@ impl Default for Typefaces {
 
 impl Typeface {
     /// The glyph of a character; that of a question mark where the typeface has none.
-    #[must_use]
     pub fn glyph(&self, character: char) -> u16 {
         let known = self.face.glyph_index(character).or_else(|| self.face.glyph_index('?'));
         known.unwrap_or(GlyphId(0)).0
     }
 
     /// Width of a text [same unit as `size`].
-    #[must_use]
     pub fn width(&self, text: &str, size: f64) -> f64 {
         text.chars().map(|c| self.advance(self.glyph(c))).sum::<f64>() * size / 1e3
     }
 
     /// Width of a glyph [thousandths of the size].
-    #[must_use]
     pub fn advance(&self, glyph: u16) -> f64 {
         let units = f64::from(self.face.units_per_em());
         f64::from(self.face.glyph_hor_advance(GlyphId(glyph)).unwrap_or(0)) * 1e3 / units
     }
 
     /// How many glyphs it has.
-    #[must_use]
     pub fn glyphs(&self) -> u16 {
         self.face.number_of_glyphs()
     }
 
     /// The outlines, as a PDF holds them (Compact Font Format).
-    #[must_use]
     pub fn outlines(&self) -> &'static [u8] {
         let table = self.face.raw_face().table(Tag::from_bytes(b"CFF "));
         table.expect("tests read the fonts")
@@ -80,7 +73,6 @@ impl Typeface {
 
     /// Box around all glyphs, highest and lowest point of letters, height of capitals
     /// [thousandths of the size].
-    #[must_use]
     pub fn measures(&self) -> ([f32; 4], [f32; 3]) {
         let thousandths = |x: i16| f32::from(x) * 1e3 / f32::from(self.face.units_per_em());
         let all = self.face.global_bounding_box();

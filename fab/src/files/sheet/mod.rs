@@ -109,9 +109,6 @@ const MM3: f64 = 1e3;
 
 impl Sheet {
     /// The sheet of a mold.
-    ///
-    /// # Errors
-    /// If its silicone or its printer is none that is known.
     pub fn new(report: &MoldReport) -> Result<Self, String> {
         let casting = &report.casting;
         // Wax is poured into the mold of a core.
@@ -160,7 +157,6 @@ impl Sheet {
     }
 
     /// The sheet in Markdown.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = String::from("# Casting\n\n");
         if !self.warnings.is_empty() {
@@ -229,9 +225,6 @@ impl Sheet {
     }
 
     /// Writes both sheets into `folder`.
-    ///
-    /// # Errors
-    /// If a file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), IoError> {
         write_atomic(&folder.join(JSON), |out| {
             serde_json::to_writer_pretty(&mut *out, self)?;
@@ -242,9 +235,6 @@ impl Sheet {
 }
 
 /// The sheet of a body that takes several molds, which have sheets of their own.
-///
-/// # Errors
-/// If a mold has no readable report, or the file cannot be written.
 pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError> {
     let mut text =
         format!("# Casting\n\nMethod: {}; {}.\n\n## Molds\n\n", plan.method, plan.reason);

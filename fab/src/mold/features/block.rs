@@ -22,7 +22,6 @@ impl Block {
     /// The box around a part with the given bounds: `wall` on every side, at both
     /// ends of x a band for keys and bolts, below the part what its core needs, and above the
     /// height `joint` of sides that replace an upper shell, if there are any, what these need [m].
-    #[must_use]
     pub fn around(
         (low, high): (Vec3, Vec3),
         orientation: &Orientation,
@@ -68,19 +67,16 @@ impl Block {
     }
 
     /// Least height of sides: keys of the base, then those of the flange above them [m].
-    #[must_use]
     pub fn sides(config: &Config) -> f64 {
         config.flange.thickness + 4.0 * Sizes::of(config).land()
     }
 
     /// Width of the level rim of a height field along the sides without bolts [m].
-    #[must_use]
     pub fn rim(config: &Config) -> f64 {
         Joint::band(config) / 2.0
     }
 
     /// Thickness of the mold below the part [m].
-    #[must_use]
     pub fn below(portion: Portion, config: &Config) -> f64 {
         let needed = match portion {
             Portion::Whole => config.core.length,
@@ -91,7 +87,6 @@ impl Block {
 
     /// How far below a part without an inlet its sides meet the base: half of what is there,
     /// so that the base does not touch it in a point [m].
-    #[must_use]
     pub fn foot(orientation: &Orientation, pull: Pull, config: &Config) -> f64 {
         match (&orientation.parting, pull, orientation.portion) {
             (
@@ -104,13 +99,11 @@ impl Block {
     }
 
     /// The box as a solid.
-    #[must_use]
     pub fn solid(&self) -> Solid {
         Solid::cube(&self.min, &self.max)
     }
 
     /// The eight corners [m].
-    #[must_use]
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|k| {
             let pick = |axis: usize| {

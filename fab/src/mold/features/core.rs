@@ -52,9 +52,6 @@ impl Print {
     /// A stub from the inlet at `centre` [m] with the inscribed `radius` [m], at least
     /// [`Config::least_inlet`], down to just above `floor` [m], rooted in the core without
     /// touching `cast`; with a `code` if there are several cores.
-    ///
-    /// # Errors
-    /// [`PrintError`] if the chamber narrows behind the inlet.
     pub fn new(
         centre: Vec3,
         radius: f64,
@@ -89,13 +86,11 @@ impl Print {
     }
 
     /// The stub as a solid.
-    #[must_use]
     pub fn stub_solid(&self) -> Solid {
         self.flattened(&self.stub, 0.0)
     }
 
     /// The socket as a solid.
-    #[must_use]
     pub fn socket_solid(&self) -> Solid {
         self.flattened(&self.socket, self.clearance)
     }
@@ -106,13 +101,11 @@ impl Print {
     }
 
     /// Whether its flat keeps the stub from turning in its socket.
-    #[must_use]
     pub fn keeps_from_turning(&self) -> bool {
         keying::keeps_from_turning(self.stub.base_radius, self.flat(), self.clearance)
     }
 
     /// The face of the flat below the inlet, as it stands on the printer.
-    #[must_use]
     pub fn front(&self) -> Face {
         let [top, end] = [self.inlet - EDGE, self.stub.base.z + self.stub.axis.z + EDGE];
         let flat = self.flat();
@@ -144,7 +137,6 @@ const LEAST: f64 = 1.0;
 
 /// A bore for water along a stub and up into its core, as high as the core stays
 /// `core.skin` thick around it; none if the stub or the core is too thin.
-#[must_use]
 pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
     let CoreConfig { drain: radius, skin, .. } = config.core;
     if stub.base_radius < radius + skin {

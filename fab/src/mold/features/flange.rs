@@ -29,13 +29,11 @@ pub struct Joint {
 
 impl Joint {
     /// Width of the band that keys and bolts need at either end [m].
-    #[must_use]
     pub fn band(config: &Config) -> f64 {
         2.0 * Sizes::of(config).land().max(config.flange.bolt + RIM)
     }
 
     /// Holes for bolts, through both sides.
-    #[must_use]
     pub fn bolts(&self, config: &Config) -> Vec<Frustum> {
         let radius = config.flange.bolt;
         let corner = 2.0 * Sizes::of(config).land();
@@ -57,14 +55,12 @@ impl Joint {
     }
 
     /// Side of the square that a bolt beside the corners needs with its washer [m].
-    #[must_use]
     pub fn washer(config: &Config) -> f64 {
         2.0 * WASHER * config.flange.bolt
     }
 
     /// Holes for bolts beside all four corners, inward along x, from height `bottom` to
     /// `top` [m].
-    #[must_use]
     pub fn corner_bolts(&self, bottom: f64, top: f64, config: &Config) -> Vec<Frustum> {
         let radius = config.flange.bolt;
         let land = Sizes::of(config).land();
@@ -81,7 +77,6 @@ impl Joint {
     }
 
     /// A round slot along x, half in either side, in the corner without a key.
-    #[must_use]
     pub fn pry(&self, config: &Config) -> Frustum {
         let land = Sizes::of(config).land();
         let radius = config.flange.pry;

@@ -23,7 +23,6 @@ const RING: f64 = 1.2e-3;
 
 /// A funnel that holds `volume` [m³], in `sprue`, with `clearance` around its spigot [m], on
 /// a mold with the given outside. None if the sprue is too narrow or too short.
-#[must_use]
 pub fn funnel(sprue: &Frustum, outside: &Solid, volume: f64, clearance: f64) -> Option<Solid> {
     let slope = (sprue.top_radius - sprue.base_radius) / sprue.axis.z;
     let radius = |z: f64| sprue.base_radius + slope * (z - sprue.base.z) - clearance;

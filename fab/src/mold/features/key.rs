@@ -27,20 +27,17 @@ pub struct Sizes {
 
 impl Sizes {
     /// The sizes of a configuration.
-    #[must_use]
     pub fn of(config: &Config) -> Self {
         let clearance = config.key_clearance();
         Self { radius: config.keys.radius, height: config.keys.height, clearance }
     }
 
     /// Half the side of the level square a key needs [m].
-    #[must_use]
     pub fn land(&self) -> f64 {
         self.radius + self.clearance + RIM
     }
 
     /// Places in three corners of a rectangle: pieces turned by 180° do not fit.
-    #[must_use]
     pub fn sites(&self, low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 3] {
         let inset = self.land();
         let [x0, y0] = low.map(|x| x + inset);
@@ -49,7 +46,6 @@ impl Sizes {
     }
 
     /// The key that stands on `foot` along z.
-    #[must_use]
     pub fn key(&self, foot: Vec3) -> Key {
         let root = -ROOT * self.height;
         let radius = |z: f64| self.radius * (1.0 - (1.0 - TAPER) * z / self.height);

@@ -82,9 +82,6 @@ pub enum KeyingError {
 }
 
 /// The codes of that many cores on stubs of a radius and a length [m].
-///
-/// # Errors
-/// [`KeyingError`] if the stubs are too thin or too short.
 pub fn codes(
     cores: usize,
     radius: f64,
@@ -117,7 +114,6 @@ pub fn codes(
 /// Whether a stub with a flat at that distance from its axis does not enter its socket when it is
 /// turned, wherever it lies within its clearance: its corner beside the flat stands out, by more than
 /// what gives way [m].
-#[must_use]
 pub fn keeps_from_turning(radius: f64, flat: f64, clearance: f64) -> bool {
     let corner = ((flat / radius).acos() - TURN).max(0.0);
     radius * corner.cos() > flat + 2.0 * clearance + CATCH
@@ -126,7 +122,6 @@ pub fn keeps_from_turning(radius: f64, flat: f64, clearance: f64) -> bool {
 impl Code {
     /// What is cut off at back and side of a stub, or of a socket with `gap` around it; the stub stands below
     /// an inlet at the height `inlet` [m].
-    #[must_use]
     pub fn cuts(&self, frustum: &Frustum, inlet: f64, gap: f64) -> [Solid; 2] {
         let radius = 2.0 * frustum.base_radius;
         let low = (frustum.base + frustum.axis).z.min(frustum.base.z) - radius;

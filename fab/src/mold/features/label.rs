@@ -41,7 +41,6 @@ pub struct Face {
 
 /// The word in capitals, raised on the face as large as it fits; none if it would be
 /// lower than [`LOWEST`]. Symbols that the font does not have become question marks, with a warning.
-#[must_use]
 pub fn word(word: &str, face: &Face) -> Option<Solid> {
     let (polygons, width) = outlines(&word.to_uppercase(), Weight::Bold);
     let room = [face.size[0] / (width + 2.0 * MARGIN), face.size[1] / (1.0 + 2.0 * MARGIN)];

@@ -27,7 +27,6 @@ const MOUTH: f64 = 2e-4;
 ///
 /// It begins below the lowest place of the surface on the rim of its mouth, but not
 /// deeper than two radii, so that no film of the shell closes it.
-#[must_use]
 pub fn channel(
     surface: &SurfaceBvh,
     top: &Vec3,

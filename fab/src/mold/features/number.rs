@@ -45,14 +45,12 @@ fn extent(number: usize) -> [f64; 2] {
 }
 
 /// The largest extent of a number [m].
-#[must_use]
 pub fn largest(number: usize) -> [f64; 2] {
     extent(number).map(|size| size * PITCH[1])
 }
 
 /// The dots of a number in the middle of a face, as large as it fits; none if it would be too small to be
 /// printed.
-#[must_use]
 pub fn dots(number: usize, face: &Face) -> Option<Solid> {
     let [width, height] = extent(number);
     let pitch = (face.size[0] / width).min(face.size[1] / height).min(PITCH[1]);

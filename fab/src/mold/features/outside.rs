@@ -12,7 +12,6 @@ use super::block::Block;
 use crate::config::{Config, OutsideShape};
 
 /// The hull of `points` within `block`; `below` replaces the wall under the part [m].
-#[must_use]
 pub fn hull(points: &[Vec3], block: &Block, below: f64, config: &Config) -> Solid {
     if config.outside == OutsideShape::Box {
         return block.solid();
@@ -40,7 +39,6 @@ fn directions() -> impl Iterator<Item = Vec3> {
 }
 
 /// The box [min, max] within a block.
-#[must_use]
 pub fn slab(block: &Block, min: Vec3, max: Vec3) -> Solid {
     Solid::cube(&min.sup(&block.min), &max.inf(&block.max))
 }

@@ -131,7 +131,6 @@ enum Unfit {
 
 impl Site<'_> {
     /// All pins that can stand, or those within [`NEAR`] of a point; and what was tried.
-    #[must_use]
     pub fn pins(&self, near: Option<&Vec3>) -> (Vec<Pin>, Tried) {
         let (mut pins, mut tried) = (Vec::new(), Tried::default());
         for (shell, (_, out)) in self.shells.iter().enumerate() {
@@ -259,14 +258,12 @@ impl Site<'_> {
 
 impl Pin {
     /// Whether it reaches into none of the shells to which it does not belong.
-    #[must_use]
     pub fn is_beside<'a>(&self, mut others: impl Iterator<Item = &'a Solid>) -> bool {
         let pin = self.frustum.solid();
         others.all(|other| other.intersection(&pin).is_empty())
     }
 
     /// Whether mold is left between its outline and the channels, and `skin` [m] of core between its pit and others.
-    #[must_use]
     pub fn is_clear(&self, channels: &[Solid], others: &[Self], skin: f64) -> bool {
         let around = self.pit.grown(LAND).solid();
         let pit = self.pit.grown(skin).solid();
@@ -308,7 +305,6 @@ pub fn choose(
 }
 
 /// Whether pins take away enough of the motion of a core's farthest point.
-#[must_use]
 pub fn hold(stand: &Stand, pins: &[Pin]) -> bool {
     let contacts: Vec<Contact> = pins.iter().map(|pin| pin.contact).collect();
     stand.sag(&contacts).most() <= (1.0 - WORTH) * stand.sag(&[]).most()

@@ -76,7 +76,6 @@ pub struct Sag {
 
 impl Sag {
     /// The larger motion [m].
-    #[must_use]
     pub fn most(&self) -> f64 {
         self.bend.max(self.lean)
     }
@@ -85,7 +84,6 @@ impl Sag {
 impl Stand {
     /// The stand of `core`, held at `inlet` by `stub` with `clearance` around it [m], in
     /// silicone of the given density [kg/m³].
-    #[must_use]
     pub fn new(
         core: &SurfaceMesh,
         inlet: &Vec3,
@@ -118,7 +116,6 @@ impl Stand {
     }
 
     /// How far it moves if pins hold it, too.
-    #[must_use]
     pub fn sag(&self, contacts: &[Contact]) -> Sag {
         let mut sag = Sag { bend: 0.0, lean: 0.0, mean: 0.0 };
         for (axis, away) in &self.axes {

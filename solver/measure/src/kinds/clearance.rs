@@ -68,7 +68,6 @@ pub struct Clearance {
 impl Clearance {
     /// The term of a set of facets, usually the whole boundary, that acts below
     /// `activation` [m].
-    #[must_use]
     pub fn new(planes: &[Plane], facets: &[[usize; 3]], activation: f64) -> Self {
         let repulsion = Repulsion { density: Density::Log, minimum: 0.0, activation };
         let (whole, sets) = Mirrored::new(planes, &[facets.to_vec()]);

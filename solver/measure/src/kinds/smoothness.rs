@@ -95,7 +95,6 @@ impl Star {
 
 impl Smoothness {
     /// The term on a set of facets.
-    #[must_use]
     pub fn new(facets: &[[usize; 3]], planes: &[Plane], form: SmoothnessForm) -> Self {
         let mut sides: Vec<[usize; 2]> =
             topology::edge_facets(facets).into_keys().flat_map(|[a, b]| [[a, b], [b, a]]).collect();

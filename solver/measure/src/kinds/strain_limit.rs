@@ -72,7 +72,6 @@ pub struct StrainLimit {
 
 impl StrainLimit {
     /// The penalty in some elements, beyond a `smallest` and a `largest` stretch.
-    #[must_use]
     pub fn new(elements: Vec<Range<usize>>, [smallest, largest]: [f64; 2]) -> Self {
         Self { elements, smallest, largest }
     }

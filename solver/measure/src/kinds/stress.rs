@@ -80,7 +80,6 @@ impl Stress {
     ///
     /// # Panics
     /// When the power is less than 2.
-    #[must_use]
     pub fn new(parts: Vec<(Box<dyn Material>, Range<usize>)>, power: f64) -> Self {
         assert!(power >= 2.0, "power {power} of the stress: 2 or more is needed");
         Self { places: (0..parts.len()).collect(), parts, power }

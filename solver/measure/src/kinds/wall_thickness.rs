@@ -128,7 +128,6 @@ impl WallThickness {
     }
 
     /// J at positions of the vertices.
-    #[must_use]
     pub fn value_at(&self, x: &[Vec3]) -> f64 {
         let x = self.walls.whole.positions(x);
         self.walls.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.limits)

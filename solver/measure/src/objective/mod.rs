@@ -103,13 +103,11 @@ impl ObjectiveKeys {
 
 impl ObjectiveConfig {
     /// How much it counts.
-    #[must_use]
     pub fn weight(&self) -> Weight {
         self.common.weight()
     }
 
     /// Whether it is minimised and no linear function of what it looks at, which has no curvature.
-    #[must_use]
     pub fn is_square(&self) -> bool {
         let may_be_maximised = self.kind().may_be_maximised && self.own.may_be_maximised();
         let (Weight::Factor(size) | Weight::Share(size)) = self.weight();
@@ -117,13 +115,11 @@ impl ObjectiveConfig {
     }
 
     /// What it is summed over.
-    #[must_use]
     pub fn over(&self) -> &TimeIntegral {
         &self.common.over
     }
 
     /// The probe that it looks at, and the number that it wants of it, in the unit of the probe, if it names one.
-    #[must_use]
     pub fn probe(&self) -> Option<(&str, Option<f64>)> {
         let number =
             |value: &toml::Value| value.as_float().or(value.as_integer().map(|n| n as f64));
@@ -132,7 +128,6 @@ impl ObjectiveConfig {
     }
 
     /// The files that it names, from the folder of the design.
-    #[must_use]
     pub fn files(&self) -> Vec<&Path> {
         self.own.files()
     }

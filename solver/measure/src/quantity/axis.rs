@@ -22,7 +22,6 @@ impl TryFrom<[f64; 3]> for Axis {
 
 impl Axis {
     /// The unit vector along it.
-    #[must_use]
     pub fn unit(&self) -> Vec3 {
         Vec3::from(self.0).normalize()
     }

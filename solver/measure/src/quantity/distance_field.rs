@@ -80,7 +80,6 @@ impl DistanceField {
     ///
     /// # Panics
     /// If the target has no triangle or the spacing is not positive.
-    #[must_use]
     pub fn new(target: &SurfaceMesh, spacing: f64, kind: DistanceKind) -> Self {
         assert!(!target.triangles.is_empty(), "a target needs at least one triangle");
         assert!(spacing > 0.0, "lattice spacing {spacing} m is not positive");
@@ -121,7 +120,6 @@ impl DistanceField {
     }
 
     /// d̃² [m²] and its gradient [m] at `x`.
-    #[must_use]
     pub fn squared_distance(&self, x: &Vec3) -> (f64, Vec3) {
         let (cell, t) = self.cell(x);
         let weights = [hermite(t.x), hermite(t.y), hermite(t.z)];

@@ -24,7 +24,6 @@ pub enum List {
 
 impl List {
     /// What messages call an entry with this name.
-    #[must_use]
     pub fn title(self, name: &str) -> KeyPath {
         match self {
             Self::Probe => KeyPath::list("probe").named(name),
@@ -33,7 +32,6 @@ impl List {
     }
 
     /// Option of `solver list` that explains its kinds.
-    #[must_use]
     pub fn option(self) -> &'static str {
         match self {
             Self::Probe => "--probes",
@@ -130,7 +128,6 @@ impl Kind {
     }
 
     /// The keys of this kind alone, without `kind` and those of the list, with what they mean.
-    #[must_use]
     pub fn keys(&self) -> Vec<Key> {
         (self.form.keys)()
     }
@@ -153,7 +150,6 @@ impl Kind {
     }
 
     /// The table of this kind, without the keys of the list.
-    #[must_use]
     pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
         let mut schema = (self.form.schema)(generator);
         schema.insert("additionalProperties".into(), false.into());

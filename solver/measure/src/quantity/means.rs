@@ -41,19 +41,16 @@ impl Means {
     };
 
     /// Mean deformed position [m].
-    #[must_use]
     pub fn x(&self) -> Vec3 {
         self.rest + self.u
     }
 
     /// Mean of (x − x̄)(X − X̄)ᵀ [m²].
-    #[must_use]
     pub fn moment(&self) -> Mat3 {
         self.rest_rest + self.u_rest - self.x() * self.rest.transpose()
     }
 
     /// The derivative by [`Self::moment`] as one by the means.
-    #[must_use]
     pub fn by_moment(&self, by: &Mat3) -> Self {
         let u = -by * self.rest;
         let rest = u - by.transpose() * self.x();
@@ -61,7 +58,6 @@ impl Means {
     }
 
     /// The derivative by [`Self::x`] as one by the means.
-    #[must_use]
     pub fn by_x(by: Vec3) -> Self {
         Self { rest: by, u: by, ..Self::ZERO }
     }
@@ -100,7 +96,6 @@ pub struct OfMeans {
 
 impl OfMeans {
     /// A function of the means over facets (vertex ids) of each tag.
-    #[must_use]
     pub fn new(space: &FunctionSpace, tags: &[Vec<[usize; 3]>], function: Function) -> Self {
         let patch = |facets: &Vec<[usize; 3]>| Patch::new(space, facets, Measure::Rest);
         Self { patches: tags.iter().map(patch).collect(), function }

@@ -68,7 +68,6 @@ pub struct Equilibrium<'a> {
 
 impl Equilibrium<'_> {
     /// Positions of the nodes [m].
-    #[must_use]
     pub fn nodes(&self, measure: Measure) -> Vec<Vec3> {
         let mut nodes = self.space.node_positions(self.rest);
         if measure == Measure::Deformed {

@@ -51,7 +51,6 @@ pub struct Law<'a> {
 
 impl Site<'_> {
     /// Whether a body has this name.
-    #[must_use]
     pub fn is_body(&self, name: &str) -> bool {
         self.bodies.contains(&name)
     }

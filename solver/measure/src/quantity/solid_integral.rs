@@ -29,7 +29,6 @@ struct Part {
 }
 
 /// J over some elements.
-#[must_use]
 pub fn value(equilibrium: &Equilibrium, elements: &Range<usize>, j: Integrand) -> f64 {
     let mut sum = 0.0;
     for_each_part(equilibrium, elements, j, |_, part| sum += part.value);

@@ -25,7 +25,6 @@ pub struct Place {
 
 impl Place {
     /// X + u [m].
-    #[must_use]
     pub fn x(&self) -> Vec3 {
         self.rest + self.u
     }
@@ -63,13 +62,11 @@ impl Patch {
     ///
     /// # Panics
     /// When a facet is none of the space.
-    #[must_use]
     pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], measure: Measure) -> Self {
         Self { facets: facets.iter().map(|&f| space.facet_nodes(f)).collect(), measure }
     }
 
     /// All points with their shares of the area [m²].
-    #[must_use]
     pub fn points(&self, equilibrium: &Equilibrium) -> Vec<(Place, f64)> {
         let table = equilibrium.space.facet_table();
         let rest = equilibrium.nodes(Measure::Rest);
@@ -86,7 +83,6 @@ impl Patch {
     }
 
     /// Deformed positions of all points [m].
-    #[must_use]
     pub fn positions(&self, equilibrium: &Equilibrium) -> Vec<Vec3> {
         let nodes = equilibrium.nodes(Measure::Deformed);
         let table = equilibrium.space.facet_table();
@@ -99,7 +95,6 @@ impl Patch {
     }
 
     /// J.
-    #[must_use]
     pub fn value(&self, equilibrium: &Equilibrium, j: Integrand) -> f64 {
         let mut sum = 0.0;
         self.for_each_part(equilibrium, j, |_, part| sum += part.value);

@@ -20,7 +20,6 @@ type Wanted = (PathBuf, f64, DistanceKind);
 
 impl Targets {
     /// Surfaces in files that are named from a folder.
-    #[must_use]
     pub fn new(folder: &Path) -> Self {
         Self { folder: folder.to_path_buf(), known: Arc::default() }
     }

@@ -45,13 +45,11 @@ impl Walls {
     }
 
     /// Pairs closer than `radius` [m] at positions of the whole.
-    #[must_use]
     pub fn pairs(&self, x: &[Vec3], radius: f64) -> Vec<Pair> {
         self.sides.iter().flat_map(|[a, b]| close_between(a, b, x, radius)).collect()
     }
 
     /// Smallest distance between two parts [m]; infinite if there are none.
-    #[must_use]
     pub fn min_distance(&self, x: &[Vec3]) -> f64 {
         let x = self.whole.positions(x);
         let least = |sides| closest_between(sides, &x).map_or(f64::INFINITY, |c| c.1.d2.sqrt());
@@ -72,7 +70,6 @@ pub struct Cores {
 
 impl Cores {
     /// The air beside a set of facets.
-    #[must_use]
     pub fn new(planes: &[Plane], facets: &[[usize; 3]]) -> Self {
         let (whole, mirrored) = Mirrored::new(planes, &[facets.to_vec()]);
         let facets = mirrored.concat();
@@ -82,7 +79,6 @@ impl Cores {
 
     /// Pairs closer than `radius` [m] at positions of the whole, from each of which the straight line to the other leaves the
     /// solid, within 30° of the normal of a facet there: neighbours along the surface are none.
-    #[must_use]
     pub fn pairs(&self, x: &[Vec3], radius: f64) -> Vec<Pair> {
         let mut pairs = close_within(&self.features, x, radius);
         pairs.retain(|pair| self.face_each_other(pair, x));

@@ -42,7 +42,6 @@ impl Grown<'_> {
     }
 
     /// The derivatives of the load of a burst, as those of a run of one time step.
-    #[must_use]
     pub fn gradient_of_burst(&self, burst: &Burst) -> Gradient {
         let covectors = std::slice::from_ref(&burst.covector);
         self.along_covectors(covectors, burst.by_rest.clone())

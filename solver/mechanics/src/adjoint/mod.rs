@@ -175,7 +175,6 @@ pub fn sweep_for(
 /// λᵀ ∂²E/∂u∂X, three components per vertex, with μ ∂(V − V*)/∂X of the prescribed volumes, and the same by the numbers
 /// that the energies are made with, as those of one time step: what a change of the rest shape or of the numbers does to
 /// the equations of a state, along λ and μ.
-#[must_use]
 pub fn along(
     problem: &Problem,
     at: &Iterate,

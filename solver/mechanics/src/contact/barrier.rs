@@ -35,7 +35,6 @@ impl Form {
     /// What areas of vertices, and those of edges, count with their features. All
     /// together count an area of two surfaces once where each edge of one crosses
     /// one of the other.
-    #[must_use]
     pub fn shares(self) -> [f64; 2] {
         match self {
             Self::Convergent | Self::Plain => [0.25, 0.25],
@@ -45,7 +44,6 @@ impl Form {
 
     /// 1/σ of a density with its derivative by d̂: d̂ (d̂ + 2 d₀)² where areas weigh [m³],
     /// so that pressures are the same for any d̂; else one.
-    #[must_use]
     pub fn divisor(self, repulsion: &Repulsion) -> [f64; 2] {
         let full = repulsion.activation + 2.0 * repulsion.minimum;
         match self {
@@ -74,21 +72,18 @@ pub struct Barrier {
 
 impl Barrier {
     /// b, which acts for d₀ < d < d₀ + d̂.
-    #[must_use]
     pub fn repulsion(&self) -> Repulsion {
         let (minimum, activation) = (self.thickness, self.activation);
         Repulsion { density: self.density, minimum, activation }
     }
 
     /// Distance below which it acts, d₀ + d̂ [m].
-    #[must_use]
     pub fn range(&self) -> f64 {
         self.repulsion().range()
     }
 
     /// κ σ, with σ = 1 / (d̂ (d̂ + 2 d₀)²) where areas weigh, else one
     /// [J/m⁶; J/m⁴].
-    #[must_use]
     pub fn scale(&self) -> f64 {
         self.stiffness / self.form.divisor(&self.repulsion())[0]
     }

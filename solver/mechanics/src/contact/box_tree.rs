@@ -29,27 +29,23 @@ pub struct Bounds {
 
 impl Bounds {
     /// The smallest box around points; of none it meets no other.
-    #[must_use]
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         let none = Self { low: Vec3::repeat(f64::MAX), high: Vec3::repeat(f64::MIN) };
         points.into_iter().fold(none, |all, p| all.and(&Self { low: p, high: p }))
     }
 
     /// Larger by `margin` [m] on all sides.
-    #[must_use]
     pub fn grown(&self, margin: f64) -> Self {
         let margin = Vec3::repeat(margin);
         Self { low: self.low - margin, high: self.high + margin }
     }
 
     /// The smallest box around this one and another.
-    #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
     /// Whether this one and another have a point in common.
-    #[must_use]
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
@@ -65,7 +61,6 @@ pub struct BoxTree {
 
 impl BoxTree {
     /// A tree of at most 2³² boxes.
-    #[must_use]
     pub fn new(boxes: &[Bounds]) -> Self {
         let order = along_curve(boxes);
         let mut levels = vec![order.par_iter().map(|&i| boxes[i as usize]).collect::<Vec<_>>()];
@@ -80,13 +75,11 @@ impl BoxTree {
     }
 
     /// Number of boxes.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.order.len()
     }
 
     /// The box at a place of the curve, and its index.
-    #[must_use]
     pub fn at(&self, place: usize) -> (usize, &Bounds) {
         (self.order[place] as usize, &self.levels[0][place])
     }

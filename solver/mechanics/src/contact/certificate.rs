@@ -40,7 +40,6 @@ pub fn certify(
 }
 
 /// All pairs of triangles that [`certify`] refuses.
-#[must_use]
 pub fn crossing_pairs(
     triangles: &[[usize; 3]],
     x: &[Vec3],

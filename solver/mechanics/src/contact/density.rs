@@ -62,7 +62,6 @@ impl Density {
     }
 
     /// Whether it is infinite where surfaces touch or come closer than they may.
-    #[must_use]
     pub fn is_barrier(self) -> bool {
         self.row().is_barrier
     }
@@ -81,13 +80,11 @@ pub struct Repulsion {
 
 impl Repulsion {
     /// Distance from which on β is zero, d₀ + d̂ [m].
-    #[must_use]
     pub fn range(&self) -> f64 {
         self.minimum + self.activation
     }
 
     /// β [m⁴] and its first two derivatives by d² at a squared distance [m²].
-    #[must_use]
     pub fn at(&self, d2: f64) -> [f64; 3] {
         let s = d2 - self.minimum * self.minimum;
         let activation = self.activation * (self.activation + 2.0 * self.minimum);
@@ -95,7 +92,6 @@ impl Repulsion {
     }
 
     /// The derivatives of β and ∂β/∂d² by d̂ at a squared distance [m²].
-    #[must_use]
     pub fn by_activation(&self, d2: f64) -> [f64; 2] {
         let s = d2 - self.minimum * self.minimum;
         let activation = self.activation * (self.activation + 2.0 * self.minimum);
@@ -104,7 +100,6 @@ impl Repulsion {
     }
 
     /// Whether a squared distance [m²] is not above the smallest that is allowed.
-    #[must_use]
     pub fn is_violated(&self, d2: f64) -> bool {
         d2 <= self.minimum * self.minimum
     }

@@ -36,14 +36,12 @@ pub struct LaggedContact {
 
 impl LaggedContact {
     /// A contact of corners whose closest points are `offset` apart.
-    #[must_use]
     pub fn new(corners: [usize; 4], coefficients: [f64; 4], offset: Vec3, force: f64) -> Self {
         Self { corners, coefficients, tangents: tangents(&offset.normalize()), force }
     }
 
     /// Sliding velocity 𝒯ᵀ Σᵢ cᵢ vᵢ for velocities of all collision vertices
     /// [m/s].
-    #[must_use]
     pub fn velocity(&self, v: &[Vec3]) -> [f64; 2] {
         let relative: Vec3 =
             self.corners.iter().zip(self.coefficients).map(|(&i, c)| c * v[i]).sum();
@@ -64,7 +62,6 @@ pub struct LaggedContactCotangent {
 
 impl LaggedContact {
     /// The normal n = 𝒯₁ × 𝒯₂, from the second feature to the first.
-    #[must_use]
     pub fn normal(&self) -> Vec3 {
         self.tangents[0].cross(&self.tangents[1])
     }
@@ -72,7 +69,6 @@ impl LaggedContact {
     /// Cotangents of the power N k(y) (P w)·(P l) of friction, with P = I − n nᵀ,
     /// k = f₀′/y, y = |P w|, w = Σ cᵢ vᵢ and l = Σ cᵢ λᵢ, for velocities v [m/s] and
     /// any λ of all collision vertices.
-    #[must_use]
     pub fn power_vjp(
         &self,
         v: &[Vec3],
@@ -102,7 +98,6 @@ impl LaggedContact {
 }
 
 /// f₀, f₀′/y and (f₀″ − f₀′/y)/y² at a speed, for a speed ε of full friction.
-#[must_use]
 pub fn dissipation(y: f64, full: f64) -> [f64; 3] {
     if y < full {
         let r = y / full;
@@ -127,7 +122,6 @@ pub struct LaggedStateCotangent {
 impl Contacts<'_> {
     /// The contacts with friction in a step that begins here. Mollified pairs, of nearly
     /// parallel edges, have none: their closest points jump.
-    #[must_use]
     pub fn lagged(&self) -> Vec<LaggedContact> {
         let one = |term: &Term| {
             let local = self.local(term);
@@ -140,7 +134,6 @@ impl Contacts<'_> {
     }
 
     /// How [`Self::lagged`] follows the state.
-    #[must_use]
     pub fn lagged_vjp(&self, cotangents: &[LaggedContactCotangent]) -> LaggedStateCotangent {
         let (mut positions, mut by_area) = (self.zeros(), self.zero_areas());
         let mut by_offset = Vec::new();

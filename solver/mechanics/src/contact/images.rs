@@ -36,7 +36,6 @@ pub struct Mirrored {
 
 impl Mirrored {
     /// The vertices up to the last of some sets of facets, and these sets with their images.
-    #[must_use]
     pub fn new(planes: &[Plane], sets: &[Vec<[usize; 3]>]) -> (Self, Vec<Vec<[usize; 3]>>) {
         let count = sets.iter().flatten().flatten().max().map_or(0, |last| last + 1);
         let mut images = Images::new(planes, (0..count).map(|v| (v, vec![v])).collect());
@@ -55,19 +54,16 @@ impl Mirrored {
     }
 
     /// Share of the body in the whole: 1, or a half for each plane.
-    #[must_use]
     pub fn share(&self) -> f64 {
         self.share
     }
 
     /// Positions of all from those of the body's vertices [m].
-    #[must_use]
     pub fn positions(&self, x: &[Vec3]) -> Vec<Vec3> {
         self.images.iter().map(|i| x[i.of].component_mul(&i.signs) + i.shift).collect()
     }
 
     /// The vertex of the body that a vertex of the whole is an image of, with a cotangent there turned into its own.
-    #[must_use]
     pub fn to_vertex(&self, of_whole: usize, bar: Vec3) -> (usize, Vec3) {
         let image = &self.images[of_whole];
         (image.of, image.signs.component_mul(&bar))

@@ -44,7 +44,6 @@ impl Mollifier {
     }
 
     /// m at c and ε.
-    #[must_use]
     pub fn new(cross: f64, threshold: f64) -> Self {
         if threshold == 0.0 || cross >= threshold {
             return Self::constant(if cross > 0.0 { 1.0 } else { 0.0 });
@@ -62,20 +61,17 @@ impl Mollifier {
 }
 
 /// Whether edges `x[0..2]` and `x[2..4]` are so parallel that they are mollified.
-#[must_use]
 pub fn mollified(x: &[Vec3; 4], rest: &[Vec3; 4]) -> bool {
     let cross = cross(x);
     cross < threshold(rest) || cross == 0.0
 }
 
 /// c [m⁴].
-#[must_use]
 pub fn cross(x: &[Vec3; 4]) -> f64 {
     (x[1] - x[0]).cross(&(x[3] - x[2])).norm_squared()
 }
 
 /// ∂c/∂xᵢ [m³].
-#[must_use]
 pub fn cross_gradient(x: &[Vec3; 4]) -> Vec12 {
     let (a, b) = (x[1] - x[0], x[3] - x[2]);
     let n = a.cross(&b);
@@ -83,7 +79,6 @@ pub fn cross_gradient(x: &[Vec3; 4]) -> Vec12 {
 }
 
 /// ∂²c/∂xᵢ∂xⱼ [m²].
-#[must_use]
 pub fn cross_hessian(x: &[Vec3; 4]) -> Mat12 {
     let (a, b) = (x[1] - x[0], x[3] - x[2]);
     let dyad = |p: &Vec3, q: &Vec3| p * q.transpose();
@@ -107,13 +102,11 @@ pub fn cross_hessian(x: &[Vec3; 4]) -> Mat12 {
 }
 
 /// ε of rest positions [m⁴].
-#[must_use]
 pub fn threshold(rest: &[Vec3; 4]) -> f64 {
     THRESHOLD * (rest[1] - rest[0]).norm_squared() * (rest[3] - rest[2]).norm_squared()
 }
 
 /// ∂ε/∂Xᵢ [m³].
-#[must_use]
 pub fn threshold_gradient(rest: &[Vec3; 4]) -> Vec12 {
     let (a, b) = (rest[1] - rest[0], rest[3] - rest[2]);
     let by = 2.0 * THRESHOLD;

@@ -138,7 +138,6 @@ impl Drop for Held<'_> {
 impl NeighbourList {
     /// Takes rest shapes that hardly differ from the last one for it, as a derivative by the rest shape does: no pair
     /// begins or ceases to be through the solid there.
-    #[must_use]
     pub fn hold(&self) -> Held<'_> {
         self.set_held(true);
         Held(self)
@@ -149,7 +148,6 @@ impl NeighbourList {
     }
 
     /// One of the last lists, if it holds for this rest shape at all these positions.
-    #[must_use]
     pub fn last_at(&self, rest: &[Vec3], positions: &[&[Vec3]]) -> Option<Arc<Neighbours>> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let mut lists = last.lists.iter().filter(|_| last.is_of(rest));
@@ -158,7 +156,6 @@ impl NeighbourList {
 
     /// A list that holds at positions `x` and rest positions of the collision vertices [m],
     /// made anew if it must be; none where more pairs are in range than memory is meant for.
-    #[must_use]
     pub fn at(&self, potential: &Potential, x: &[Vec3], rest: &[Vec3]) -> Option<Arc<Neighbours>> {
         if let Some(list) = self.last_at(rest, &[x]) {
             return Some(list);
@@ -182,7 +179,6 @@ impl NeighbourList {
 
     /// What collision vertices meet that move from `x0` to `x1` [m]; none where more pairs come within the radius of a
     /// list than memory is meant for.
-    #[must_use]
     pub fn sweep(
         &self,
         potential: &Potential,
@@ -208,7 +204,6 @@ impl NeighbourList {
 
     /// Pairs that may repel each other, and those through the solid of a body at rest, both in
     /// their order.
-    #[must_use]
     pub fn partition(
         &self,
         potential: &Potential,

@@ -24,7 +24,6 @@ pub struct Features {
 
 impl Features {
     /// The features of a set of facets.
-    #[must_use]
     pub fn new(facets: &[[usize; 3]]) -> Self {
         let mut vertices = facets.as_flattened().to_vec();
         vertices.sort_unstable();
@@ -44,7 +43,6 @@ pub struct Facets {
 
 impl Facets {
     /// The facets of a mesh with so many vertices.
-    #[must_use]
     pub fn new(facets: Vec<[usize; 3]>, vertices: usize) -> Self {
         let mut at = vec![Vec::new(); vertices];
         for (f, facet) in facets.iter().enumerate() {
@@ -54,20 +52,17 @@ impl Facets {
     }
 
     /// All of them.
-    #[must_use]
     pub fn all(&self) -> &[[usize; 3]] {
         &self.all
     }
 
     /// Unit normal of one at positions `x` [1].
-    #[must_use]
     pub fn normal(&self, facet: usize, x: &[Vec3]) -> Vec3 {
         let [a, b, c] = self.all[facet].map(|v| x[v]);
         (b - a).cross(&(c - a)).normalize()
     }
 
     /// Those that both closest points of a pair lie on.
-    #[must_use]
     pub fn ends(&self, pair: &Pair, closest: &Closest) -> [Vec<usize>; 2] {
         let first = pair.corners_of_first();
         let at = |corners: Range<usize>| {
@@ -96,7 +91,6 @@ pub enum Pair {
 
 impl Pair {
     /// Vertex ids of the corners.
-    #[must_use]
     pub fn corners(&self) -> [usize; 4] {
         match *self {
             Self::PointTriangle(corners) | Self::EdgeEdge(corners) => corners,
@@ -104,7 +98,6 @@ impl Pair {
     }
 
     /// How many of the corners, from the start, belong to the first feature.
-    #[must_use]
     pub fn corners_of_first(&self) -> usize {
         match self {
             Self::PointTriangle(_) => 1,
@@ -113,7 +106,6 @@ impl Pair {
     }
 
     /// Closest points at corner positions `x` [m].
-    #[must_use]
     pub fn closest(&self, x: &[Vec3; 4]) -> Closest {
         match self {
             Self::PointTriangle(_) => point_triangle(x),
@@ -122,7 +114,6 @@ impl Pair {
     }
 
     /// The corners' entries of a list over all vertices.
-    #[must_use]
     pub fn gather(&self, x: &[Vec3]) -> [Vec3; 4] {
         self.corners().map(|v| x[v])
     }

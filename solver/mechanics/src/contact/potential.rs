@@ -76,7 +76,6 @@ pub struct Potential {
 
 impl Potential {
     /// The potential s Σ w m β of a surface, with weights of a form and s = `scale`.
-    #[must_use]
     pub fn new(
         surface: Arc<Surface>,
         partners: Partners,
@@ -89,19 +88,16 @@ impl Potential {
     }
 
     /// The collision surface.
-    #[must_use]
     pub fn surface(&self) -> &Arc<Surface> {
         &self.surface
     }
 
     /// Which features repel each other.
-    #[must_use]
     pub fn partners(&self) -> Partners {
         self.partners
     }
 
     /// β.
-    #[must_use]
     pub fn repulsion(&self) -> &Repulsion {
         &self.repulsion
     }
@@ -124,7 +120,6 @@ impl Potential {
 
     /// The candidates within the range of β at positions `x`, in their order, for rest
     /// positions.
-    #[must_use]
     pub fn close_pairs(&self, candidates: &[Pair], x: &[Vec3], rest: &[Vec3]) -> Vec<Close> {
         let range2 = self.repulsion.range().powi(2);
         let close = |pair: &Pair| {
@@ -148,7 +143,6 @@ impl Potential {
 
     /// What interacts at positions and rest positions of the collision vertices [m],
     /// where these pairs are close.
-    #[must_use]
     pub fn contacts(&self, close: &[Close], x: Vec<Vec3>, rest: Vec<Vec3>) -> Contacts<'_> {
         let acting: Vec<Close> =
             close.iter().filter(|pair| pair.acts(&self.repulsion)).copied().collect();
@@ -170,26 +164,22 @@ pub struct Contacts<'a> {
 
 impl Contacts<'_> {
     /// Positions of the collision vertices [m].
-    #[must_use]
     pub fn positions(&self) -> &[Vec3] {
         &self.x
     }
 
     /// The weighted stencils, in a fixed order.
-    #[must_use]
     pub fn terms(&self) -> &[Term] {
         &self.terms.terms
     }
 
     /// e of one stencil, with its derivatives.
-    #[must_use]
     pub fn local(&self, term: &Term) -> Local {
         let Potential { repulsion, form, .. } = self.potential;
         Local::new(&term.stencil, &self.x, &self.rest, repulsion, *form)
     }
 
     /// B.
-    #[must_use]
     pub fn value(&self) -> f64 {
         let mut sum = 0.0;
         self.for_each_term(|_, local, weight| weight * local.value(), |_, value| sum += value);
@@ -205,7 +195,6 @@ impl Contacts<'_> {
     }
 
     /// ∂B/∂x.
-    #[must_use]
     pub fn gradient(&self) -> Vec<Vec3> {
         let mut sum = self.zeros();
         self.for_each_gradient(|corners, gradient| add(&mut sum, &corners, gradient));
@@ -223,7 +212,6 @@ impl Contacts<'_> {
     }
 
     /// ∂²B/∂x² λ.
-    #[must_use]
     pub fn hessian_times(&self, lambda: &[Vec3]) -> Vec<Vec3> {
         let image = |term: &Term, local: &Local, weight: f64| {
             local.hessian() * corners(term.stencil.gather(lambda)) * weight
@@ -236,7 +224,6 @@ impl Contacts<'_> {
     }
 
     /// λᵀ ∂²B/∂x∂X for x that moves along with X, one to one.
-    #[must_use]
     pub fn shape_vjp(&self, lambda: &[Vec3]) -> Vec<Vec3> {
         let by_shape = |term: &Term, local: &Local, weight: f64| {
             let l = corners(term.stencil.gather(lambda));

@@ -33,7 +33,6 @@ pub struct Offset {
 impl Offset {
     /// The offset of a pair of one body at rest positions of all collision vertices [m]; none
     /// where the pair is out of range.
-    #[must_use]
     pub fn of(pair: &Pair, rest: &[Vec3], repulsion: &Repulsion) -> Option<Self> {
         let d2 = pair.closest(&pair.gather(rest)).d2;
         let near = d2 < repulsion.range().powi(2);
@@ -42,7 +41,6 @@ impl Offset {
     }
 
     /// The lesser of two, where none has the full activation.
-    #[must_use]
     pub fn least(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         let key = |offset: &Self| (offset.activation, offset.pair);
         match (one, other) {
@@ -65,14 +63,12 @@ pub struct Close {
 
 impl Close {
     /// Whether the pair is not farther apart than it must be, here or at rest.
-    #[must_use]
     pub fn is_violated(&self, repulsion: &Repulsion) -> bool {
         let at_rest = self.offset.is_some_and(|offset| offset.activation <= 0.0);
         at_rest || repulsion.is_violated(self.closest.d2)
     }
 
     /// Whether its features repel each other.
-    #[must_use]
     pub fn acts(&self, repulsion: &Repulsion) -> bool {
         let activation = self.offset.map_or(repulsion.activation, |offset| offset.activation);
         self.closest.d2 < (repulsion.minimum + activation).powi(2)
@@ -92,7 +88,6 @@ pub struct OffsetRepulsion {
 
 impl OffsetRepulsion {
     /// β_a for the rest distance of a pair.
-    #[must_use]
     pub fn new(pair: &Pair, rest: &[Vec3], full: &Repulsion, form: Form) -> Self {
         let closest = pair.closest(&pair.gather(rest));
         let distance = AT_REST * closest.d2.sqrt();
@@ -104,13 +99,11 @@ impl OffsetRepulsion {
     }
 
     /// β_a [m⁴] and its first two derivatives by d² at a squared distance [m²].
-    #[must_use]
     pub fn at(&self, d2: f64) -> [f64; 3] {
         self.repulsion.at(d2).map(|beta| self.factor[0] * beta)
     }
 
     /// The derivatives of β_a and ∂β_a/∂d² by a at a squared distance [m²].
-    #[must_use]
     pub fn by_activation(&self, d2: f64) -> [f64; 2] {
         let (beta, by) = (self.repulsion.at(d2), self.repulsion.by_activation(d2));
         [0, 1].map(|k| self.factor[0] * by[k] + self.factor[1] * beta[k])

@@ -23,7 +23,6 @@ use super::mollifier::{Mollifier, cross, cross_gradient, threshold, threshold_gr
 use super::pairs::Pair;
 
 /// E [unit of β].
-#[must_use]
 pub fn value(pairs: &[Pair], x: &[Vec3], repulsion: &Repulsion) -> f64 {
     let part = |range: Range<usize>| pairs[range].iter().map(|p| pair_value(p, x, repulsion)).sum();
     let mut total = 0.0;

@@ -68,7 +68,6 @@ pub struct Solid {
 impl Solid {
     /// The solid of a surface at rest positions of its vertices [m], for a barrier of this
     /// range [m].
-    #[must_use]
     pub fn new(surface: &Arc<Surface>, rest: &[Vec3], range: f64) -> Self {
         let triangles = surface.features().triangles.iter().copied();
         let facets = triangles.filter(|t| !surface.is_obstacle(t[0])).collect();
@@ -78,7 +77,6 @@ impl Solid {
     }
 
     /// The pairs that are not through the solid, and those that are, both in their order.
-    #[must_use]
     pub fn partition(&self, pairs: Vec<Pair>) -> [Vec<Pair>; 2] {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let new: Vec<Pair> =
@@ -98,7 +96,6 @@ impl Solid {
     }
 
     /// Whether there is the solid of their body between the features of a pair.
-    #[must_use]
     pub fn is_between(&self, pair: &Pair) -> bool {
         if !self.surface.within_one_body(pair) {
             return false;

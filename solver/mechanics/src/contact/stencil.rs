@@ -43,7 +43,6 @@ pub struct Stencil {
 
 impl Stencil {
     /// The corners that take part, those of the smaller part first.
-    #[must_use]
     pub fn reduced(corners: [usize; 4], region: Region) -> Self {
         // unused entries stay last when the parts are sorted
         let (mut parts, mut counts) = ([[usize::MAX; 3]; 2], [0; 2]);
@@ -67,26 +66,22 @@ impl Stencil {
 
     /// Two edges that are nearly parallel; their corners must be ordered by
     /// [`ordered_edges`].
-    #[must_use]
     pub fn mollified(corners: [usize; 4], region: Region) -> Self {
         Self { corners, region, mollified: true, offset: None }
     }
 
     /// This stencil with the activation of a pair's rest distance.
-    #[must_use]
     pub fn with_offset(self, offset: Option<Offset>) -> Self {
         Self { offset: offset.map(|o| o.pair), ..self }
     }
 
     /// The corners' entries of a list over all collision vertices.
-    #[must_use]
     pub fn gather(&self, x: &[Vec3]) -> [Vec3; 4] {
         self.corners.map(|v| x[v])
     }
 }
 
 /// The corners of two edges in the order of a mollified stencil.
-#[must_use]
 pub fn ordered_edges(mut a: [usize; 2], mut b: [usize; 2]) -> [usize; 4] {
     a.sort_unstable();
     b.sort_unstable();
@@ -109,7 +104,6 @@ pub struct Local {
 
 impl Local {
     /// The stencil at positions and rest positions of all collision vertices.
-    #[must_use]
     pub fn new(
         stencil: &Stencil,
         x: &[Vec3],
@@ -129,13 +123,11 @@ impl Local {
     }
 
     /// e [m⁴].
-    #[must_use]
     pub fn value(&self) -> f64 {
         self.mollifier.value * self.beta[0]
     }
 
     /// ∂e/∂x [m³].
-    #[must_use]
     pub fn gradient(&self) -> Vec12 {
         let distance = corners(self.closest.d2_gradient()) * (self.mollifier.value * self.beta[1]);
         match self.rest {
@@ -147,7 +139,6 @@ impl Local {
     }
 
     /// ∂²e/∂x² [m²].
-    #[must_use]
     pub fn hessian(&self) -> Mat12 {
         let [beta, slope, curvature] = self.beta;
         let m = &self.mollifier;
@@ -169,7 +160,6 @@ impl Local {
     /// Unless edges are mollified, the Hessian maps into the few directions c ⊗ a and
     /// eₖ ⊗ r of [`distance`](super::distance), a any vector, so that a matrix of
     /// their number is decomposed.
-    #[must_use]
     pub fn projected_hessian(&self, weight: f64) -> Mat12 {
         let hessian = self.hessian() * weight;
         if self.rest.is_some() {
@@ -181,14 +171,12 @@ impl Local {
     }
 
     /// Normal force per weight for a scale s of the potential, N = −2 s β′ d, and ∂N/∂d².
-    #[must_use]
     pub fn normal_force(&self, scale: f64) -> [f64; 2] {
         let ([_, slope, curvature], d) = (self.beta, self.closest.d2.sqrt());
         [-2.0 * scale * slope * d, -scale * (2.0 * curvature * d + slope / d)]
     }
 
     /// ∂N/∂a and how a follows the rest shape, for an activation of its own.
-    #[must_use]
     pub fn normal_force_by_offset(&self, scale: f64) -> Option<(f64, &OffsetRepulsion)> {
         let offset = self.offset.as_ref()?;
         let slope = offset.by_activation(self.closest.d2)[1];
@@ -196,7 +184,6 @@ impl Local {
     }
 
     /// ∂²e/∂x∂a [m²] and how a follows the rest shape, for an activation of its own.
-    #[must_use]
     pub fn by_offset(&self) -> Option<(Vec12, &OffsetRepulsion)> {
         let offset = self.offset.as_ref()?;
         let [beta, slope] = offset.by_activation(self.closest.d2);
@@ -208,7 +195,6 @@ impl Local {
     }
 
     /// ∂²e/∂x∂ε [1/m] and ∂ε/∂X [m³] of a mollified pair.
-    #[must_use]
     pub fn by_threshold(&self) -> Option<(Vec12, Vec12)> {
         let rest = self.rest.as_ref()?;
         let [beta, slope, _] = self.beta;

@@ -75,7 +75,6 @@ impl Surface {
     /// # Panics
     /// When `split` is zero, `facets` and `bodies` differ in length, or a facet
     /// is none of the space.
-    #[must_use]
     pub fn new(
         space: &FunctionSpace,
         facets: &[[usize; 3]],
@@ -92,7 +91,6 @@ impl Surface {
     ///
     /// # Panics
     /// As [`Self::new`].
-    #[must_use]
     pub fn symmetric(
         planes: &[Plane],
         space: &FunctionSpace,
@@ -141,38 +139,32 @@ impl Surface {
     }
 
     /// Vertices, edges and triangles.
-    #[must_use]
     pub fn features(&self) -> &Features {
         &self.features
     }
 
     /// Share of the bodies in the whole of which the surface is: 1, or a half for each plane of
     /// symmetry.
-    #[must_use]
     pub fn share(&self) -> f64 {
         self.share
     }
 
     /// Number of collision vertices, those of obstacles last.
-    #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.rows.len()
     }
 
     /// Nodes on which a collision vertex depends, with weights.
-    #[must_use]
     pub fn row(&self, vertex: usize) -> &[(usize, f64)] {
         &self.rows[vertex]
     }
 
     /// Body of a collision vertex; obstacles count after the bodies.
-    #[must_use]
     pub fn body(&self, vertex: usize) -> usize {
         self.body[vertex]
     }
 
     /// Whether both features of a pair are of one body that is no obstacle.
-    #[must_use]
     pub fn within_one_body(&self, pair: &Pair) -> bool {
         let corners = pair.corners();
         let [first, second] = [corners[0], corners[3]];
@@ -180,19 +172,16 @@ impl Surface {
     }
 
     /// Whether a collision vertex belongs to an obstacle.
-    #[must_use]
     pub fn is_obstacle(&self, vertex: usize) -> bool {
         self.rows[vertex].is_empty()
     }
 
     /// Whether all of these collision vertices stay where they are.
-    #[must_use]
     pub fn immovable(&self, vertices: &[usize]) -> bool {
         vertices.iter().all(|&v| !self.movable[v])
     }
 
     /// Rest positions of the collision vertices [m].
-    #[must_use]
     pub fn rest(&self, space: &FunctionSpace, rest: &[Vec3]) -> Vec<Vec3> {
         let nodes = space.node_positions(rest);
         let mut x = self.interpolate(|n| nodes[n]);
@@ -203,7 +192,6 @@ impl Surface {
 
     /// Positions of the collision vertices [m] at nodal displacements `u` and a
     /// load.
-    #[must_use]
     pub fn positions(
         &self,
         space: &FunctionSpace,
@@ -221,7 +209,6 @@ impl Surface {
     }
 
     /// What obstacles move between two loads [m], zero elsewhere.
-    #[must_use]
     pub fn motion(&self, from: f64, to: f64) -> Vec<Vec3> {
         let mut moved = vec![Vec3::zeros(); self.rows.len()];
         self.for_each_obstacle_vertex(|v, place, motion| {
@@ -231,7 +218,6 @@ impl Surface {
     }
 
     /// W of a nodal field; zero on obstacles.
-    #[must_use]
     pub fn trace(&self, nodal: &[f64]) -> Vec<Vec3> {
         self.interpolate(|n| at(nodal, n))
     }
@@ -275,7 +261,6 @@ impl Surface {
 
     /// Pairs of nodes (row > column) on which corners of one stencil depend,
     /// sorted, each once.
-    #[must_use]
     pub fn couplings(&self, stencils: &[[usize; 4]]) -> Vec<[usize; 2]> {
         let mut couplings = Vec::new();
         for stencil in stencils {
@@ -291,7 +276,6 @@ impl Surface {
 
     /// Forces on corners of stencils, summed for each two bodies, in their order; those on images
     /// are mirrored back.
-    #[must_use]
     pub fn body_forces(&self, forces: &[([usize; 4], [Vec3; 4])]) -> Vec<BodyForce> {
         let mut on_vertices = BTreeMap::<[usize; 2], BTreeMap<usize, Vec3>>::new();
         for (corners, forces) in forces {

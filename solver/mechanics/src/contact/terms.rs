@@ -67,7 +67,6 @@ pub struct Terms {
 impl Terms {
     /// The terms of all pairs closer than `range` [m] at positions `x` and rest
     /// positions of the collision vertices.
-    #[must_use]
     pub fn new(
         surface: &Surface,
         adjacency: &Adjacency,

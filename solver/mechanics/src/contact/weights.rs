@@ -29,7 +29,6 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// The neighbours on a surface.
-    #[must_use]
     pub fn new(surface: &Surface) -> Self {
         let (features, count) = (surface.features(), surface.vertex_count());
         let mut adjacency = Self {
@@ -58,7 +57,6 @@ impl Adjacency {
     }
 
     /// The vertices of an edge.
-    #[must_use]
     pub fn ends(&self, edge: usize) -> [usize; 2] {
         self.edges[edge]
     }
@@ -67,51 +65,43 @@ impl Adjacency {
     ///
     /// # Panics
     /// When there is none.
-    #[must_use]
     pub fn edge(&self, [a, b]: [usize; 2]) -> usize {
         let found = self.edges.binary_search(&[a.min(b), a.max(b)]);
         found.expect("an edge of the surface")
     }
 
     /// Edges at a vertex.
-    #[must_use]
     pub fn edges_of(&self, vertex: usize) -> &[usize] {
         &self.edges_of[vertex]
     }
 
     /// Third vertices of the triangles at an edge.
-    #[must_use]
     pub fn opposite(&self, edge: usize) -> &[usize] {
         &self.opposite[edge]
     }
 
     /// Whether a vertex lies on the rim of an open surface.
-    #[must_use]
     pub fn on_rim(&self, vertex: usize) -> bool {
         self.rim[vertex]
     }
 
     /// Whether two vertices have an edge in common.
-    #[must_use]
     pub fn neighbours(&self, a: usize, b: usize) -> bool {
         self.edges_of[a].iter().any(|&e| self.edges[e].contains(&b))
     }
 
     /// Index of an edge's area.
-    #[must_use]
     pub fn area_of_edge(&self, edge: usize) -> usize {
         self.rim.len() + edge
     }
 
     /// Number of areas: of vertices and edges.
-    #[must_use]
     pub fn area_count(&self) -> usize {
         self.obstacle.len()
     }
 
     /// Areas of the vertices, then of the edges, at rest positions of the
     /// collision vertices [m²].
-    #[must_use]
     pub fn areas(&self, rest: &[Vec3]) -> Vec<f64> {
         let mut areas = self.own_areas(rest);
         let limits = self.limits(&areas);

@@ -24,7 +24,6 @@ pub const HIGHEST_DEGREE: usize = 3;
 
 /// Multi-indices of the nodes of a simplex with `corners` corners (3 or 4) for
 /// a degree from 1 to 3.
-#[must_use]
 pub fn nodes(corners: usize, degree: usize) -> Vec<Vec<usize>> {
     let index = |entries: &[(usize, usize)]| {
         let mut index = vec![0; corners];
@@ -71,7 +70,6 @@ pub struct Tabulation {
 }
 
 /// Values of the basis of a triangle or tetrahedron at barycentric coordinates.
-#[must_use]
 pub fn values(degree: usize, lambda: &[f64]) -> Vec<f64> {
     let value = |node: &Vec<usize>| -> f64 {
         node.iter().zip(lambda).map(|(&m, &l)| factor(m, degree, l).0).product()
@@ -80,7 +78,6 @@ pub fn values(degree: usize, lambda: &[f64]) -> Vec<f64> {
 }
 
 /// Tabulates the basis of a degree on a rule.
-#[must_use]
 pub fn tabulate(degree: usize, rule: &Rule) -> Tabulation {
     let corners = rule.points[0].len();
     let nodes = nodes(corners, degree);

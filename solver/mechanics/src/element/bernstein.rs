@@ -88,7 +88,6 @@ pub struct JacobianForm {
 
 impl JacobianForm {
     /// For elements of a degree.
-    #[must_use]
     pub fn new(degree: usize) -> Self {
         let (points, slopes) = (Net::new(degree), Net::new(degree - 1));
         let (cross, net) = (Net::new(2 * (degree - 1)), Net::new(3 * (degree - 1)));
@@ -116,7 +115,6 @@ impl JacobianForm {
     }
 
     /// Coefficients of det ∂x/∂ξ for nodal positions [m³].
-    #[must_use]
     pub fn coefficients(&self, x: &[Vec3]) -> Vec<f64> {
         let control: Vec<Vec3> = (0..x.len())
             .map(|i| x.iter().enumerate().map(|(a, x)| self.control[(i, a)] * x).sum())
@@ -138,7 +136,6 @@ impl JacobianForm {
     }
 
     /// Place of the coefficient at a corner, which is the value there.
-    #[must_use]
     pub fn corner(&self, corner: usize) -> usize {
         let degree = self.net.indices[0][0];
         self.net.place[&std::array::from_fn(|c| if c == corner { degree } else { 0 })]
@@ -147,7 +144,6 @@ impl JacobianForm {
     /// Coefficients on the half of the simplex whose corner `moved` goes to the
     /// middle of its edge to the corner `kept` (de Casteljau): averages r times
     /// along the edge where γ_moved = r.
-    #[must_use]
     pub fn half(&self, coefficients: &[f64], kept: usize, moved: usize) -> Vec<f64> {
         let one = |index: &Index| {
             let r = index[moved];

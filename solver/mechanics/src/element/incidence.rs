@@ -24,7 +24,6 @@ impl Incidence {
     ///
     /// # Panics
     /// When these are 2³² or more.
-    #[must_use]
     pub fn new(node_count: usize, element_nodes: &[usize]) -> Self {
         let narrow = |i: usize| u32::try_from(i).expect("less than 2^32 nodes of elements");
         let mut start = vec![0; node_count + 1];

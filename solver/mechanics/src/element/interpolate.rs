@@ -32,7 +32,6 @@ impl Place {
 /// rest positions belong to the vertices of the meshes. A node outside
 /// all elements takes the nearest one's polynomial, so that the result is
 /// meant for nodes in or next to the body.
-#[must_use]
 pub fn interpolate(
     from: &FunctionSpace,
     from_rest: &[Vec3],
@@ -51,7 +50,6 @@ pub fn interpolate(
 }
 
 /// A field in the space of a higher degree on the same tetrahedra, which has it exactly.
-#[must_use]
 pub fn elevate(from: &FunctionSpace, to: &FunctionSpace, u: &[f64]) -> Vec<f64> {
     let degree = to.degree() as f64;
     let weights = nodes(4, to.degree()).into_iter().map(|index| {
@@ -72,7 +70,6 @@ pub fn elevate(from: &FunctionSpace, to: &FunctionSpace, u: &[f64]) -> Vec<f64> 
 }
 
 /// Values of the field `u` at rest positions; none at those outside the body.
-#[must_use]
 pub fn sample(
     (space, rest, u): (&FunctionSpace, &[Vec3], &[f64]),
     points: &[Vec3],
@@ -83,7 +80,6 @@ pub fn sample(
 
 /// Nodes of the element that has a rest position, with the values of their basis there; none
 /// outside the body.
-#[must_use]
 pub fn weights(space: &FunctionSpace, rest: &[Vec3], point: Vec3) -> Option<Vec<(usize, f64)>> {
     let place = places(space, rest, &[point]).pop().flatten().filter(Place::is_inside)?;
     Some(weighted_nodes(space, &place).collect())

@@ -27,13 +27,11 @@ pub struct Rule {
 }
 
 /// A rule on the triangle that is exact to `degree`.
-#[must_use]
 pub fn triangle(degree: usize) -> Rule {
     if degree <= 5 { radon() } else { conical(2, degree) }
 }
 
 /// A rule on the tetrahedron that is exact to `degree`.
-#[must_use]
 pub fn tetrahedron(degree: usize) -> Rule {
     if degree <= 5 { walkington() } else { conical(3, degree) }
 }

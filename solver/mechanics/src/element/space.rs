@@ -42,7 +42,6 @@ impl FunctionSpace {
     ///
     /// # Panics
     /// When `degree` is not 1, 2 or 3.
-    #[must_use]
     pub fn new(degree: usize, vertex_count: usize, tets: Vec<[usize; 4]>) -> Self {
         Self::with_quadrature(degree, quadrature::DEFAULT_DEGREE, vertex_count, tets)
     }
@@ -53,7 +52,6 @@ impl FunctionSpace {
     ///
     /// # Panics
     /// When `degree` is not 1, 2 or 3.
-    #[must_use]
     pub fn with_quadrature(
         degree: usize,
         exact: usize,
@@ -105,7 +103,6 @@ impl FunctionSpace {
     ///
     /// # Panics
     /// When it is none of the mesh, and the degree is above 1.
-    #[must_use]
     pub fn simplex_nodes(&self, corners: &[usize]) -> Vec<usize> {
         let (edges, faces) =
             if corners.len() == 3 { (&EDGES[..3], &FACES[3..]) } else { (&EDGES[..], &FACES[..]) };
@@ -122,62 +119,52 @@ impl FunctionSpace {
     }
 
     /// Polynomial degree.
-    #[must_use]
     pub fn degree(&self) -> usize {
         self.degree
     }
 
     /// Number of mesh vertices.
-    #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn node_count(&self) -> usize {
         self.vertex_count + self.added.len()
     }
 
     /// Nodes of one element: 4, 10 or 20.
-    #[must_use]
     pub fn nodes_per_element(&self) -> usize {
         let p = self.degree;
         (p + 1) * (p + 2) * (p + 3) / 6
     }
 
     /// The tetrahedra as vertex ids.
-    #[must_use]
     pub fn tets(&self) -> &[[usize; 4]] {
         &self.tets
     }
 
     /// Node ids of all elements, one after the other.
-    #[must_use]
     pub fn element_nodes(&self) -> &[usize] {
         &self.element_nodes
     }
 
     /// Where each node stands in [`Self::element_nodes`].
-    #[must_use]
     pub fn incidence(&self) -> &Incidence {
         &self.incidence
     }
 
     /// Basis on the volume rule.
-    #[must_use]
     pub fn volume_table(&self) -> &Tabulation {
         &self.volume
     }
 
     /// Basis on the facet rule.
-    #[must_use]
     pub fn facet_table(&self) -> &Tabulation {
         &self.facet
     }
 
     /// Mass matrix ∫ φ_a φ_b of a tetrahedron with volume 1, row by row.
-    #[must_use]
     pub fn reference_mass(&self) -> Vec<f64> {
         let table = tabulate(self.degree, &quadrature::tetrahedron(2 * self.degree));
         let n = self.nodes_per_element();
@@ -217,14 +204,12 @@ impl FunctionSpace {
     ///
     /// # Panics
     /// When `facet` is no facet of the mesh.
-    #[must_use]
     pub fn facet_nodes(&self, facet: [usize; 3]) -> Vec<usize> {
         self.simplex_nodes(&facet)
     }
 
     /// Values of a facet's basis at barycentric coordinates, in the order of
     /// [`Self::facet_nodes`].
-    #[must_use]
     pub fn facet_values(&self, lambda: &[f64; 3]) -> Vec<f64> {
         values(self.degree, lambda)
     }
@@ -233,7 +218,6 @@ impl FunctionSpace {
     ///
     /// # Panics
     /// When `edge` is no edge of the mesh and the degree is above 1.
-    #[must_use]
     pub fn edge_nodes(&self, edge: [usize; 2]) -> Vec<usize> {
         if self.degree == 1 {
             return Vec::new();
@@ -256,13 +240,11 @@ impl FunctionSpace {
     }
 
     /// Rest positions of all nodes, Π X [m].
-    #[must_use]
     pub fn node_positions(&self, rest: &[Vec3]) -> Vec<Vec3> {
         (0..self.node_count()).map(|node| self.node_position(rest, node)).collect()
     }
 
     /// Rest position of one node [m].
-    #[must_use]
     pub fn node_position(&self, rest: &[Vec3], node: usize) -> Vec3 {
         match node.checked_sub(self.vertex_count) {
             None => rest[node],
@@ -285,7 +267,6 @@ impl FunctionSpace {
 }
 
 /// The three components of node `i`.
-#[must_use]
 pub fn at(field: &[f64], i: usize) -> Vec3 {
     Vec3::new(field[3 * i], field[3 * i + 1], field[3 * i + 2])
 }

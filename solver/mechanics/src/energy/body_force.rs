@@ -55,14 +55,12 @@ impl Point<'_> {
 
 impl BodyForce {
     /// A force per volume on all elements [N/m³].
-    #[must_use]
     pub fn whole(force: Field) -> Self {
         Self { force, factor: 1.0, elements: None }
     }
 
     /// The weight of consecutive elements, of a density [kg/m³] in a field of
     /// gravity [m/s²].
-    #[must_use]
     pub fn weight(gravity: Field, density: f64, elements: Range<usize>) -> Self {
         Self { force: gravity, factor: density, elements: Some(elements) }
     }

@@ -40,7 +40,6 @@ pub struct Chamber {
 
 impl Chamber {
     /// Volume [m³] and gas at an iterate.
-    #[must_use]
     pub fn state(&self, iterate: &Iterate) -> (f64, Potential) {
         self.state_at(iterate, positions(iterate))
     }
@@ -88,7 +87,6 @@ impl Chamber {
     }
 
     /// Volume behind the rest wall [m³].
-    #[must_use]
     pub fn rest_volume(&self, iterate: &Iterate) -> f64 {
         self.wall.volume(iterate.space, rest_positions(iterate))
     }

@@ -56,7 +56,6 @@ pub const ALL: [f64; 5] = [MEAN[0][0], MEAN[1][0], 0.5, MEAN[2][0], 1.0];
 
 impl Chord {
     /// The displacement at a point of the chord to `u` [m].
-    #[must_use]
     pub fn between(&self, u: &[f64], s: f64) -> Vec<f64> {
         self.start.iter().zip(u).map(|(from, to)| from + s * (to - from)).collect()
     }
@@ -64,7 +63,6 @@ impl Chord {
 
 impl Energies {
     /// Whether a part is kept rigid while it turns.
-    #[must_use]
     pub fn turns(&self) -> bool {
         self.rigid.iter().any(|part| part.stiffness.is_some())
     }
@@ -74,7 +72,6 @@ impl Energies {
 /// has a chord, along that.
 impl<'e> Term<'e> {
     /// The points at which it counts.
-    #[must_use]
     pub fn points(&self, at: &Iterate) -> &'static [Point] {
         if at.step.is_none_or(|step| step.chord.is_none()) {
             return END;
@@ -99,7 +96,6 @@ impl<'e> Term<'e> {
     }
 
     /// Potential of the step [J].
-    #[must_use]
     pub fn value(&self, at: &Iterate) -> f64 {
         let mut sum = 0.0;
         self.along(at, |there, [s, part]| {
@@ -126,7 +122,6 @@ impl<'e> Term<'e> {
 
     /// What its second derivative adds to its sparse part, by the end and, in the second derivative, by what is at the
     /// other `side`.
-    #[must_use]
     pub fn rank_ones(&self, at: &Iterate, side: Side) -> Vec<RankOne> {
         let mut all = Vec::new();
         self.along(at, |there, point| {
@@ -138,7 +133,6 @@ impl<'e> Term<'e> {
     }
 
     /// Pairs of nodes that it couples beyond elements.
-    #[must_use]
     pub fn couplings(&self, at: &Iterate, reach: f64) -> Vec<[usize; 2]> {
         let mut all = Vec::new();
         self.along(at, |there, _| all.extend(self.energy.couplings(there, reach)));
@@ -153,7 +147,6 @@ impl<'e> Term<'e> {
     }
 
     /// λᵀ ∂²/∂u∂p of the potential for the numbers p of the term.
-    #[must_use]
     pub fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {
         let mut sum: Vec<f64> = Vec::new();
         self.along(at, |there, [_, part]| {
@@ -176,7 +169,6 @@ pub enum Side {
 
 impl Side {
     /// The weight of the second derivative at a point.
-    #[must_use]
     pub fn weight(self, [s, part]: Point) -> f64 {
         match self {
             Self::End => part * s,

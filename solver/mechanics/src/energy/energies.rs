@@ -89,7 +89,6 @@ pub struct ChamberId(usize);
 
 impl ChamberId {
     /// The id of a chamber by its place among all.
-    #[must_use]
     pub fn of(place: usize) -> Self {
         Self(place)
     }
@@ -188,14 +187,12 @@ pub struct Term<'a> {
 
 impl Kind {
     /// Whether its forces count as those of contact.
-    #[must_use]
     pub fn is_contact(self) -> bool {
         matches!(self, Self::Contact | Self::Friction)
     }
 
     /// Whether its forces are internal ones: they depend on differences of the displacement
     /// and have no resultant.
-    #[must_use]
     pub fn is_elastic(self) -> bool {
         let reinforces = matches!(self, Self::Membrane(_) | Self::Fibre(_) | Self::Winding(_));
         let of_body = matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Mullins(_));
@@ -203,7 +200,6 @@ impl Kind {
     }
 
     /// Whether its forces are given and do not depend on the displacement.
-    #[must_use]
     pub fn is_dead_load(self) -> bool {
         matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction(_) | Self::RigidLoad(_))
     }
@@ -211,7 +207,6 @@ impl Kind {
     /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
     /// a time step is not. Elastic energy and softening together are the work done on a body, of which the part that
     /// is lost cannot be had back.
-    #[must_use]
     pub fn is_stored(self) -> bool {
         !matches!(
             self,
@@ -224,7 +219,6 @@ impl Kind {
     }
 
     /// The numbers that it is made with.
-    #[must_use]
     pub fn parameter(self) -> Option<ParameterId> {
         match self {
             Self::Elastic(body) | Self::Viscous(body) | Self::Mullins(body) => {
@@ -249,7 +243,6 @@ impl Kind {
 
 impl BodyEnergies {
     /// Without weight and inertia.
-    #[must_use]
     pub fn new(elastic: Elastic) -> Self {
         Self { elastic, viscous: None, mullins: None, weight: None, inertia: None }
     }
@@ -257,26 +250,22 @@ impl BodyEnergies {
 
 impl Energies {
     /// One body of all elements with one law.
-    #[must_use]
     pub fn elastic(material: Box<dyn Material>) -> Self {
         Self::bodies(vec![BodyEnergies::new(Elastic::whole(material))])
     }
 
     /// Some bodies.
-    #[must_use]
     pub fn bodies(bodies: Vec<BodyEnergies>) -> Self {
         Self { bodies, ..Self::default() }
     }
 
     /// These energies with another chamber.
-    #[must_use]
     pub fn with_chamber(mut self, name: impl Into<String>, chamber: Chamber) -> Self {
         self.chambers.push(NamedChamber { name: name.into(), chamber });
         self
     }
 
     /// These energies with a term that no scene has.
-    #[must_use]
     pub fn with(mut self, term: impl Energy + 'static) -> Self {
         self.others.push(Arc::new(term));
         self
@@ -342,7 +331,6 @@ impl Energies {
     }
 
     /// One chamber.
-    #[must_use]
     pub fn chamber(&self, id: ChamberId) -> &Chamber {
         &self.chambers[id.0].chamber
     }
@@ -354,7 +342,6 @@ impl Energies {
 
     /// Energies whose loads are held as they are at a time, except the pressures of some chambers, which grow
     /// in proportion to the time from there. Loads that no derivative by numbers asks for become terms without a kind.
-    #[must_use]
     pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
         let mut held = self.clone();
         let mut loads: Vec<Arc<dyn Energy>> = Vec::new();
@@ -390,20 +377,17 @@ impl Energies {
 
     /// The internal variables of all terms at the end of a step, one term after the other; empty where
     /// there are none.
-    #[must_use]
     pub fn internal(&self, at: &Iterate) -> Vec<f64> {
         let variables = self.iter().filter_map(Energy::internal_variables);
         variables.flat_map(|variables| variables.values(at)).collect()
     }
 
     /// Number of internal variables of all terms.
-    #[must_use]
     pub fn internal_count(&self, space: &FunctionSpace) -> usize {
         self.iter().filter_map(Energy::internal_variables).map(|of| of.count(space)).sum()
     }
 
     /// Nodal forces of contact and friction, −∂E/∂u [N], three components per node.
-    #[must_use]
     pub fn contact_forces(&self, at: &Iterate) -> Vec<f64> {
         let mut pull = vec![0.0; at.u.len()];
         self.contact_terms().for_each(|energy| energy.add_gradient(at, &mut pull));
@@ -421,13 +405,11 @@ pub struct ParameterGradients {
 
 impl ParameterGradients {
     /// None yet, for some time steps.
-    #[must_use]
     pub fn new(steps: usize) -> Self {
         Self { steps: vec![Vec::new(); steps] }
     }
 
     /// Number of time steps.
-    #[must_use]
     pub fn steps(&self) -> usize {
         self.steps.len()
     }
@@ -438,13 +420,11 @@ impl ParameterGradients {
     }
 
     /// Gradients of each term in a time step, counted from 0.
-    #[must_use]
     pub fn of_step(&self, step: usize) -> Vec<(ParameterId, Vec<f64>)> {
         self.steps[step].clone()
     }
 
     /// By what a chamber is prescribed by, in a time step counted from 0.
-    #[must_use]
     pub fn chamber(&self, step: usize, id: ChamberId) -> f64 {
         let own = self.steps[step].iter().filter(|(of, _)| *of == ParameterId::Chamber(id));
         own.flat_map(|(_, by)| by).sum()
@@ -452,7 +432,6 @@ impl ParameterGradients {
 
     /// Sum over all time steps, term by term, and over the terms that share the
     /// numbers; nothing where no term has them.
-    #[must_use]
     pub fn total(&self, id: ParameterId) -> Vec<f64> {
         let of_step = |step: &Vec<(ParameterId, Vec<f64>)>| -> Vec<Vec<f64>> {
             step.iter().filter(|(of, _)| *of == id).map(|(_, by)| by.clone()).collect()

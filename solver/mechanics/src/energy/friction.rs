@@ -43,19 +43,16 @@ type Vec2 = nalgebra::Vector2<f64>;
 
 impl Friction {
     /// Friction with a coefficient μ that is full from a sliding speed [m/s] on.
-    #[must_use]
     pub fn new(surface: Arc<Surface>, coefficient: f64, full_speed: f64) -> Self {
         Self { surface, coefficient, full_speed }
     }
 
     /// This friction with another coefficient.
-    #[must_use]
     pub fn with_coefficient(self, coefficient: f64) -> Self {
         Self { coefficient, ..self }
     }
 
     /// Force on each collision vertex [N].
-    #[must_use]
     pub fn forces(&self, at: &Iterate) -> Vec<Vec3> {
         let mut forces = vec![Vec3::zeros(); self.surface.vertex_count()];
         for (corners, force) in self.corner_forces(at) {
@@ -65,7 +62,6 @@ impl Friction {
     }
 
     /// Force between each two bodies with friction.
-    #[must_use]
     pub fn body_forces(&self, at: &Iterate) -> Vec<BodyForce> {
         self.surface.body_forces(&self.corner_forces(at))
     }

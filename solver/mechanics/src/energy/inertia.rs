@@ -53,19 +53,16 @@ type Deviation = (f64, Vec<f64>);
 
 impl Inertia {
     /// Inertia of consecutive elements with a density [kg/m³].
-    #[must_use]
     pub fn new(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
         Self { density, tiny: false, elements, reference: space.reference_mass() }
     }
 
     /// The tiny mass of a body without enough supports where inertia is neglected.
-    #[must_use]
     pub fn tiny(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
         Self { tiny: true, ..Self::new(space, density, elements) }
     }
 
     /// Whether it is the tiny mass of a body without enough supports.
-    #[must_use]
     pub fn is_tiny(&self) -> bool {
         self.tiny
     }
@@ -111,14 +108,12 @@ impl Inertia {
     }
 
     /// ½ vᵀ M v of a velocity [J].
-    #[must_use]
     pub fn kinetic_energy(&self, space: &FunctionSpace, rest: &[Vec3], velocity: &[f64]) -> f64 {
         let iterate = Iterate::new(space, rest, velocity, 0.0);
         self.half_square(&iterate, velocity)
     }
 
     /// ∫ ρ w dX of a nodal field w: momentum, if it is a velocity.
-    #[must_use]
     pub fn momentum(&self, space: &FunctionSpace, rest: &[Vec3], w: &[f64]) -> Vec3 {
         let iterate = Iterate::new(space, rest, w, 0.0);
         let mut total = Vec3::zeros();

@@ -84,7 +84,6 @@ pub struct Iterate<'a> {
 
 impl<'a> Iterate<'a> {
     /// At a time, without multipliers and not at the end of a time step.
-    #[must_use]
     pub fn new(space: &'a FunctionSpace, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Self {
         Self { space, rest, u, time, multipliers: &[], step: None, chord: None }
     }
@@ -111,7 +110,6 @@ pub struct TimeStep {
 
 impl TimeStep {
     /// This step with the end of its chord, if it has one [m].
-    #[must_use]
     pub fn ending_at(mut self, u: &[f64]) -> Self {
         self.chord.iter_mut().for_each(|chord| u.clone_into(&mut chord.end));
         self
@@ -119,7 +117,6 @@ impl TimeStep {
 
     /// h and history of the velocity by which surfaces slide (u − history) / h: the mean one along a chord, else that at
     /// the end.
-    #[must_use]
     pub fn sliding(&self) -> (f64, &[f64]) {
         match &self.chord {
             Some(chord) => (2.0 * self.h, &chord.start),
@@ -139,7 +136,6 @@ pub struct FreeFlight {
 
 impl FreeFlight {
     /// The acceleration at a displacement [m/s²].
-    #[must_use]
     pub fn acceleration(&self, u: &[f64]) -> Vec<f64> {
         u.iter().zip(&self.at).map(|(u, at)| (u - at) / self.square).collect()
     }
@@ -162,7 +158,6 @@ pub struct PastCotangent {
 
 impl PastCotangent {
     /// Zero, for a number of degrees of freedom.
-    #[must_use]
     pub fn zeros(len: usize) -> Self {
         let [history, free_flight, start] = [(); 3].map(|()| vec![0.0; len]);
         Self { history, free_flight, start, ..Self::default() }

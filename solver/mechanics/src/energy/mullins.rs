@@ -68,7 +68,6 @@ pub struct MullinsMean {
 impl Mullins {
     /// Softening of the isochoric part of a law; `first` is the number of internal variables of the
     /// terms before.
-    #[must_use]
     pub fn new(
         law: Isochoric,
         softening: OgdenRoxburgh,
@@ -79,19 +78,16 @@ impl Mullins {
     }
 
     /// Number of parameters of the law, which come first.
-    #[must_use]
     pub fn law_parameters(&self) -> usize {
         Material::parameter_count(&*self.law)
     }
 
     /// The elements.
-    #[must_use]
     pub fn elements(&self) -> Range<usize> {
         self.points.elements.clone()
     }
 
     /// Measures of a state.
-    #[must_use]
     pub fn summary(&self, at: &Iterate) -> MullinsSummary {
         let mut found = MullinsSummary {
             largest_energy: 0.0,
@@ -114,7 +110,6 @@ impl Mullins {
     }
 
     /// η in each element.
-    #[must_use]
     pub fn means(&self, at: &Iterate) -> Vec<MullinsMean> {
         let mean = |points: &[[f64; 4]]| {
             let volume: f64 = points.iter().map(|point| point[0]).sum();

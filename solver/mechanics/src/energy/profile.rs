@@ -54,7 +54,6 @@ impl Profile {
 
     /// From its axis, the heights of its ends along that [m], and its control values. None if there are fewer than 2
     /// values or more than [`Self::MOST_VALUES`], if a number is not finite, or if the second height is not above the first.
-    #[must_use]
     pub fn new(axis: Axis, heights: [f64; 2], values: Vec<f64>) -> Option<Self> {
         let finite = values.iter().chain(&heights).all(|x| x.is_finite());
         let good = (2..=Self::MOST_VALUES).contains(&values.len()) && heights[0] < heights[1];
@@ -62,59 +61,50 @@ impl Profile {
     }
 
     /// The line that heights are along.
-    #[must_use]
     pub fn axis(&self) -> &Axis {
         &self.axis
     }
 
     /// The heights of its ends [m].
-    #[must_use]
     pub fn heights(&self) -> [f64; 2] {
         self.heights
     }
 
     /// The heights between which it is a polynomial, from its start to its end [m].
-    #[must_use]
     pub fn knots(&self) -> Vec<f64> {
         let ([start, end], spans) = (self.heights, self.spans());
         (0..=spans).map(|i| start + (end - start) * i as f64 / spans as f64).collect()
     }
 
     /// The control values.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
     /// This profile with all values times a factor.
-    #[must_use]
     pub fn times(mut self, factor: f64) -> Self {
         self.values.iter_mut().for_each(|value| *value *= factor);
         self
     }
 
     /// The height of a rest position, k · (X − P) [m].
-    #[must_use]
     #[inline]
     pub fn height(&self, x: Vec3) -> f64 {
         (x - self.axis.point).dot(&self.axis.along)
     }
 
     /// f at a rest position.
-    #[must_use]
     #[inline]
     pub fn at(&self, x: Vec3) -> f64 {
         self.value(self.height(x))
     }
 
     /// ∂f/∂X at a rest position [1/m times its unit].
-    #[must_use]
     pub fn gradient(&self, x: Vec3) -> Vec3 {
         self.slope(self.height(x)) * self.axis.along
     }
 
     /// f at a height [m].
-    #[must_use]
     #[inline]
     pub fn value(&self, height: f64) -> f64 {
         let Basis { first, count, weights } = self.basis(height);
@@ -122,7 +112,6 @@ impl Profile {
     }
 
     /// df/dz at a height [1/m times its unit]: that inside at an end, and zero beyond.
-    #[must_use]
     pub fn slope(&self, height: f64) -> f64 {
         let [start, end] = self.heights;
         if !(start..=end).contains(&height) {
@@ -140,7 +129,6 @@ impl Profile {
     }
 
     /// The B-splines that are not zero at a height [m]: ∂f/∂c_i of the values that count there.
-    #[must_use]
     #[inline]
     pub fn basis(&self, height: f64) -> Basis {
         let p = self.degree();
@@ -149,7 +137,6 @@ impl Profile {
     }
 
     /// The smallest and the largest of the control values that count between two heights [m]; f lies between them there.
-    #[must_use]
     pub fn bounds(&self, [low, high]: [f64; 2]) -> [f64; 2] {
         let [first, last] = [low, high].map(|height| self.place(height).0);
         let counted = &self.values[first..=last.max(first) + self.degree()];

@@ -23,7 +23,6 @@ pub struct Rim {
 }
 
 /// The rims of facets that are oriented out of the solid.
-#[must_use]
 pub fn rims(facets: &[[usize; 3]], planes: &[Plane]) -> Vec<Rim> {
     boundary_loops(facets).into_iter().flat_map(|vertices| cut(vertices, planes)).collect()
 }
@@ -74,7 +73,6 @@ impl Rim {
     }
 
     /// The apex c of the cap [m].
-    #[must_use]
     pub fn apex(&self, x: impl Fn(usize) -> Vec3) -> Vec3 {
         let mut sum: Vec3 = self.vertices.iter().map(|&v| x(v)).sum();
         if let (false, [first, .., last]) = (self.is_loop, &self.vertices[..]) {

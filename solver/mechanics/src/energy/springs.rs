@@ -29,13 +29,11 @@ pub struct Spring {
 
 impl Springs {
     /// At most one for each degree of freedom.
-    #[must_use]
     pub fn new(springs: Vec<Spring>) -> Self {
         Self(springs)
     }
 
     /// All of them.
-    #[must_use]
     pub fn each(&self) -> &[Spring] {
         &self.0
     }
@@ -49,13 +47,11 @@ impl Springs {
     }
 
     /// Length of the longest [m].
-    #[must_use]
     pub fn longest(&self, u: &[f64]) -> f64 {
         self.pulls(u).map(|(_, length, _)| length.abs()).fold(0.0, f64::max)
     }
 
     /// The displacement u with the degrees of freedom at their places [m].
-    #[must_use]
     pub fn placed(&self, u: &[f64]) -> Vec<f64> {
         let mut placed = u.to_vec();
         self.0.iter().for_each(|s| placed[s.dof] = s.place);
@@ -63,7 +59,6 @@ impl Springs {
     }
 
     /// λ ← λ + k (u − b), then k ← `growth` k.
-    #[must_use]
     pub fn renewed(&self, u: &[f64], growth: f64) -> Self {
         let renewed = |spring: &Spring| Spring {
             force: spring.force + spring.stiffness * (u[spring.dof] - spring.place),

@@ -54,7 +54,6 @@ impl Point<'_> {
 
 impl Traction {
     /// The force t [Pa] on boundary facets (vertex ids).
-    #[must_use]
     pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], traction: Field) -> Self {
         let facets = facets.iter().map(|&f| (f, space.facet_nodes(f))).collect();
         Self { traction, facets }

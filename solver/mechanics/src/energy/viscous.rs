@@ -83,7 +83,6 @@ fn by_nine(six: &[f64]) -> Mat3 {
 impl Viscous {
     /// Branches beside the isochoric part of a law; `first` is the number of relaxed stresses of
     /// the terms before.
-    #[must_use]
     pub fn new(
         law: Isochoric,
         branches: Vec<Branch>,
@@ -94,7 +93,6 @@ impl Viscous {
     }
 
     /// Number of parameters of the law, which come first.
-    #[must_use]
     pub fn law_parameters(&self) -> usize {
         Material::parameter_count(&*self.law)
     }

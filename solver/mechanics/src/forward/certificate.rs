@@ -48,7 +48,6 @@ pub enum Uncertified {
 
 impl Uncertified {
     /// J where it is worst, or its lower bound.
-    #[must_use]
     pub fn volume_ratio(&self) -> f64 {
         self.rank().1
     }

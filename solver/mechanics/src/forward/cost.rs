@@ -48,7 +48,6 @@ pub enum Steps {
 }
 
 /// Predicted number of Newton iterations of a run.
-#[must_use]
 pub fn predicted_iterations(problem: &Problem, steps: Steps) -> f64 {
     match steps {
         Steps::Load(count) => STATIC + LOAD_STEP * count.saturating_sub(1) as f64,
@@ -59,7 +58,6 @@ pub fn predicted_iterations(problem: &Problem, steps: Steps) -> f64 {
 }
 
 /// Predicted time of a run [s].
-#[must_use]
 pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) -> f64 {
     let space = &problem.space;
     // strain of degree 1 is constant in an element: one point stands for all
@@ -76,7 +74,6 @@ pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) ->
 }
 
 /// A time as people say it, with one or two digits.
-#[must_use]
 pub fn about(seconds: f64) -> String {
     match seconds {
         s if s < 1.5 => "a second".into(),

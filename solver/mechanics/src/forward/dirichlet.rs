@@ -30,14 +30,12 @@ pub struct Dirichlet {
 
 impl Dirichlet {
     /// Fixed at zero; `fixed` has one entry per degree of freedom.
-    #[must_use]
     pub fn new(fixed: &[bool]) -> Self {
         let (supports, free) = (0..fixed.len()).partition(|&dof| fixed[dof]);
         Self { fixed: fixed.to_vec(), supports, free, followers: Arc::default(), motion: None }
     }
 
     /// These conditions with parts that are rigid, which have no node in common.
-    #[must_use]
     pub fn with_rigid(self, parts: &[RigidSet]) -> Self {
         let followers = parts.iter().flat_map(|part| {
             part.followers().iter().map(|(node, weights)| {
@@ -54,26 +52,22 @@ impl Dirichlet {
     }
 
     /// These conditions with supports that move.
-    #[must_use]
     pub fn with_motion(self, motion: Motion) -> Self {
         Self { motion: Some(motion), ..self }
     }
 
     /// These conditions with other degrees of freedom fixed.
-    #[must_use]
     pub fn with_fixed(&self, fixed: &[bool]) -> Self {
         let conditions = Self::new(fixed).following(Arc::clone(&self.followers));
         Self { motion: self.motion.clone(), ..conditions }
     }
 
     /// Nodes that follow others.
-    #[must_use]
     pub fn followers(&self) -> &Followers {
         &self.followers
     }
 
     /// Whether each degree of freedom is none of the unknowns.
-    #[must_use]
     pub fn eliminated(&self) -> Vec<bool> {
         let mut eliminated = vec![true; self.fixed.len()];
         self.free.iter().for_each(|&dof| eliminated[dof] = false);
@@ -81,44 +75,37 @@ impl Dirichlet {
     }
 
     /// Whether each degree of freedom is fixed.
-    #[must_use]
     pub fn fixed(&self) -> &[bool] {
         &self.fixed
     }
 
     /// Fixed degrees of freedom, ascending.
-    #[must_use]
     pub fn supports(&self) -> &[usize] {
         &self.supports
     }
 
     /// The degree of freedom of each unknown, ascending.
-    #[must_use]
     pub fn free(&self) -> &[usize] {
         &self.free
     }
 
     /// Whether supports may move.
-    #[must_use]
     pub fn moves(&self) -> bool {
         self.motion.is_some()
     }
 
     /// Displacement of the fixed degrees of freedom at a time [m]; entries of the
     /// others mean nothing.
-    #[must_use]
     pub fn displacement(&self, time: f64) -> Vec<f64> {
         self.motion.as_ref().map_or_else(|| vec![0.0; self.fixed.len()], |motion| motion(time))
     }
 
     /// The unknowns in a displacement of all degrees of freedom.
-    #[must_use]
     pub fn unknowns(&self, full: &[f64]) -> Vec<f64> {
         self.free.iter().map(|&dof| full[dof]).collect()
     }
 
     /// Forces on the unknowns from those on all degrees of freedom.
-    #[must_use]
     pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
         if self.followers.is_empty() {
             return self.unknowns(full);
@@ -129,7 +116,6 @@ impl Dirichlet {
     }
 
     /// Motion of all degrees of freedom from that of the unknowns, zero where fixed.
-    #[must_use]
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         let mut full = vec![0.0; self.fixed.len()];
         self.free.iter().zip(free).for_each(|(&dof, &value)| full[dof] = value);

@@ -16,7 +16,6 @@ pub struct Linearizations {
 
 impl Linearizations {
     /// One, at the end of time step n.
-    #[must_use]
     pub fn at_step(n: usize, linearization: Linearization) -> Self {
         Self { steps: BTreeMap::from([(n, linearization)]) }
     }
@@ -50,13 +49,11 @@ impl Linearizations {
     }
 
     /// That at the end of time step n.
-    #[must_use]
     pub fn step(&self, n: usize) -> Option<&Linearization> {
         self.steps.get(&n)
     }
 
     /// That at the end of a time step at a time [s].
-    #[must_use]
     pub fn at_time(&self, time: f64) -> Option<&Linearization> {
         self.steps.values().find(|linearization| linearization.time() == time)
     }

@@ -39,7 +39,6 @@ pub struct Problem {
 
 impl Problem {
     /// Some degrees of freedom are fixed at zero; `fixed` has one entry for each.
-    #[must_use]
     pub fn new(space: FunctionSpace, energies: Energies, fixed: &[bool]) -> Self {
         let (space, dirichlet) = (Arc::new(space), Arc::new(Dirichlet::new(fixed)));
         let multipliers = Vec::new();
@@ -47,14 +46,12 @@ impl Problem {
     }
 
     /// Sets the multipliers of prescribed volumes at rest, as the energies number them.
-    #[must_use]
     pub fn with_multipliers(self, multipliers: Vec<Multiplier>) -> Self {
         Self { multipliers, ..self }
     }
 
     /// Prescribes the displacement of all degrees of freedom at a time [m]; entries
     /// of those that are not fixed are ignored.
-    #[must_use]
     pub fn with_motion(mut self, motion: impl Fn(f64) -> Vec<f64> + Send + Sync + 'static) -> Self {
         self.dirichlet = Arc::new(Dirichlet::clone(&self.dirichlet).with_motion(Arc::new(motion)));
         self
@@ -62,21 +59,18 @@ impl Problem {
 
     /// Prescribes the displacement of the fixed degrees of freedom at full load
     /// [m], in proportion to which they move; entries of the others are ignored.
-    #[must_use]
     pub fn with_displacement(self, displacement: &[f64]) -> Self {
         let full = displacement.to_vec();
         self.with_motion(move |time| full.iter().map(|u| time * u).collect())
     }
 
     /// This problem with other degrees of freedom fixed.
-    #[must_use]
     pub fn with_fixed(&self, fixed: &[bool]) -> Self {
         Self { dirichlet: Arc::new(self.dirichlet.with_fixed(fixed)), ..self.clone() }
     }
 
     /// This problem with parts that are rigid, which have no node in common and none that is fixed along an
     /// axis along which the part moves. What keeps their masters rigid is an energy.
-    #[must_use]
     pub fn with_rigid(mut self, parts: &[RigidSet]) -> Self {
         self.dirichlet = Arc::new(Dirichlet::clone(&self.dirichlet).with_rigid(parts));
         self
@@ -84,7 +78,6 @@ impl Problem {
 
     /// This problem with all loads and supports held as they are at a time, but for the pressures of some chambers,
     /// which grow in proportion to the time from there.
-    #[must_use]
     pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
         let mut held = Self { energies: self.energies.held(time, grow), ..self.clone() };
         if self.dirichlet.moves() {
@@ -95,7 +88,6 @@ impl Problem {
     }
 
     /// This problem with springs that pull released supports.
-    #[must_use]
     pub fn with_springs(&self, springs: Springs) -> Self {
         let mut pulled = self.clone();
         pulled.energies.springs = Some(springs);
@@ -103,21 +95,18 @@ impl Problem {
     }
 
     /// Number of degrees of freedom, fixed ones included.
-    #[must_use]
     pub fn dofs(&self) -> usize {
         3 * self.space.node_count()
     }
 
     /// A displacement [m] at a time, without a time step and with the multipliers of
     /// the rest shape.
-    #[must_use]
     pub fn iterate<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Iterate<'a> {
         let multipliers = &self.multipliers;
         Iterate { multipliers, ..Iterate::new(&self.space, rest, u, time) }
     }
 
     /// Total potential energy [J].
-    #[must_use]
     pub fn value(&self, at: &Iterate) -> f64 {
         self.value_by(|term| term.value(at))
     }
@@ -130,7 +119,6 @@ impl Problem {
     /// Gradient over all degrees of freedom [N], reactions included, and the
     /// scale of the forces that have to balance: the largest norm of one term's
     /// free part, or of the reactions where supports move.
-    #[must_use]
     pub fn gradient(&self, at: &Iterate) -> (Vec<f64>, f64) {
         self.gradient_by(|term, out| term.add_gradient(at, out))
     }
@@ -155,7 +143,6 @@ impl Problem {
     }
 
     /// What the Hessian adds to its sparse part.
-    #[must_use]
     pub fn rank_ones(&self, at: &Iterate) -> Vec<RankOne> {
         self.rank_ones_by(at, Side::End)
     }
@@ -175,38 +162,32 @@ impl Problem {
     }
 
     /// The prescribed volumes.
-    #[must_use]
     pub fn constraints(&self, at: &Iterate) -> Vec<Constraint> {
         self.energies.iter().filter_map(|energy| energy.constraint(at)).collect()
     }
 
     /// The contacts at a state whose friction acts in the next step.
-    #[must_use]
     pub fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
         self.energies.contact.as_ref().map_or_else(Vec::new, |contact| contact.lagged_contacts(at))
     }
 
     /// Largest step length in [0, 1] from one iterate to another, straight in u and the
     /// load, on which surfaces stay apart.
-    #[must_use]
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
         self.energies.contact.as_ref().map_or(1.0, |contact| contact.max_step(from, to))
     }
 
     /// Why a state must not be accepted, if so.
-    #[must_use]
     pub fn objection(&self, at: &Iterate) -> Option<String> {
         self.energies.contact.as_ref()?.objection(at)
     }
 
     /// Forces on the unknowns from those on all degrees of freedom.
-    #[must_use]
     pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
         self.dirichlet.restrict(full)
     }
 
     /// Motion of all degrees of freedom from that of the unknowns.
-    #[must_use]
     pub fn prolong(&self, free: &[f64]) -> Vec<f64> {
         self.dirichlet.prolong(free)
     }
@@ -230,13 +211,11 @@ pub struct Configuration<'a> {
 impl<'a> Configuration<'a> {
     /// A displacement [m] at a time, without a time step and with the multipliers of
     /// the rest shape.
-    #[must_use]
     pub fn new(problem: &Problem, rest: &'a [Vec3], u: Vec<f64>, time: f64) -> Self {
         Self { rest, time, step: None, u, multipliers: problem.multipliers.clone() }
     }
 
     /// What energies depend on.
-    #[must_use]
     pub fn iterate<'b>(&'b self, problem: &'b Problem) -> Iterate<'b> {
         let Self { rest, time, step, u, multipliers } = self;
         Iterate {

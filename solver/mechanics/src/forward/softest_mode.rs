@@ -41,7 +41,6 @@ pub struct SoftestMode {
 impl SoftestMode {
     /// Whether something moves without any force, in a body whose bulk modulus is so many times its
     /// shear modulus: the largest entry is of the first, motions are resisted by the second.
-    #[must_use]
     pub fn floats(&self, bulk_over_shear: f64) -> bool {
         let none = NONE / bulk_over_shear.max(1.0);
         self.stiffness.is_some_and(|stiffness| stiffness < none * self.largest)

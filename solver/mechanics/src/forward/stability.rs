@@ -50,7 +50,6 @@ pub enum Kind {
 
 impl Stability {
     /// The stability of an equilibrium; none where the tangent is singular.
-    #[must_use]
     pub fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Option<Self> {
         let constraints = problem.constraints(at);
         let rate = LoadRate::of(problem, workspace, at);
@@ -83,7 +82,6 @@ impl Stability {
     }
 
     /// What happens where the stiffness of the mode vanishes.
-    #[must_use]
     pub fn kind(&self) -> Kind {
         if self.along_path >= ALONG { Kind::LimitPoint } else { Kind::Bifurcation }
     }

@@ -30,7 +30,6 @@ enum Kept {
 impl States {
     /// None yet, with so many bytes of memory for them; the first stays in memory in any
     /// case.
-    #[must_use]
     pub fn new(first: State, budget: f64) -> Self {
         let left = budget - bytes(&first) as f64;
         Self { kept: vec![Kept::Here(first)], left, file: None, unwritten: None }
@@ -55,7 +54,6 @@ impl States {
     ///
     /// # Panics
     /// When the disk does not give back what it took.
-    #[must_use]
     pub fn get(&self, n: usize) -> Cow<'_, State> {
         match &self.kept[n] {
             Kept::Here(state) => Cow::Borrowed(state),
@@ -67,13 +65,11 @@ impl States {
     }
 
     /// What is left of the budget [B].
-    #[must_use]
     pub fn memory_left(&self) -> f64 {
         self.left.max(0.0)
     }
 
     /// Why states beyond the budget are in memory all the same, if any are.
-    #[must_use]
     pub fn unwritten(&self) -> Option<&std::io::Error> {
         self.unwritten.as_ref()
     }

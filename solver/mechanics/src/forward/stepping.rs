@@ -97,7 +97,6 @@ pub enum Passed {
 
 impl Passed {
     /// What lies between two loads where the load has turned or not, and the number of negative eigenvalues has changed.
-    #[must_use]
     pub fn between(loads: [f64; 2], turned: bool, changed: usize) -> Vec<Self> {
         let limit = turned.then_some(Self::LimitPoint(loads));
         let left = changed.abs_diff(usize::from(turned));
@@ -107,7 +106,6 @@ impl Passed {
 
 impl LoadStep {
     /// The state on a rest shape [m].
-    #[must_use]
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
         let (u, multipliers) = (&self.u, &self.multipliers);

@@ -52,13 +52,11 @@ pub struct Reached {
 
 impl Progress {
     /// The last state [m].
-    #[must_use]
     pub fn reached(&self) -> &[f64] {
         self.last.last().map_or(&self.integrator.last().u, |step| &step.u)
     }
 
     /// The load of the last state.
-    #[must_use]
     pub fn time(&self) -> f64 {
         self.last.last().map_or(0.0, |step| step.time)
     }
@@ -89,7 +87,6 @@ pub struct TimeStepper {
 
 impl TimeStepper {
     /// Begins at t = 0.
-    #[must_use]
     pub fn new(stepping: Stepping, integrator: Integrator) -> Self {
         let progress = Progress {
             integrator,
@@ -104,7 +101,6 @@ impl TimeStepper {
     }
 
     /// Begins at a state of a time step that is being made.
-    #[must_use]
     pub fn within(stepping: Stepping, integrator: Integrator, reached: Reached) -> Self {
         let mut stepper = Self::new(stepping, integrator);
         (stepper.progress.last, stepper.progress.done) = (vec![reached], 0.5);
@@ -112,20 +108,17 @@ impl TimeStepper {
     }
 
     /// This stepper, next to a run through the same time steps.
-    #[must_use]
     pub fn guided(self, guide: Option<Arc<Trajectory>>) -> Self {
         Self { guide, ..self }
     }
 
     /// This stepper, whose systems at the start of a time step are solved with the factors at the end of that time step
     /// of another run.
-    #[must_use]
     pub fn with_factors(self, factors: Arc<Linearizations>) -> Self {
         Self { factors, ..self }
     }
 
     /// The last state that was reached.
-    #[must_use]
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (u, time) = (self.progress.reached(), self.progress.time());
         let step = self.step.as_deref();
@@ -297,7 +290,6 @@ impl TimeStepper {
 
     /// The latest state before a failure that is in balance to the tolerance of the ends of time steps, which
     /// intermediate load steps need not meet; the start of the time step if there is none.
-    #[must_use]
     pub fn confirmed(
         &self,
         problem: &Problem,

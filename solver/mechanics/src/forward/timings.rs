@@ -20,7 +20,6 @@ pub struct Time {
 
 impl Time {
     /// Processor time over time on the clock; none for no time.
-    #[must_use]
     pub fn busy_cores(&self) -> Option<f64> {
         (self.wall_s > 0.0).then(|| self.processor_s / self.wall_s)
     }
@@ -41,13 +40,11 @@ pub struct Clock {
 
 impl Clock {
     /// Starts now.
-    #[must_use]
     pub fn start() -> Self {
         Self { wall: Instant::now(), processor: ProcessTime::now() }
     }
 
     /// Since the start. What other threads of the process do at the same time counts.
-    #[must_use]
     pub fn elapsed(&self) -> Time {
         let (wall, processor) = (self.wall.elapsed(), self.processor.elapsed());
         let [wall_s, processor_s] = [wall, processor].map(|t: Duration| t.as_secs_f64());
@@ -91,7 +88,6 @@ impl Timings {
     }
 
     /// The tasks by name.
-    #[must_use]
     pub fn tasks(&self) -> [(&'static str, Time); 8] {
         [
             ("ordering", self.ordering),
@@ -106,7 +102,6 @@ impl Timings {
     }
 
     /// All tasks together.
-    #[must_use]
     pub fn total(&self) -> Time {
         let mut total = Time::default();
         self.tasks().into_iter().for_each(|(_, time)| total += time);

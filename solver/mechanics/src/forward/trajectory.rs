@@ -21,7 +21,6 @@ pub struct Trajectory {
 
 impl Trajectory {
     /// The past before a step, with memory for the states [B]; others lie on disk.
-    #[must_use]
     pub fn begin(integrator: &Integrator, memory: f64) -> Self {
         let states = States::new(integrator.last().clone(), memory);
         Self { method: integrator.method, times: vec![0.0], states }
@@ -43,19 +42,16 @@ impl Trajectory {
     }
 
     /// What the states leave of the memory for them [B].
-    #[must_use]
     pub fn memory_left(&self) -> f64 {
         self.states.memory_left()
     }
 
     /// Why states beyond the budget could not be written to disk and are in memory, if any are.
-    #[must_use]
     pub fn unwritten(&self) -> Option<&std::io::Error> {
         self.states.unwritten()
     }
 
     /// State n.
-    #[must_use]
     pub fn state(&self, n: usize) -> Cow<'_, State> {
         self.states.get(n)
     }
@@ -67,7 +63,6 @@ impl Trajectory {
 
     /// Motion from one time to another [m], with states along lines in between; none where the
     /// run ends before.
-    #[must_use]
     pub fn motion(&self, from: f64, to: f64) -> Option<Vec<f64>> {
         let (a, b) = (self.displacement(from)?, self.displacement(to)?);
         Some(b.iter().zip(&a).map(|(b, a)| b - a).collect())
@@ -86,13 +81,11 @@ impl Trajectory {
     }
 
     /// Number of time steps.
-    #[must_use]
     pub fn steps(&self) -> usize {
         self.times.len() - 1
     }
 
     /// Displacement at the end [m].
-    #[must_use]
     pub fn last(&self) -> Cow<'_, [f64]> {
         match self.state(self.steps()) {
             Cow::Borrowed(state) => Cow::Borrowed(&state.u),
@@ -101,7 +94,6 @@ impl Trajectory {
     }
 
     /// What step n ≥ 1 looked back to, as when it was made.
-    #[must_use]
     pub fn past(&self, n: usize) -> Integrator {
         let count = n.min(self.method.states());
         let states = (1..=count).map(|i| self.state(n - i).into_owned()).collect();
@@ -109,13 +101,11 @@ impl Trajectory {
     }
 
     /// Step n ≥ 1 with its lagged contacts.
-    #[must_use]
     pub fn step(&self, problem: &Problem, rest: &[Vec3], n: usize) -> TimeStep {
         self.step_to(problem, rest, n, (self.times[n], &self.state(n).u))
     }
 
     /// The step from the last state to one at a time [s], with its lagged contacts.
-    #[must_use]
     pub fn next_step(&self, problem: &Problem, rest: &[Vec3], end: (f64, &[f64])) -> TimeStep {
         self.step_to(problem, rest, self.times.len(), end)
     }

@@ -86,13 +86,11 @@ impl fmt::Debug for Linearization {
 
 impl Linearization {
     /// Where it was made [s].
-    #[must_use]
     pub fn time(&self) -> f64 {
         self.time
     }
 
     /// The iterate on its rest shape [m].
-    #[must_use]
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let Self { u, multipliers, step, .. } = self;
         let (space, step) = (&problem.space, step.as_ref());
@@ -102,13 +100,11 @@ impl Linearization {
 
 impl Workspace {
     /// Orders and factors symbolically.
-    #[must_use]
     pub fn new(problem: &Problem) -> Self {
         Self::with_solver(problem, Multifrontal::boxed)
     }
 
     /// A workspace whose matrices another direct solver factors.
-    #[must_use]
     pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
         let (pattern, free, linear) =
@@ -179,13 +175,11 @@ impl Workspace {
     }
 
     /// The pairs of nodes that are coupled although they share no element.
-    #[must_use]
     pub fn couplings(&self) -> &[[usize; 2]] {
         &self.couplings
     }
 
     /// The solver of linear systems, and the last factorisation.
-    #[must_use]
     pub fn linear(&self) -> &SparseSolver {
         &self.linear
     }
@@ -206,7 +200,6 @@ impl Workspace {
     }
 
     /// What the first factorisation and the Hessians beside it will take.
-    #[must_use]
     pub fn memory(&self) -> Need {
         // beside the factor: node blocks while they are assembled, and the free
         // triangle up to three times: kept, assembled, shifted
@@ -222,7 +215,6 @@ impl Workspace {
     }
 
     /// Memory of a factorisation that is kept, with its matrix [B].
-    #[must_use]
     pub fn memory_of_factor(&self) -> usize {
         self.linear.cost().bytes + size_of::<f64>() * self.linear.entries()
     }
@@ -284,7 +276,6 @@ impl Workspace {
     }
 
     /// Position of each diagonal entry among the values of the last Hessian.
-    #[must_use]
     pub fn diagonal(&self) -> &[usize] {
         &self.linear.column_start()[..self.dirichlet.free().len()]
     }
@@ -307,7 +298,6 @@ impl Workspace {
     }
 
     /// A linearisation that keeps its factor, which is the last.
-    #[must_use]
     pub fn keep(&self, linearization: Linearization) -> Linearization {
         let is_last = self.linearization == Some(linearization.id);
         let kept = self.linear.share().filter(|_| is_last);
@@ -316,7 +306,6 @@ impl Workspace {
 
     /// Whether the last factorisation is that of a linearisation, and at this iterate; a factor that was kept becomes the
     /// last.
-    #[must_use]
     pub fn has_factor_of(&mut self, linearization: &Linearization, at: &Iterate) -> bool {
         let is_last = self.linearization == Some(linearization.id);
         linearization.u == at.u && (is_last || self.take_up(linearization))

@@ -52,7 +52,6 @@ pub struct Response {
 
 impl Fibre {
     /// ψ and its derivatives by E.
-    #[must_use]
     #[inline]
     pub fn response(&self, strain: f64) -> Response {
         let [q, by, twice] = square(strain, self.slack);
@@ -72,7 +71,6 @@ impl Fibre {
     }
 
     /// ∂ψ′/∂k₁ [1] and ∂ψ′/∂k₂ [Pa].
-    #[must_use]
     pub fn slope_by_parameters(&self, strain: f64) -> [f64; 2] {
         let [q, by, _] = square(strain, self.slack);
         let by_k1 = 0.5 * (self.k2 * q).exp() * by;

@@ -13,7 +13,6 @@ pub struct Isochoric(Arc<dyn Isotropic>);
 
 impl Isochoric {
     /// The isochoric part of a law.
-    #[must_use]
     pub fn new(law: impl Isotropic + 'static) -> Self {
         Self(Arc::new(law))
     }

@@ -22,7 +22,6 @@ pub struct Kinematics {
 
 impl Kinematics {
     /// From the displacement gradient ∇u.
-    #[must_use]
     pub fn new(grad_u: &Mat3) -> Self {
         let h = grad_u;
         let f = Mat3::identity() + h;
@@ -37,19 +36,16 @@ impl Kinematics {
     }
 
     /// J = det F.
-    #[must_use]
     pub fn j(&self) -> f64 {
         1.0 + self.j_minus_1
     }
 
     /// ln J.
-    #[must_use]
     pub fn log_j(&self) -> f64 {
         self.j_minus_1.ln_1p()
     }
 
     /// FFᵀ − I.
-    #[must_use]
     pub fn left_minus_1(&self) -> Mat3 {
         let h = &self.grad_u;
         h + h.transpose() + h * h.transpose()
@@ -60,7 +56,6 @@ impl Kinematics {
     ///
     /// J² = det(I + 2E) = 1 + 2 I_E + 4 II_E + 8 III_E: the terms of first order
     /// cancel on paper, not in the computer.
-    #[must_use]
     pub fn excess(&self) -> [f64; 2] {
         let (second, third) = (self.second(), self.green.determinant());
         let log = ln_1p_minus(self.j_minus_1 * (2.0 + self.j_minus_1));

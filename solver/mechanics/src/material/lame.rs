@@ -33,7 +33,6 @@ pub(super) const BULK: &str = "λ + 2/3 μ = young / (3 (1 − 2 poisson))";
 
 impl Lame {
     /// From E and ν.
-    #[must_use]
     pub fn new(young: f64, poisson: f64) -> Self {
         let mu = young / (2.0 * (1.0 + poisson));
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));

@@ -50,13 +50,11 @@ pub struct Moduli {
 
 impl Moduli {
     /// Poisson's ratio [1].
-    #[must_use]
     pub fn poisson(&self) -> f64 {
         (3.0 * self.bulk - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk + self.shear))
     }
 
     /// Whether the material at rest resists every strain.
-    #[must_use]
     pub fn positive(&self) -> bool {
         let good = |m: f64| m.is_finite() && m > 0.0;
         good(self.shear) && good(self.bulk)
@@ -143,7 +141,6 @@ impl<M: ?Sized + 'static> Law<M> {
     ///
     /// # Panics
     /// When `numbers` does not have the length of a list of parameters.
-    #[must_use]
     pub fn named(&self, numbers: &[f64]) -> Vec<(&'static Parameter, Vec<f64>)> {
         let lists = self.parameters.iter().filter(|p| p.list).count();
         let terms = (numbers.len() + lists - self.parameters.len()).checked_div(lists).unwrap_or(0);

@@ -50,7 +50,6 @@ pub struct Softened {
 
 impl OgdenRoxburgh {
     /// D and its derivatives at W and W_m [J/m³]; none where W ≥ W_m, where D = 0.
-    #[must_use]
     pub fn at(&self, w: f64, largest: f64) -> Option<Softened> {
         if w.is_nan() || w >= largest {
             return None;
@@ -72,7 +71,6 @@ impl OgdenRoxburgh {
     }
 
     /// η at W and W_m [J/m³].
-    #[must_use]
     pub fn factor(&self, w: f64, largest: f64) -> f64 {
         1.0 + self.at(w, largest).map_or(0.0, |softened| softened.first)
     }

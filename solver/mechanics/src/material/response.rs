@@ -42,7 +42,6 @@ impl Mode {
     pub const ALL: [Self; 3] = [Self::Uniaxial, Self::Biaxial, Self::Planar];
 
     /// The name in messages and files.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Uniaxial => "uniaxial",
@@ -53,7 +52,6 @@ impl Mode {
 
     /// The name of states that are strained like this. At constant volume compression along one axis is equibiaxial
     /// tension across it.
-    #[must_use]
     pub fn state(self) -> &'static str {
         match self {
             Self::Uniaxial => "tension",
@@ -64,7 +62,6 @@ impl Mode {
 
     /// The mode that a state with these principal stretches, the largest first, is nearest to, by Lode's parameter
     /// (2 h₂ − h₁ − h₃)/(h₁ − h₃) of the logarithmic strains h: −1 in uniaxial, 0 in planar, 1 in biaxial tension.
-    #[must_use]
     pub fn nearest(stretches: [f64; 3]) -> Self {
         let [first, second, third] = stretches.map(f64::ln);
         match (2.0 * second - first - third) / (first - third) {
@@ -75,7 +72,6 @@ impl Mode {
     }
 
     /// Principal stretches at stretch λ along the pull.
-    #[must_use]
     pub fn stretches(self, lambda: f64) -> [f64; 3] {
         match self {
             Self::Uniaxial => [lambda, lambda.powf(-0.5), lambda.powf(-0.5)],
@@ -93,7 +89,6 @@ impl Mode {
     }
 
     /// Nominal stress σ(λ) [Pa].
-    #[must_use]
     pub fn nominal_stress(self, material: &dyn Material, lambda: f64) -> f64 {
         let (k, weights) = self.block(lambda);
         material.first_piola(&k).dot(&weights)
@@ -122,7 +117,6 @@ impl Mode {
     /// The stretch up to which σ rises with λ and the law is stable, looked for up to `limit`;
     /// infinite when that is so all the way. Compression along one axis is biaxial tension across it, and so on: with
     /// λ > 1 in all modes there is nothing else.
-    #[must_use]
     pub fn stable_up_to(self, material: &dyn Material, limit: f64) -> f64 {
         let step = 1e-3;
         let mut stress = 0.0;
@@ -143,7 +137,6 @@ impl Mode {
 ///
 /// Newton's method for P₂₂ = 0, halved while it would leave J > 0 or what the law admits, or
 /// not lower |P₂₂|.
-#[must_use]
 pub fn free_uniaxial(material: &dyn Material, lambda: f64) -> (f64, f64) {
     let block = |side: f64| {
         Kinematics::new(&Mat3::from_diagonal(&Vector3::new(lambda - 1.0, side - 1.0, side - 1.0)))

@@ -10,7 +10,6 @@
 pub const DEFAULT_SLACK: f64 = 1e-3;
 
 /// q, q′ and q″ of a strain; without a slack ε², 2 ε and 2: compression counts as tension does.
-#[must_use]
 #[inline]
 pub fn square(strain: f64, slack: Option<f64>) -> [f64; 3] {
     let Some(w) = slack.filter(|w| strain < *w) else {

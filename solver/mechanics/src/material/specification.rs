@@ -43,20 +43,17 @@ impl Softening {
 
 impl Specification {
     /// The law, ready for use.
-    #[must_use]
     pub fn build(&self) -> Box<dyn Material> {
         (self.law.build)(&self.values)
     }
 
     /// Smallest and largest principal stretch of its tests [1]: at constant volume a strip that was pulled to λ became
     /// as thin as λ^−½ at least.
-    #[must_use]
     pub fn tested(&self) -> Option<[f64; 2]> {
         self.stretch_range.map(|[low, high]| [low.min(high.powf(-0.5)), high])
     }
 
     /// Moduli at rest.
-    #[must_use]
     pub fn moduli(&self) -> Moduli {
         (self.law.moduli)(&self.values)
     }

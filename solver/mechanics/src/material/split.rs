@@ -51,7 +51,6 @@ impl Split {
     }
 
     /// U_m [J/m³], U_m' and U_m'' [Pa] at J − 1; infinite where J is not positive.
-    #[must_use]
     pub fn volumetric(&self, j_minus_1: f64) -> [f64; 3] {
         derivatives(&*self.volumetric, j_minus_1)
     }

@@ -14,7 +14,6 @@ impl Followers {
     ///
     /// # Panics
     /// When there are 2³² or more.
-    #[must_use]
     pub fn new(nodes: usize, each: Vec<(usize, Vec<(usize, f64)>)>) -> Self {
         let mut place = if each.is_empty() { Vec::new() } else { vec![None; nodes] };
         for (i, (node, _)) in each.iter().enumerate() {
@@ -24,13 +23,11 @@ impl Followers {
     }
 
     /// Whether no node follows another.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.each.is_empty()
     }
 
     /// Whether a node follows others.
-    #[must_use]
     pub fn has(&self, node: usize) -> bool {
         self.place.get(node).is_some_and(Option::is_some)
     }

@@ -27,13 +27,11 @@ pub struct Residuals {
 
 impl Residuals {
     /// |r|².
-    #[must_use]
     pub fn sum(&self) -> f64 {
         self.r.norm_squared()
     }
 
     /// JᵀJ.
-    #[must_use]
     pub fn normal(&self) -> DMatrix<f64> {
         self.jacobian.tr_mul(&self.jacobian)
     }
@@ -71,7 +69,6 @@ pub struct Trial {
 
 impl LevenbergMarquardt {
     /// Begins at x, with the residuals there.
-    #[must_use]
     pub fn new(x: &[f64], residuals: Residuals) -> Self {
         Self { x: x.to_vec(), residuals, damping: DAMPING[0] }
     }

@@ -15,7 +15,6 @@ static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 /// # Panics
 /// When METIS reports an error, which it does only for a malformed graph or
 /// when memory runs out.
-#[must_use]
 pub fn nested_dissection(adjacency: &[Vec<usize>]) -> Vec<usize> {
     let n = adjacency.len();
     if n < 2 {

@@ -27,7 +27,6 @@ impl Number for f64 {
 }
 
 /// ln(1 + x) − x.
-#[must_use]
 pub fn ln_1p_minus(x: f64) -> f64 {
     if x.abs() > LN_SERIES {
         return x.ln_1p() - x;
@@ -36,7 +35,6 @@ pub fn ln_1p_minus(x: f64) -> f64 {
 }
 
 /// eˣ − 1 − x.
-#[must_use]
 pub fn exp_m1_minus(x: f64) -> f64 {
     if x.abs() > EXP_SERIES {
         return x.exp_m1() - x;

@@ -74,13 +74,11 @@ fn part_len(blocks: usize) -> usize {
 }
 
 /// Number of local pairs (a, b ≤ a) of an element.
-#[must_use]
 pub const fn pair_count(nodes: usize) -> usize {
     nodes * (nodes + 1) / 2
 }
 
 /// Index of the local pair (a, b ≤ a).
-#[must_use]
 pub fn pair_index(a: usize, b: usize) -> usize {
     debug_assert!(b <= a);
     a * (a + 1) / 2 + b
@@ -92,7 +90,6 @@ impl Pattern {
     ///
     /// # Panics
     /// When there are 2³¹ blocks or more.
-    #[must_use]
     pub fn new(
         node_count: usize,
         elements: &[usize],
@@ -153,13 +150,11 @@ impl Pattern {
     }
 
     /// Whether two nodes are coupled.
-    #[must_use]
     pub fn has(&self, a: usize, b: usize) -> bool {
         self.find(a.max(b), a.min(b)).is_some()
     }
 
     /// Pairs of nodes (row > column) that blocks of followers couple, once these are their masters.
-    #[must_use]
     pub fn images(&self, followers: &Followers) -> Vec<[usize; 2]> {
         let mut images = Vec::new();
         for (_, row, column) in self.blocks_of(followers) {
@@ -188,7 +183,6 @@ impl Pattern {
     }
 
     /// Number of blocks.
-    #[must_use]
     pub fn block_count(&self) -> usize {
         self.rows.len()
     }
@@ -203,13 +197,11 @@ pub struct BlockMatrix<'a> {
 
 impl<'a> BlockMatrix<'a> {
     /// The zero matrix.
-    #[must_use]
     pub fn zeros(pattern: &'a Pattern) -> Self {
         Self::zeros_in(pattern, Vec::new())
     }
 
     /// The zero matrix in the memory of an earlier one, from [`Self::into_memory`].
-    #[must_use]
     pub fn zeros_in(pattern: &'a Pattern, mut memory: Vec<[f64; 9]>) -> Self {
         let zeros = rayon::iter::repeat_n([0.0; 9], pattern.rows.len());
         zeros.with_min_len(1 << 14).collect_into_vec(&mut memory);
@@ -217,7 +209,6 @@ impl<'a> BlockMatrix<'a> {
     }
 
     /// The memory, for the next matrix.
-    #[must_use]
     pub fn into_memory(self) -> Vec<[f64; 9]> {
         self.blocks
     }
@@ -325,7 +316,6 @@ impl<'a> BlockMatrix<'a> {
     }
 
     /// y_i = Σ_j |A_ij| |x_j| over all nodes.
-    #[must_use]
     pub fn multiply_magnitudes(&self, x: &[f64]) -> Vec<f64> {
         let blocks = self.blocks.iter().map(|block| block.map(f64::abs)).collect();
         let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
@@ -333,7 +323,6 @@ impl<'a> BlockMatrix<'a> {
     }
 
     /// y = A x over all nodes.
-    #[must_use]
     pub fn multiply(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         for column in 0..self.pattern.node_count {
@@ -368,7 +357,6 @@ pub struct FreeTriangle {
 impl FreeTriangle {
     /// The part of a pattern on the degrees of freedom where `fixed` is false, with the
     /// first entry of each of its columns and the row of each entry.
-    #[must_use]
     pub fn new(pattern: &Pattern, fixed: &[bool]) -> (Self, Vec<usize>, Vec<usize>) {
         let dof: Vec<usize> = (0..fixed.len()).filter(|&d| !fixed[d]).collect();
         let mut index = vec![None; fixed.len()];

@@ -47,7 +47,6 @@ pub fn taylor<E>(
 }
 
 /// Least-squares slope of log y against log x.
-#[must_use]
 pub fn log_slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (lx, ly): (Vec<f64>, Vec<f64>) =

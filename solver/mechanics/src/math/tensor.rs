@@ -17,14 +17,12 @@ pub type Mat12 = nalgebra::SMatrix<f64, 12, 12>;
 pub type Vec12 = nalgebra::SVector<f64, 12>;
 
 /// cof A = det(A) A⁻ᵀ, defined for singular A too.
-#[must_use]
 pub fn cofactor(a: &Mat3) -> Mat3 {
     let (c0, c1, c2) = (a.column(0), a.column(1), a.column(2));
     Mat3::from_columns(&[c1.cross(&c2), c2.cross(&c0), c0.cross(&c1)])
 }
 
 /// Column-major `vec` of a 3×3 tensor.
-#[must_use]
 pub fn vec9(a: &Mat3) -> nalgebra::SVector<f64, 9> {
     nalgebra::SVector::<f64, 9>::from_column_slice(a.as_slice())
 }
@@ -35,7 +33,6 @@ pub fn vec9(a: &Mat3) -> nalgebra::SVector<f64, 9> {
 /// With m = tr A / 3, B = A − m I and p² = B : B / 6 it is m + 2p cos(⅓ arccos(det(B/p) / 2)).
 ///
 /// Source: O. K. Smith 1961, "Eigenvalues of a symmetric 3 × 3 matrix", doi:10.1145/355578.366316.
-#[must_use]
 pub fn largest_eigenvalue(a: &Mat3) -> f64 {
     let m = a.trace() / 3.0;
     let b = a - m * Mat3::identity();
@@ -49,7 +46,6 @@ pub fn largest_eigenvalue(a: &Mat3) -> f64 {
 
 /// The nearest positive semidefinite matrix in the Frobenius norm: negative
 /// eigenvalues are set to zero.
-#[must_use]
 pub fn project_positive<const N: usize>(a: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N>
 where
     Const<N>: DimSub<Const<1>>,
@@ -77,7 +73,6 @@ const ISOTROPIC: f64 = 1e-10;
 ///
 /// Source: Smith, de Goes and Kim 2019, "Analytic eigensystems for isotropic distortion
 /// energies", doi:10.1145/3241041.
-#[must_use]
 pub fn project_isotropic(tangent: &Mat9, f: &Mat3) -> Mat9 {
     if tangent.cholesky().is_some() {
         return *tangent;
@@ -117,13 +112,11 @@ where
 }
 
 /// [a]ₓ with [a]ₓ b = a × b.
-#[must_use]
 pub fn cross_matrix(a: &nalgebra::Vector3<f64>) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
 /// The derivative of cof F along H, ∂²J/∂F² : H: column c of cof F is f_{c+1} × f_{c+2}.
-#[must_use]
 pub fn cofactor_change(f: &Mat3, h: &Mat3) -> Mat3 {
     let column = |c: usize| {
         let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);

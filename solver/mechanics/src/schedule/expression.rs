@@ -45,7 +45,6 @@ impl Expression {
     }
 
     /// A factor times t.
-    #[must_use]
     pub fn proportional(factor: f64) -> Self {
         let number = if factor < 0.0 {
             Node::Minus(Box::new(Node::Number(-factor)))
@@ -74,32 +73,27 @@ impl Expression {
     }
 
     /// Whether a parameter occurs.
-    #[must_use]
     pub fn uses(&self, parameter: &str) -> bool {
         self.root.any(&|node| matches!(node, Node::Parameter { name, .. } if name == parameter))
     }
 
     /// Derivative by a parameter at a time [s], where the position does not matter.
-    #[must_use]
     pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
         self.root.at(Vec3::zeros(), time, Some(parameter)).gradient.x
     }
 
     /// As it was written.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
     /// Whether x, y or z occurs.
-    #[must_use]
     pub fn uses_position(&self) -> bool {
         self.root.any(&|node| matches!(node, Node::Position(_)))
     }
 
     /// Value and gradient at a position [m] and time [s]; not finite where it
     /// is not defined.
-    #[must_use]
     pub fn at(&self, position: Vec3, time: f64) -> Jet {
         self.root.at(position, time, None)
     }

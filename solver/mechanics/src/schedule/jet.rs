@@ -15,13 +15,11 @@ pub struct Jet {
 
 impl Jet {
     /// A value that is the same everywhere.
-    #[must_use]
     pub fn constant(value: f64) -> Self {
         Self { value, gradient: Vec3::zeros() }
     }
 
     /// A component of the position.
-    #[must_use]
     pub fn coordinate(position: Vec3, k: usize) -> Self {
         Self { value: position[k], gradient: Vec3::from_fn(|i, _| f64::from(u8::from(i == k))) }
     }

@@ -75,13 +75,11 @@ impl Schedule {
 
 impl Schedule {
     /// A value that does not change at t > 0.
-    #[must_use]
     pub fn held(value: f64) -> Self {
         Self { written: Written::Number(value), first: f64::MIN_POSITIVE }
     }
 
     /// A value that grows in proportion to t without end, and is `value` at a time > 0 [s].
-    #[must_use]
     pub fn proportional(value: f64, time: f64) -> Self {
         let rate = Expression::proportional(value / time);
         Self { written: Written::Expression(Arc::new(rate)), first: f64::MIN_POSITIVE }
@@ -142,13 +140,11 @@ impl Schedule {
     }
 
     /// Whether a parameter occurs in it.
-    #[must_use]
     pub fn uses(&self, parameter: &str) -> bool {
         matches!(&self.written, Written::Expression(e) if e.uses(parameter))
     }
 
     /// ∂v/∂p by a parameter at a time, where v does not depend on the position.
-    #[must_use]
     pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
         let Written::Expression(expression) = &self.written else { return 0.0 };
         let now = expression.by_parameter(parameter, time);
@@ -159,7 +155,6 @@ impl Schedule {
     }
 
     /// The number, where it is one.
-    #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self.written {
             Written::Number(value) => Some(value),
@@ -168,38 +163,32 @@ impl Schedule {
     }
 
     /// Whether it was written as the number zero.
-    #[must_use]
     pub fn is_zero(&self) -> bool {
         self.written == Written::Number(0.0)
     }
 
     /// Whether it depends on the position.
-    #[must_use]
     pub fn uses_position(&self) -> bool {
         matches!(&self.written, Written::Expression(e) if e.uses_position())
     }
 
     /// 1 − t/t₁ during the first step, 0 after it.
-    #[must_use]
     pub fn to_come(&self, time: f64) -> f64 {
         (1.0 - time / self.first).max(0.0)
     }
 
     /// v at a time t [s], where it does not depend on the position; NaN
     /// where it is not defined.
-    #[must_use]
     pub fn at(&self, time: f64) -> f64 {
         self.jet(Vec3::zeros(), time).value
     }
 
     /// w and its gradient at a rest position [m] and a time [s].
-    #[must_use]
     pub fn as_written(&self, position: Vec3, time: f64) -> Jet {
         self.written.at(position, time)
     }
 
     /// v and its gradient at a rest position [m] and a time.
-    #[must_use]
     pub fn jet(&self, position: Vec3, time: f64) -> Jet {
         let to_come = self.to_come(time);
         if let Written::Number(value) = self.written {
@@ -335,26 +324,22 @@ impl Default for Field {
 }
 
 /// Which of x, y, z are named.
-#[must_use]
 pub fn axes(components: &str) -> [bool; 3] {
     ['x', 'y', 'z'].map(|axis| components.contains(axis))
 }
 
 impl Field {
     /// Whether it depends on the position.
-    #[must_use]
     pub fn uses_position(&self) -> bool {
         self.0.iter().any(Schedule::uses_position)
     }
 
     /// The vector at a rest position [m] and a time.
-    #[must_use]
     pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
         Vec3::from_fn(|k, _| self.0[k].jet(position, time).value)
     }
 
     /// ∂f_i/∂X_j at a rest position [m] and a time.
-    #[must_use]
     pub fn gradient(&self, position: Vec3, time: f64) -> Mat3 {
         let rows = self.0.each_ref().map(|s| s.jet(position, time).gradient.transpose());
         Mat3::from_rows(&rows)

@@ -127,7 +127,6 @@ impl Malformed {
     }
 
     /// The name that nothing explains, if that is what is wrong.
-    #[must_use]
     pub fn unknown(&self) -> Option<&UnknownName> {
         self.unknown.as_ref()
     }
@@ -146,7 +145,6 @@ fn constant(name: &str) -> Option<Node> {
 }
 
 /// Whether a name may be given to a parameter.
-#[must_use]
 pub fn is_free_name(name: &str) -> bool {
     let letter = |c: char| c.is_alphabetic() || c == '_';
     name.starts_with(letter)

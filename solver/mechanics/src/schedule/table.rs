@@ -55,7 +55,6 @@ impl Table {
     }
 
     /// First and last time [s].
-    #[must_use]
     pub fn range(&self) -> (f64, f64) {
         (self.t[0], self.t[self.t.len() - 1])
     }
@@ -75,7 +74,6 @@ impl Table {
     }
 
     /// The value at a time [s]; NaN outside the range.
-    #[must_use]
     pub fn at(&self, time: f64) -> f64 {
         let (first, last) = self.range();
         if !(first..=last).contains(&time) {

@@ -71,9 +71,6 @@ struct Writer<'a> {
 
 /// Reads a run file; nothing where neither a shape nor a pressure may change. Adds to the notes of
 /// its scene.
-///
-/// # Errors
-/// With the file, the key, what was found and what is needed.
 pub fn read(document: &Document, scene: &mut Translated) -> Result<Option<Design>> {
     let root = document.root();
     let mut writer = Writer {

@@ -32,7 +32,6 @@ pub struct ChamberConfig {
 
 impl ChamberConfig {
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         match &self.on {
             Names::One(tag) if *tag == self.name => title(tag),
@@ -41,7 +40,6 @@ impl ChamberConfig {
     }
 
     /// Whether a tag is of its wall.
-    #[must_use]
     pub fn is_on(&self, tag: &str) -> bool {
         self.on.all().iter().any(|own| own == tag)
     }
@@ -138,9 +136,6 @@ pub struct ChamberDesign {
 
 impl ChamberDesign {
     /// Checks what can be checked without a scene.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub(super) fn check(&self) -> Result<()> {
         let title = title(&self.on);
         for (key, range, unit) in

@@ -18,9 +18,6 @@ impl SimConfig {
     /// This configuration with the values of `[parameters]` and the end of the first time step in its
     /// schedules, if all settings that can be checked without a body are sound. A configuration that was read
     /// or changed has to go through here: schedules have no values before.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn bound(mut self) -> Result<Self> {
         self.check()?;
         self.bind()?;
@@ -93,13 +90,11 @@ impl SimConfig {
     }
 
     /// Whether bodies need no support.
-    #[must_use]
     pub fn may_float(&self) -> bool {
         self.method().has_inertia() || self.contact().is_some() || self.is_afloat()
     }
 
     /// Whether nothing holds bodies in a scene without inertia and contact, so that its loads must balance.
-    #[must_use]
     pub fn is_afloat(&self) -> bool {
         let held = self.method().has_inertia() || self.contact().is_some();
         !held && self.fixed.is_empty()
@@ -150,7 +145,6 @@ impl SimConfig {
 
     /// Moments at which schedules are checked: t = 0, the ends of time steps,
     /// and some in between [s].
-    #[must_use]
     pub fn moments(&self) -> Vec<f64> {
         let mut moments = vec![0.0];
         for end in self.times() {

@@ -43,7 +43,6 @@ pub enum Pairs {
 
 impl Pairs {
     /// What the potential knows it as.
-    #[must_use]
     pub fn partners(self) -> Partners {
         match self {
             Self::ThroughAir => Partners::ThroughAir,

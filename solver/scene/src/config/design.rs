@@ -258,25 +258,16 @@ pub enum Interior {
 
 impl DesignConfig {
     /// Reads and checks a design file.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
         Self::of(&Self::settings(path, &[])?)
     }
 
     /// A design file with changes from outside.
-    ///
-    /// # Errors
-    /// As for [`Settings::read`].
     pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
         Settings::read(path, changes, KEYS)
     }
 
     /// The design problem in a file, checked.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn of(settings: &Settings) -> Result<Self> {
         refuse_outside_of_chambers(settings)?;
         let design: Self = settings.parse()?;
@@ -286,7 +277,6 @@ impl DesignConfig {
 
     /// The levels; that of a design without a shape has neither handles nor vertices. Where some
     /// simulate another problem than the scene's, the first and the last are the scene itself.
-    #[must_use]
     pub fn levels(&self) -> Vec<LevelConfig> {
         let written = self.shape.as_ref().map_or(&self.level, |shape| &shape.level);
         let mut levels: Vec<_> = written.iter().flat_map(LevelConfig::expand).collect();
@@ -302,7 +292,6 @@ impl DesignConfig {
     }
 
     /// The scenarios; the scene as it is where there are none.
-    #[must_use]
     pub fn scenarios(&self) -> Vec<ScenarioConfig> {
         if self.scenario.is_empty() {
             return vec![ScenarioConfig::default()];
@@ -312,13 +301,11 @@ impl DesignConfig {
 
     /// Whether every term is a square or another that has curvature of its own, so that the method of Gauss and Newton
     /// knows that of the objective.
-    #[must_use]
     pub fn is_of_squares(&self) -> bool {
         self.objective.iter().all(ObjectiveConfig::is_square)
     }
 
     /// The settings of a level in place of the design's.
-    #[must_use]
     pub fn optimizer_of(&self, level: &LevelConfig) -> OptimizerConfig {
         let own = &self.optimizer;
         OptimizerConfig {

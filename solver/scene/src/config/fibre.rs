@@ -90,13 +90,11 @@ pub enum Source {
 
 impl FibreConfig {
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("fibre").named(&self.name)
     }
 
     /// What reports and messages call it.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { name, on, angle, k1, k2, dispersion, .. } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
@@ -117,7 +115,6 @@ impl FibreConfig {
 
     /// The law; of a k1 that changes along an axis with the first value, in place of which a family has
     /// [`Self::stiffness`].
-    #[must_use]
     pub fn law(&self) -> Fibre {
         let Self { k2, dispersion, compression, slack, .. } = *self;
         let slack = (!compression).then(|| slack.unwrap_or(DEFAULT_SLACK));
@@ -126,9 +123,6 @@ impl FibreConfig {
     }
 
     /// k1 along an axis [Pa], where it is no number: that of `around`, or its own.
-    ///
-    /// # Errors
-    /// When it is no profile, or has no axis or two.
     pub fn stiffness(&self) -> Result<Option<Profile>> {
         let Some(profile) = self.k1.profile() else { return Ok(None) };
         profile.build(&self.title().key("k1"), self.axis()?).map(Some)
@@ -159,9 +153,6 @@ impl FibreConfig {
     }
 
     /// Where the fibres lead.
-    ///
-    /// # Errors
-    /// When it is given in two ways, or in none.
     pub fn leads(&self) -> Result<Source> {
         let key = |key: &str| self.title().key(key);
         let ways = [
@@ -306,9 +297,6 @@ impl Leads<'_> {
     }
 
     /// The field.
-    ///
-    /// # Errors
-    /// When it is given in two ways, or in none.
     pub fn field(&self, title: &KeyPath) -> Result<Direction> {
         let key = |key: &str| title.clone().key(key);
         match (self.direction, self.around) {
@@ -358,9 +346,6 @@ impl Leads<'_> {
 }
 
 /// Refuses names that are empty, given twice, or would split the path of a number.
-///
-/// # Errors
-/// With the name and the list.
 pub(super) fn check_names<'a>(list: &str, names: impl Iterator<Item = &'a String>) -> Result<()> {
     let mut known: Vec<&String> = Vec::new();
     for name in names {
@@ -377,9 +362,6 @@ pub(super) fn check_names<'a>(list: &str, names: impl Iterator<Item = &'a String
 
 impl SimConfig {
     /// Checks what can be checked of fibres without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check_fibres(&self) -> Result<()> {
         check_names("fibre", self.fibre.iter().map(|fibre| &fibre.name))?;
         for fibre in &self.fibre {

@@ -15,9 +15,6 @@ use toml::{Table, Value};
 use crate::law_table;
 
 /// The law that the keys of a `[[chamber]]` select, `on` left out.
-///
-/// # Errors
-/// When no key or several select a law, or a key is missing, unknown or of the wrong type.
 pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>, Misfit> {
     let (law, selecting) = select(keys)?;
     let missing =
@@ -75,7 +72,6 @@ fn number(key: &Key, value: &Value) -> Result<f64, Misfit> {
 }
 
 /// The keys of a law, as [`read`] takes them.
-#[must_use]
 pub fn written(law: &dyn GasLaw) -> Table {
     let schedule = Value::try_from(law.schedule()).expect("a number, a text or lists of numbers");
     let row = GAS_LAWS.iter().find(|row| row.keys.iter().any(|key| key.name == law.key()));
@@ -87,7 +83,6 @@ pub fn written(law: &dyn GasLaw) -> Table {
 }
 
 /// `[[chamber]]` of one of the laws, without `on`.
-#[must_use]
 pub fn schema(generator: &mut SchemaGenerator) -> Schema {
     let schedule = generator.subschema_for::<ScheduleSchema>().to_value();
     let forms = GAS_LAWS.iter().flat_map(|law| {

@@ -146,7 +146,6 @@ pub enum Moves {
 
 impl LevelConfig {
     /// What moves on a tag in this level, if anything does.
-    #[must_use]
     pub fn moves(&self, tag: &str) -> Option<Moves> {
         if self.offset {
             return Some(Moves::Offset);
@@ -170,20 +169,17 @@ impl LevelConfig {
     }
 
     /// Whether it simulates another problem than the scene's.
-    #[must_use]
     pub fn has_own_fidelity(&self) -> bool {
         self.degree.is_some() || self.time.is_some() || self.mesh.is_some()
     }
 
     /// The scene itself on this level's body, without an iteration.
-    #[must_use]
     pub fn at_full_fidelity(&self) -> Self {
         let clone = self.clone();
         Self { degree: None, time: None, mesh: None, body: None, iterations: 0, ..clone }
     }
 
     /// The levels that it stands for.
-    #[must_use]
     pub fn expand(&self) -> Vec<Self> {
         let Some(HandlesConfig::Growing(growing)) = &self.handles else {
             return vec![self.clone()];
@@ -193,9 +189,6 @@ impl LevelConfig {
     }
 
     /// Checks what needs no mesh, for the tags `on` of the shape and the names of the objectives.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check(&self, on: &[String], objectives: &[&str]) -> Result<()> {
         let title = KeyPath::list("shape.level");
         let freed: &[String] = match &self.vertices {
@@ -232,9 +225,6 @@ impl LevelConfig {
     }
 
     /// Checks a level of a design of loads alone, for the names of the objectives.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check_loads(&self, objectives: &[&str]) -> Result<()> {
         ensure!(
             self.handles.is_none()
@@ -271,7 +261,6 @@ impl LevelConfig {
     }
 
     /// What moves, for the log: "20 handles on left, vertices of skin".
-    #[must_use]
     pub fn describe(&self) -> String {
         let handles = |count: usize| match count {
             1 => "1 handle".to_owned(),

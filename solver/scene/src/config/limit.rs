@@ -38,9 +38,6 @@ impl SimConfig {
     }
 
     /// Checks that the slope of the pressure can be kept, by what is at this place of a design.
-    ///
-    /// # Errors
-    /// When the scene has contact, a history, or no pressure.
     pub fn check_slope(&self, place: &KeyPath) -> Result<()> {
         ensure!(
             self.contact().is_none(),

@@ -19,17 +19,11 @@ pub struct AroundConfig {
 
 impl AroundConfig {
     /// The line that is the key `around` of a table.
-    ///
-    /// # Errors
-    /// When it has no direction.
     pub fn line(&self, title: &KeyPath) -> Result<Axis> {
         self.line_at(&title.clone().key("around"))
     }
 
     /// The line at a key.
-    ///
-    /// # Errors
-    /// As [`Self::line`].
     pub(super) fn line_at(&self, key: &KeyPath) -> Result<Axis> {
         let along = unit(self.axis, &key.clone().key("axis"))?;
         ensure!(

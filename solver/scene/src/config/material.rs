@@ -44,9 +44,6 @@ pub struct VolumeMaterial {
 
 impl VolumeMaterial {
     /// This material as it is written for a whole body.
-    ///
-    /// # Errors
-    /// When there are keys beside `silicone`.
     pub fn material(&self) -> Result<MaterialConfig> {
         match self.keys.get("silicone") {
             None => Ok(MaterialConfig::Law(self.keys.clone())),
@@ -65,9 +62,6 @@ impl VolumeMaterial {
 
 impl MaterialConfig {
     /// The law with its parameters.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn specification(&self) -> Result<Specification> {
         match self {
             Self::Silicone(name) => silicone::find(name).map(|n| n.fit.specification.clone()),
@@ -79,7 +73,6 @@ impl MaterialConfig {
     }
 
     /// The silicone that is named, if one is.
-    #[must_use]
     pub fn silicone(&self) -> Option<silicone::Named> {
         match self {
             Self::Silicone(name) => silicone::find(name).ok(),
@@ -88,7 +81,6 @@ impl MaterialConfig {
     }
 
     /// Whether all of it are silicones that are named.
-    #[must_use]
     pub fn is_named(&self) -> bool {
         match self {
             Self::Volumes(volumes) => {

@@ -50,15 +50,11 @@ fn laws(_: &mut SchemaGenerator) -> Schema {
 
 impl MembraneConfig {
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("membrane").on(&self.on)
     }
 
     /// Along the warp, where the law has one.
-    ///
-    /// # Errors
-    /// When it is given in two ways, in none although the law needs it, or beside an isotropic law.
     pub fn leads(&self) -> Result<Option<Direction>> {
         let Self { direction, around, angle, radial, .. } = self;
         let (direction, around) = (*direction, around.as_ref());
@@ -80,9 +76,6 @@ impl MembraneConfig {
     }
 
     /// The law with its parameters.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn specification(&self) -> Result<Specification> {
         let Value::Table(table) = &self.material else {
             bail!(misfit!(

@@ -160,34 +160,22 @@ pub struct SimConfig {
 
 impl SimConfig {
     /// Reads a scene's file.
-    ///
-    /// # Errors
-    /// With the file, what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
         Self::of(&Self::settings(path, &[])?)
     }
 
     /// A scene's file with changes from outside.
-    ///
-    /// # Errors
-    /// As for [`Settings::read`].
     pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
         Settings::read(path, changes, SCENE_KEYS)
     }
 
     /// The scene in a file.
-    ///
-    /// # Errors
-    /// With the file, what was found and what is needed.
     pub fn of(settings: &Settings) -> Result<Self> {
         refuse_outside_of_chambers(settings)?;
         settings.parse()
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].
-    ///
-    /// # Errors
-    /// When they are given in both ways or none.
     pub fn bodies(&self) -> Result<Vec<BodyConfig>> {
         match (&self.mesh, &self.material, self.body.is_empty()) {
             (Some(mesh), Some(material), true) => Ok(vec![BodyConfig {
@@ -215,9 +203,6 @@ impl SimConfig {
     }
 
     /// Gives the bodies other meshes, in which they are where they belong.
-    ///
-    /// # Errors
-    /// When there is not one for each body.
     pub fn set_meshes(&mut self, meshes: Vec<PathBuf>) -> Result<()> {
         let (found, needed) = (meshes.len(), self.body.len().max(1));
         ensure!(found == needed, "{found} meshes for {needed} bodies");
@@ -231,7 +216,6 @@ impl SimConfig {
     }
 
     /// Contact and friction, if there are any.
-    #[must_use]
     pub fn contact(&self) -> Option<&ContactConfig> {
         match &self.contact {
             Some(ContactChoice::Barrier(contact)) => Some(contact),
@@ -248,20 +232,17 @@ impl SimConfig {
     }
 
     /// Newton iterations allowed in one load step.
-    #[must_use]
     pub fn newton_iterations(&self) -> usize {
         let default = if self.contact().is_some() { 200 } else { 30 };
         self.solver.newton_iterations.unwrap_or(default)
     }
 
     /// How bodies go through time.
-    #[must_use]
     pub fn method(&self) -> Method {
         self.time.as_ref().map_or(Method::Quasistatic, |time| time.method)
     }
 
     /// The steps of a run that makes so many of its time steps.
-    #[must_use]
     pub fn steps(&self, time_steps: usize) -> Steps {
         match &self.time {
             None => Steps::Load((1.0 / self.solver.largest_load_step()).ceil() as usize),
@@ -271,7 +252,6 @@ impl SimConfig {
     }
 
     /// Ends of the time steps [s]; of a static scene the full load, 1.
-    #[must_use]
     pub fn times(&self) -> Vec<f64> {
         match &self.time {
             None => vec![1.0],
@@ -362,7 +342,6 @@ fn all_axes() -> String {
 
 impl Fixed {
     /// Which of x, y, z are fixed.
-    #[must_use]
     pub fn axes(&self) -> [bool; 3] {
         axes(&self.components)
     }
@@ -389,14 +368,10 @@ pub struct TractionConfig {
 }
 
 /// `path` as seen from the folder of the file `from`.
-#[must_use]
 pub fn beside(from: &Path, path: &Path) -> PathBuf {
     from.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
 }
 /// Refuses pressures, gases and volumes that are in no `[[chamber]]`.
-///
-/// # Errors
-/// With where they belong.
 fn refuse_outside_of_chambers(settings: &Settings) -> Result<()> {
     let file: toml::Table = settings.parse()?;
     let found = ["pressure", "gas", "volume"].into_iter().find(|key| file.contains_key(*key));

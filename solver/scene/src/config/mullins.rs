@@ -29,13 +29,11 @@ pub struct MullinsConfig {
 
 impl MullinsConfig {
     /// The law of softening.
-    #[must_use]
     pub fn law(&self) -> OgdenRoxburgh {
         OgdenRoxburgh { r: self.r, m: self.m, beta: self.beta }
     }
 
     /// What reports and messages call it.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { on, r, m, beta } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
@@ -48,9 +46,6 @@ impl MullinsConfig {
 
 impl SimConfig {
     /// Checks what can be checked of softening without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check_mullins(&self) -> Result<()> {
         let key = |key: &str| KeyPath::list("mullins").key(key);
         for MullinsConfig { r, m, beta, .. } in &self.mullins {

@@ -26,7 +26,6 @@ pub struct ParameterDesign {
 
 impl ParameterDesign {
     /// The value at which the term that keeps the parameter small is 1: scale / √small; none without `small`.
-    #[must_use]
     pub fn unit_cost(&self) -> Option<f64> {
         let largest = self.bounds.iter().fold(0.0, |most: f64, bound| most.max(bound.abs()));
         Some(self.scale.unwrap_or(largest) / self.small?.sqrt())

@@ -46,7 +46,6 @@ impl From<f64> for Along {
 
 impl Along {
     /// The one value, or the control values.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         match self {
             Self::Number(number) => std::slice::from_ref(number),
@@ -63,7 +62,6 @@ impl Along {
     }
 
     /// The table, if it is none for all.
-    #[must_use]
     pub fn profile(&self) -> Option<&ProfileConfig> {
         match self {
             Self::Number(_) => None,
@@ -72,7 +70,6 @@ impl Along {
     }
 
     /// What reports and messages call it: the number, or the smallest to the largest, each as `written`.
-    #[must_use]
     pub fn in_words(&self, written: impl Fn(f64) -> String) -> String {
         let Self::Profile(profile) = self else { return written(self.values()[0]) };
         let least = profile.values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -83,9 +80,6 @@ impl Along {
 
 impl ProfileConfig {
     /// The profile at a key, in the unit of the file, along the axis of the table around it, or along its own line.
-    ///
-    /// # Errors
-    /// When it has too few or too many values, one that is not finite, no length, or an axis twice or not at all.
     pub fn build(&self, key: &KeyPath, around: Option<Axis>) -> Result<Profile> {
         self.check(key)?;
         let below = |name: &str| key.clone().key(name);

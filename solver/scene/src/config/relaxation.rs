@@ -23,7 +23,6 @@ pub struct RelaxationConfig {
 
 impl RelaxationConfig {
     /// What reports and messages call it.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { on, overstress, time } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
@@ -36,9 +35,6 @@ impl RelaxationConfig {
 
 impl SimConfig {
     /// Checks what can be checked of relaxation without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check_relaxation(&self) -> Result<()> {
         let key = |key: &str| KeyPath::list("relaxation").key(key);
         for RelaxationConfig { overstress, time, .. } in &self.relaxation {

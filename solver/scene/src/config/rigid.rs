@@ -46,13 +46,11 @@ fn yes() -> bool {
 
 impl RigidConfig {
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("rigid").on(&self.on)
     }
 
     /// Along which of x, y, z it may move.
-    #[must_use]
     pub fn axes(&self) -> [bool; 3] {
         axes(&self.along)
     }

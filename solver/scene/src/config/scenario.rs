@@ -73,7 +73,6 @@ pub enum FactorConfig {
 
 impl FactorConfig {
     /// Each factor with the name that it is on; none for all.
-    #[must_use]
     pub fn each(&self) -> Vec<(Option<&str>, f64)> {
         match self {
             Self::All(factor) => vec![(None, *factor)],
@@ -121,13 +120,11 @@ impl Default for ScenarioConfig {
 
 impl ScenarioConfig {
     /// What messages call it; none where a design has no scenarios.
-    #[must_use]
     pub fn title(&self) -> Option<String> {
         (!self.name.is_empty()).then(|| format!("scenario \"{}\"", self.name))
     }
 
     /// How far each wall is off: the tag, or none for all, and the distance [m].
-    #[must_use]
     pub fn walls(&self) -> Vec<(Option<&str>, f64)> {
         match &self.wall {
             None => Vec::new(),
@@ -139,9 +136,6 @@ impl ScenarioConfig {
     }
 
     /// Whether it makes sense, outside of a design.
-    ///
-    /// # Errors
-    /// With the key, what was found and what was needed.
     pub fn check_alone(&self) -> Result<()> {
         let weighted: Vec<&str> = self.weights.keys().map(String::as_str).collect();
         self.check(&weighted, &[])
@@ -201,9 +195,6 @@ fn check_factor(title: &str, factor: f64) -> Result<()> {
 }
 
 /// Checks the scenarios of a design with these objectives and designed parameters.
-///
-/// # Errors
-/// With what was found and what is needed.
 pub(super) fn check(
     scenarios: &[ScenarioConfig],
     robust: Option<RobustConfig>,

@@ -77,7 +77,6 @@ pub enum Follow {
 
 impl Follow {
     /// Whether it is the load.
-    #[must_use]
     pub fn is_load(&self) -> bool {
         *self == Self::Load
     }
@@ -146,14 +145,12 @@ impl Default for SolverConfig {
 
 impl SolverConfig {
     /// First load increment: as large as it may be, if none is given; a smaller one of a path.
-    #[must_use]
     pub fn first_load_step(&self) -> f64 {
         let first = if self.follow.is_load() { 1.0 } else { FIRST_OF_PATH };
         self.first_load_step.unwrap_or(self.largest_load_step().min(first))
     }
 
     /// Largest load increment: all of it, if none is given.
-    #[must_use]
     pub fn largest_load_step(&self) -> f64 {
         self.largest_load_step.unwrap_or(1.0)
     }

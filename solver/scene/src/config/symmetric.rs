@@ -53,7 +53,6 @@ pub struct TurnConfig {
 
 impl SymmetricConfig {
     /// How many images a tag has that is its own: 1 of a mirror, n − 1 of a turn by 360°/n.
-    #[must_use]
     pub fn own_images(&self) -> usize {
         match &self.turn {
             _ if self.of.all().len() != 1 => 0,
@@ -63,13 +62,11 @@ impl SymmetricConfig {
     }
 
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> String {
         format!("[[shape.symmetric]] of = {:?}", self.of.all())
     }
 
     /// An error in one of its keys, whose message goes on with `what`.
-    #[must_use]
     pub fn refused(&self, key: &str, what: &str) -> Misfit {
         let path = KeyPath::list("shape.symmetric").key(key);
         path.told(format!("{}{what}", self.title()))
@@ -143,14 +140,12 @@ impl SymmetricConfig {
 
 impl ShapeConfig {
     /// The symmetry that a tag belongs to, with its place in it: 0 is the tag that has the handles.
-    #[must_use]
     pub fn symmetry_of(&self, tag: &str) -> Option<(&SymmetricConfig, usize)> {
         let place = |one: &SymmetricConfig| one.of.all().iter().position(|other| other == tag);
         self.symmetric.iter().find_map(|one| Some((one, place(one)?)))
     }
 
     /// What moves on a tag in a level, if anything does: on an image, what moves on the first.
-    #[must_use]
     pub fn moves(&self, level: &LevelConfig, tag: &str) -> Option<Moves> {
         let first = self.symmetry_of(tag).and_then(|(one, _)| one.of.all().first());
         level.moves(first.map_or(tag, String::as_str))

@@ -19,7 +19,6 @@ pub struct SymmetryConfig {
 
 impl SimConfig {
     /// Tags of the cut in each plane of symmetry.
-    #[must_use]
     pub fn cuts(&self) -> Vec<Vec<String>> {
         self.symmetry.iter().map(|plane| plane.on.all().to_vec()).collect()
     }

@@ -49,9 +49,6 @@ pub enum Modulus {
 
 impl UncertaintyConfig {
     /// Checks it against its scene.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check(&self, scene: &SimConfig) -> Result<()> {
         let Self { modulus, wall, pressure, density, membrane, friction, numbers: single } = self;
         let part = match modulus {
@@ -134,7 +131,6 @@ impl UncertaintyConfig {
 }
 
 /// Whether a key prescribes a pressure.
-#[must_use]
 pub fn is_pressure(key: &str) -> bool {
     matches!(key, "pressure" | "fill")
 }

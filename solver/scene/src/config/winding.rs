@@ -84,13 +84,11 @@ pub enum Climb<'a> {
 
 impl WindingConfig {
     /// What messages call it.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("winding").named(&self.name)
     }
 
     /// What reports and messages call it.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
         let course = match (pitch, angle) {
@@ -118,9 +116,6 @@ impl WindingConfig {
     }
 
     /// How a helix climbs; none of a line through points.
-    ///
-    /// # Errors
-    /// When it is given in two ways, or in none.
     pub fn climb(&self) -> Result<Option<Climb<'_>>> {
         if !self.points.is_empty() {
             return Ok(None);
@@ -175,9 +170,6 @@ impl WindingConfig {
     }
 
     /// Heights of the ends of a helix, on a tag between two heights [m].
-    ///
-    /// # Errors
-    /// When it ends below its start.
     pub fn heights(&self, [low, high]: [f64; 2]) -> Result<[f64; 2]> {
         let (start, end) = (self.start.unwrap_or(low), self.end.unwrap_or(high));
         ensure!(
@@ -188,9 +180,6 @@ impl WindingConfig {
     }
 
     /// Refuses a helix of too many turns.
-    ///
-    /// # Errors
-    /// When it has.
     pub fn check_turns(&self, turns: f64) -> Result<()> {
         let course = self.pitch.as_ref().map(|pitch| ("pitch", pitch, "m"));
         let course = course.or(self.angle.as_ref().map(|angle| ("angle", angle, "°")));
@@ -280,9 +269,6 @@ impl WindingConfig {
     }
 
     /// The stiffness by the height, if it changes: along the axis of a helix, or the line of its table.
-    ///
-    /// # Errors
-    /// As [`super::ProfileConfig::build`].
     pub fn stiffness_profile(&self) -> Result<Option<Profile>> {
         let Some(profile) = self.stiffness.profile() else { return Ok(None) };
         let axis = self.around.as_ref().map(|around| around.line(&self.title())).transpose()?;
@@ -338,9 +324,6 @@ fn check_hand(key: &KeyPath, along: &Along, unit: &str) -> Result<()> {
 
 impl SimConfig {
     /// Checks what can be checked of threads without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check_windings(&self) -> Result<()> {
         check_names("winding", self.winding.iter().map(|winding| &winding.name))?;
         self.winding.iter().try_for_each(WindingConfig::check)?;

@@ -13,9 +13,6 @@ const UNBALANCED: f64 = 1e-6;
 impl Scene {
     /// Refuses loads at rest that would carry a body away that nothing holds, and says which motions are taken out; none
     /// where planes of symmetry or guides hold it.
-    ///
-    /// # Errors
-    /// With the resultant along that motion.
     pub(super) fn check_afloat(
         &self,
         problem: &Problem,

@@ -19,9 +19,6 @@ use super::Scene;
 impl Scene {
     /// Bodies of a scene without contact must not meet or be in each other at rest, unless it says that
     /// this is ignored.
-    ///
-    /// # Errors
-    /// With the names of the bodies and a place.
     pub(super) fn check_apart(&self, body: &Body, space: &FunctionSpace) -> Result<()> {
         if self.config.contact.is_some() || body.parts.len() < 2 {
             return Ok(());
@@ -58,9 +55,6 @@ impl Scene {
 
     /// No piece of the surface of a body or obstacle may lie in the solid of another at rest. Surfaces
     /// that are held in each other by fixed facets are left out: a support may stand in an obstacle.
-    ///
-    /// # Errors
-    /// With the names, a place and what to do.
     pub(super) fn check_nested(&self, surface: &Surface, rest: &[Vec3]) -> Result<()> {
         let names = self.surface_names();
         let mut own = vec![Vec::new(); names.len()];

@@ -19,9 +19,6 @@ const OFF_PLANE: f64 = 1e-9;
 impl Scene {
     /// The chambers of a body by their names, in the order of the scene; `internal` variables are of the terms
     /// before.
-    ///
-    /// # Errors
-    /// When a tag is missing or closes no volume that gas could fill.
     pub(super) fn chambers(
         &self,
         body: &Body,

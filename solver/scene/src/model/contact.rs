@@ -29,10 +29,6 @@ pub(super) struct Collisions {
 impl Scene {
     /// Contact of bodies with these degrees of freedom fixed; none where the scene
     /// has none.
-    ///
-    /// # Errors
-    /// When an obstacle cannot be read, surfaces are too coarse for the
-    /// activation distance, intersect at rest or are closer than the thickness.
     pub(super) fn collisions(
         &self,
         body: &Body,

@@ -19,9 +19,6 @@ const NO_GRADIENT: f64 = 1e-9;
 
 impl Scene {
     /// Where the fibres of a family lead, in the elements that it is in.
-    ///
-    /// # Errors
-    /// When a tag is missing, a file does not fit to the mesh, or an element has no direction.
     pub(super) fn directions_of(
         &self,
         fibre: &FibreConfig,

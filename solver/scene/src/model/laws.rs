@@ -41,7 +41,6 @@ impl SceneLaw {
     }
 
     /// The tetrahedra that have this law, on a body with the volumes of the scene.
-    #[must_use]
     pub fn elements(&self, body: &Body) -> Range<usize> {
         match &self.volume {
             None => body.parts[self.part].tets.clone(),
@@ -53,7 +52,6 @@ impl SceneLaw {
 impl Scene {
     /// What reports and messages call a law: as the body or its volume; `body.volume` where there
     /// are several bodies.
-    #[must_use]
     pub fn law_name(&self, law: &SceneLaw) -> String {
         let body = &self.parts[law.part].config.name;
         match &law.volume {
@@ -64,9 +62,6 @@ impl Scene {
     }
 
     /// Gives the laws the overstress of `[[relaxation]]`, and no other.
-    ///
-    /// # Errors
-    /// When a name is none of the bodies and volumes, or a law has no isochoric part.
     pub fn set_branches(&mut self) -> Result<()> {
         self.laws.iter_mut().for_each(|law| law.branches.clear());
         for table in self.config.relaxation.clone() {
@@ -78,9 +73,6 @@ impl Scene {
     }
 
     /// Gives the laws the softening of `[[mullins]]`, and no other.
-    ///
-    /// # Errors
-    /// When a name is none of the bodies and volumes, a law has no isochoric part, or two tables are of one.
     pub fn set_mullins(&mut self) -> Result<()> {
         self.laws.iter_mut().for_each(|law| law.mullins = None);
         for table in self.config.mullins.clone() {
@@ -100,9 +92,6 @@ impl Scene {
     }
 
     /// The laws that a table of a list is of, by their places; all of them without a name.
-    ///
-    /// # Errors
-    /// When the name is none of the bodies and volumes, or a law has no isochoric part.
     fn isochoric_laws(&self, list: &str, on: Option<&str>) -> Result<Vec<usize>> {
         let own: Vec<usize> =
             (0..self.laws.len()).filter(|&i| self.is_of(on, &self.laws[i])).collect();
@@ -143,23 +132,16 @@ impl Scene {
     }
 
     /// The law whose shear modulus is the stiffness of `[contact]`, where the scene gives none.
-    #[must_use]
     pub fn law_of_contact(&self) -> Option<usize> {
         self.config.contact()?.stiffness.is_none().then(|| self.stiffest_law())
     }
 
     /// Whether all laws can have the dilatation of the scene.
-    ///
-    /// # Errors
-    /// When one has no term of the change of volume alone.
     pub(super) fn check_dilatation(&self) -> Result<()> {
         self.laws.iter().try_for_each(|law| self.elastic(law, 0..0).map(drop))
     }
 
     /// The elastic energy of a law on some elements.
-    ///
-    /// # Errors
-    /// When the law cannot have the dilatation of the scene.
     pub(super) fn elastic(&self, law: &SceneLaw, elements: Range<usize>) -> Result<Elastic> {
         if self.is_rigid(&self.parts[law.part].config.name) {
             // it has no strain to speak of: a law that is no stiffer than those around it does as well
@@ -184,7 +166,6 @@ impl Scene {
     }
 
     /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.
-    #[must_use]
     pub fn branch_of(&self, law: &SceneLaw, table: usize) -> Option<usize> {
         let tables = &self.config.relaxation;
         let is_own = |table: usize| self.is_of(tables[table].on.as_deref(), law);
@@ -192,7 +173,6 @@ impl Scene {
     }
 
     /// Whether a `[[mullins]]` is of a law, by its place among all.
-    #[must_use]
     pub fn is_softened_by(&self, law: &SceneLaw, table: usize) -> bool {
         let tables = &self.config.mullins;
         tables.get(table).is_some_and(|table| self.is_of(table.on.as_deref(), law))
@@ -231,7 +211,6 @@ impl Scene {
     }
 
     /// Whether a law is called so, or is of a body that is.
-    #[must_use]
     pub fn is_law_of(&self, law: &SceneLaw, name: &str) -> bool {
         self.law_name(law) == name || self.parts[law.part].config.name == name
     }
@@ -245,9 +224,6 @@ fn with_isochoric_part() -> Vec<&'static str> {
 
 /// The laws of one body. Tetrahedra of each volume with a law of its own follow each other from now
 /// on; names of volumes that share one law are dropped.
-///
-/// # Errors
-/// When a volume of the mesh has no law or two, or a law is of none.
 pub(super) fn laws(
     part: usize,
     config: &BodyConfig,

@@ -29,9 +29,6 @@ pub struct SceneMembrane {
 
 impl SceneMembrane {
     /// From its settings.
-    ///
-    /// # Errors
-    /// When they name no law.
     pub fn new(config: &MembraneConfig) -> Result<Self> {
         let material = config.specification()?;
         Ok(Self { config: config.clone(), thickness: config.thickness, material })
@@ -39,7 +36,6 @@ impl SceneMembrane {
 
     /// The numbers that its energy is made with: the thickness, those of the law, and the angle of its warp [°], if it
     /// has one.
-    #[must_use]
     pub fn numbers(&self) -> Vec<f64> {
         let numbers = [self.thickness].into_iter().chain(self.material.values.iter().copied());
         numbers.chain(self.config.angle).collect()
@@ -70,7 +66,6 @@ impl SceneMembrane {
     }
 
     /// What reports and messages call it.
-    #[must_use]
     pub fn in_words(&self) -> String {
         let numbers = self.material.law.named(&self.material.values).into_iter();
         let numbers = numbers.map(|(p, v)| match p.unit {
@@ -93,9 +88,6 @@ impl SceneMembrane {
 
 impl Scene {
     /// The sheets of a body, in the order of the scene.
-    ///
-    /// # Errors
-    /// When a tag is missing, or its facets are none of the mesh.
     pub(super) fn sheets(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Membrane>> {
         let one = |membrane: &SceneMembrane| {
             let SceneMembrane { config, thickness, material } = membrane;

@@ -80,9 +80,6 @@ pub struct ScenePart {
 
 impl Scene {
     /// This scene with the degree and the time steps of a level of a design.
-    ///
-    /// # Errors
-    /// When they do not fit the scene.
     pub fn with_fidelity(&self, level: &LevelConfig) -> Result<Self> {
         let mut scene = self.clone();
         scene.config.degree = level.degree.unwrap_or(self.config.degree);
@@ -118,7 +115,6 @@ impl Scene {
     }
 
     /// How far each material may be stretched, as far as it is known, on a body with the volumes of the scene.
-    #[must_use]
     pub fn stretch_limits(&self, body: &Body) -> Vec<Limits> {
         let one = |law: &SceneLaw| Limits {
             name: if self.laws.len() > 1 { self.law_name(law) } else { String::new() },
@@ -131,16 +127,11 @@ impl Scene {
     }
 
     /// Least of the stretches at which its materials tear [1], if one is known.
-    #[must_use]
     pub fn stretch_at_break(&self) -> Option<f64> {
         self.laws.iter().filter_map(|law| law.material.stretch_at_break).reduce(f64::min)
     }
 
     /// The discrete problem on a body with this scene's tags, and what solving it needs.
-    ///
-    /// # Errors
-    /// When a tag is missing, a pressure wall is open with a free rim, the memory is too small, or
-    /// `[numbers]` of the scene are not applied yet (`solver::number::read` does).
     pub fn problem(&self, body: &Body) -> Result<(Problem, Workspace)> {
         let problem = self.discretise(body)?;
         let large = memory::foretold(problem.dirichlet.free().len());
@@ -152,9 +143,6 @@ impl Scene {
     }
 
     /// The discrete problem of [`Self::problem`] alone.
-    ///
-    /// # Errors
-    /// As there, but for the memory.
     pub fn discretise(&self, body: &Body) -> Result<Problem> {
         let path = self.path.display();
         ensure!(self.config.numbers.is_empty(), "{path}: its [numbers] have not been applied");
@@ -187,9 +175,6 @@ impl Scene {
     }
 
     /// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
-    ///
-    /// # Errors
-    /// With what could be given.
     pub fn check_loads(&self) -> Result<()> {
         let flies = self.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
         let mut config = self.config.clone();
@@ -232,9 +217,6 @@ impl Scene {
     }
 
     /// The fixed degrees of freedom on a body with this scene's tags.
-    ///
-    /// # Errors
-    /// When a tag is missing, tags contradict each other or the body floats.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
         let new =
             if self.config.may_float() { Supports::new } else { Supports::without_rigid_motions };
@@ -243,7 +225,6 @@ impl Scene {
     }
 
     /// The bodies at t = 0, and their time integration.
-    #[must_use]
     pub fn integrator(&self, body: &Body, problem: &Problem) -> Integrator {
         let space = &problem.space;
         let nodes = space.node_count();
@@ -258,7 +239,6 @@ impl Scene {
     }
 
     /// Whether the density of a law matters, by its place among all.
-    #[must_use]
     pub fn weighs(&self, law: usize) -> bool {
         let falls = self.config.gravity.0.iter().any(|g| !g.is_zero());
         let known = self.laws[law].material.density.is_some();
@@ -307,9 +287,6 @@ impl Scene {
     /// The terms of a problem with the numbers of this scene: its materials, sheets, fibres, threads, gravity,
     /// gas, friction, and the stiffness of the barrier that follows from them. Supports and other forces are those of the
     /// problem.
-    ///
-    /// # Errors
-    /// When a material has no density and needs one.
     pub fn energies_like(&self, body: &Body, problem: &Problem) -> Result<Energies> {
         let space = &*problem.space;
         let supports = self.supports(body, space)?;
@@ -378,7 +355,6 @@ impl Scene {
     }
 
     /// Names of all surfaces that may touch: bodies, then obstacles.
-    #[must_use]
     pub fn surface_names(&self) -> Vec<&str> {
         let bodies = self.parts.iter().map(|part| &part.config.name[..]);
         bodies.chain(self.config.obstacle.iter().map(|o| &o.name[..])).collect()
@@ -395,7 +371,6 @@ impl Scene {
     }
 
     /// How to approach the full load.
-    #[must_use]
     pub fn stepping(&self) -> Stepping {
         let SolverConfig {
             first_load_step: _,
@@ -428,7 +403,6 @@ impl Scene {
     }
 
     /// How to follow the path of equilibria by its arc length, where the scene asks for that.
-    #[must_use]
     pub fn path(&self) -> Option<ArcLength> {
         let solver = &self.config.solver;
         (!solver.follow.is_load()).then(|| ArcLength {
@@ -458,7 +432,6 @@ pub fn log_share(body: &Body) {
 }
 
 /// Nodes of one of the bodies, ascending.
-#[must_use]
 pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
     let (tets, n) = (&body.parts[part].tets, space.nodes_per_element());
     let mut nodes = space.element_nodes()[n * tets.start..n * tets.end].to_vec();

@@ -13,9 +13,6 @@ use crate::supports::Supports;
 
 impl Scene {
     /// What quantities are built on: a body with this scene's tags, laws, supports and times.
-    ///
-    /// # Errors
-    /// When a tag is missing.
     pub(super) fn site<'a>(
         &'a self,
         body: &'a Body,
@@ -45,9 +42,6 @@ impl Scene {
     }
 
     /// The probes on a body with this scene's tags, in the order of the scene.
-    ///
-    /// # Errors
-    /// When a tag is missing, or a point lies outside of the body.
     pub fn probes(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Probe>> {
         if self.config.probe.is_empty() {
             return Ok(Vec::new());

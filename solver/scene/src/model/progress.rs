@@ -9,19 +9,16 @@ use super::Scene;
 
 impl Scene {
     /// Ends of the time steps [s]; of a static scene the full load, 1.
-    #[must_use]
     pub fn times(&self) -> Vec<f64> {
         self.config.times()
     }
 
     /// The load at the end [s].
-    #[must_use]
     pub fn end(&self) -> f64 {
         self.times().last().copied().unwrap_or(1.0)
     }
 
     /// A load in words, for messages.
-    #[must_use]
     pub fn progress(&self, load: f64) -> String {
         progress(self.config.time.is_some(), load)
     }

@@ -13,18 +13,12 @@ use crate::config::{BodyConfig, SimConfig, beside};
 
 impl Scene {
     /// Reads a scene and its meshes.
-    ///
-    /// # Errors
-    /// With the file, what was found and what was needed.
     pub fn read(path: &Path) -> Result<Self> {
         Self::read_with(path, &[], &[])
     }
 
     /// Reads a scene with other meshes in place of its own: (name of the body, path),
     /// without a name where there is only one body; and with other values.
-    ///
-    /// # Errors
-    /// With the file, what was found and what was needed.
     pub fn read_with(
         path: &Path,
         others: &[(Option<String>, PathBuf)],
@@ -40,9 +34,6 @@ impl Scene {
 
     /// A scene as text that a program has made, TOML in a folder to which its paths are relative, whose bodies have
     /// these meshes and not those of files.
-    ///
-    /// # Errors
-    /// With what was found and what was needed.
     pub fn of_text(text: &str, path: &Path, meshes: Vec<MshFile>) -> Result<Self> {
         let file = Settings::made(text);
         file.checked(|file| {

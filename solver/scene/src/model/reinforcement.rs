@@ -24,10 +24,6 @@ pub(super) const PARALLEL: f64 = 1e-6;
 
 impl Scene {
     /// The families of fibres of a body, in the order of the scene.
-    ///
-    /// # Errors
-    /// When there is no such volume, a direction is undefined inside, or a part of a symmetric body has fibres
-    /// that have no mirror image.
     pub(super) fn fibres(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Fibres>> {
         let one = |fibre: &FibreConfig| {
             let elements = self.elements_of(fibre, body)?;
@@ -84,16 +80,12 @@ impl Scene {
     }
 
     /// The helix of a thread on the body; none of a line through points.
-    ///
-    /// # Errors
-    /// As [`Self::problem`].
     pub fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
         Ground::new(winding, &self.body)?.helix(winding)
     }
 
     /// The point of a line that is farthest from its tag, by its place, and that distance [m]; none where all points are
     /// nearer than half the mean edge of the tag's facets, as those on a curved surface are.
-    #[must_use]
     pub fn farthest_point(&self, winding: &WindingConfig) -> Option<(usize, f64)> {
         let ground = Ground::new(winding, &self.body).ok()?;
         let (facets, x) = ground.surface();
@@ -110,9 +102,6 @@ impl Scene {
     }
 
     /// The threads of a body, in the order of the scene.
-    ///
-    /// # Errors
-    /// When a tag is missing, or a thread leaves it.
     pub(super) fn windings(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Winding>> {
         let one = |winding: &WindingConfig| {
             let WindingConfig { stiffness, pretension, slack, .. } = winding;

@@ -78,9 +78,6 @@ impl Scene {
     }
 
     /// Vertices of rigid parts, each with the tag or body.
-    ///
-    /// # Errors
-    /// When a tag is missing.
     pub fn rigid_vertices(&self, body: &Body) -> Result<BTreeMap<usize, String>> {
         let mut all = BTreeMap::new();
         for part in &self.config.rigid {
@@ -95,7 +92,6 @@ impl Scene {
     }
 
     /// Whether all of a body is rigid.
-    #[must_use]
     pub fn is_rigid(&self, body: &str) -> bool {
         self.config.rigid.iter().any(|part| self.is_body(part, body))
     }
@@ -112,9 +108,6 @@ impl Scene {
     }
 
     /// The rigid parts, in the order of the scene.
-    ///
-    /// # Errors
-    /// When a tag is missing, parts have nodes in common, or supports hold them.
     pub(super) fn rigid_sets(
         &self,
         body: &Body,
@@ -211,9 +204,6 @@ impl Scene {
     }
 
     /// The terms of the rigid parts.
-    ///
-    /// # Errors
-    /// When a tag is missing.
     pub(super) fn rigid_energies(
         &self,
         sets: &[RigidSet],

@@ -18,7 +18,6 @@ const OFF_PLANE: f64 = 1e-6;
 
 impl Scene {
     /// All supports of a body: those of the scene, then those in planes of symmetry, then what guides rigid parts.
-    #[must_use]
     pub(super) fn fixed(&self, body: &Body) -> Vec<Fixed> {
         let held = |plane: &Plane| {
             let components = AXES[plane.axis].to_owned();
@@ -34,9 +33,6 @@ impl Scene {
     }
 
     /// Forces per volume and velocities must not point across a plane of symmetry there.
-    ///
-    /// # Errors
-    /// With the load, the plane and the value.
     pub(super) fn check_symmetric(&self, body: &Body) -> Result<()> {
         for plane in &body.planes {
             self.check_across("gravity", &self.config.gravity, plane, body)?;
@@ -109,9 +105,6 @@ impl MirroredObstacle {
 impl Scene {
     /// The whole of an obstacle: with its mirror image in each plane of symmetry on one side of
     /// which it lies. An obstacle that is on both sides must be its own image.
-    ///
-    /// # Errors
-    /// With numbers where it is not.
     pub(super) fn complete(
         &self,
         mut surface: SurfaceMesh,

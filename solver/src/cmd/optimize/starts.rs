@@ -56,9 +56,6 @@ pub(super) fn check(design: &DesignConfig) -> Result<()> {
 }
 
 /// Designs from all starts, each in a folder of its own; the folder of the best.
-///
-/// # Errors
-/// When a program cannot be run, or none of the starts came to a usable design.
 pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
     let [checkpoint, table] = ["checkpoint.json", TABLE].map(|name| arguments.output.join(name));
     ensure!(
@@ -196,9 +193,6 @@ fn write_table(path: &Path, all: &[Outcome]) -> Result<()> {
 }
 
 /// Copies what a finished design continues from, so that it is finished in the folder, too.
-///
-/// # Errors
-/// When a file cannot be read or written.
 pub(super) fn take_over(from: &Path, folder: &Path) -> Result<()> {
     let checkpoint = Checkpoint::read(from)?.context("the best start has no checkpoint")?;
     let names = checkpoint.files.keys().map(String::as_str);

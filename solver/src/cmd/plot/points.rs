@@ -38,9 +38,6 @@ impl Points {
 
     /// Reads them; lines that begin with # are comments. `axes` are the titles and columns of the abscissa and of the
     /// ordinate.
-    ///
-    /// # Errors
-    /// If the file cannot be read, has no such column or no point, or a value is no number.
     pub fn read(&self, axes: &[Vec<&str>; 2]) -> Result<Vec<(f64, f64)>> {
         let text = mesh::io::read_text(&self.path)?;
         self.parse(&text, axes).with_context(|| self.path.display().to_string())

@@ -19,9 +19,6 @@ pub struct Again {
 
 impl Cascade<'_> {
     /// The design with a re-meshed interior; none where no shape moves.
-    ///
-    /// # Errors
-    /// When there is no equilibrium, which the first error says, or the mesh cannot be made.
     pub fn again(&self, finished: &Finished) -> Result<Option<Again>> {
         let (before, at) = &finished.last;
         if before.map().moving().is_empty() {

@@ -120,10 +120,6 @@ struct Step {
 
 impl Cascade<'_> {
     /// Runs from the start, or from where the folder's checkpoint says.
-    ///
-    /// # Errors
-    /// When a level does not fit the scene, the start is not admissible or something cannot be
-    /// written.
     pub fn run(&self) -> Result<Finished> {
         for (i, level) in self.design.levels().iter().enumerate() {
             let scene = self.scene.with_fidelity(level);

@@ -21,9 +21,6 @@ impl Cascade<'_> {
     /// The body, as it is and with its interior re-meshed, and the loads of the start with this number, the second or a later
     /// one: all handles of the first level that
     /// has some move at random, as far as shapes are valid and keep the constraints.
-    ///
-    /// # Errors
-    /// When no such shape is valid.
     pub(super) fn spread_start(&self, number: usize) -> Result<(Body, Body, Vec<f64>)> {
         let levels = self.design.levels();
         let settings = levels.iter().find(|level| level.handles.is_some()).unwrap_or(&levels[0]);

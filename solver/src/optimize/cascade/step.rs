@@ -332,7 +332,6 @@ fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
 }
 
 /// The largest component of that step, and by how much the merit would fall along it over a motion [m], to first order.
-#[must_use]
 pub(super) fn promise(level: &Level, step: &Step, penalties: &[f64], motion: f64) -> (f64, f64) {
     let d = downhill(level, step, penalties);
     let largest = d.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()));

@@ -31,9 +31,6 @@ pub struct Bound {
 
 impl Bound {
     /// The bounds of a design on a body.
-    ///
-    /// # Errors
-    /// When the scene has no such probe.
     pub(super) fn all(
         design: &DesignConfig,
         scene: &Scene,
@@ -84,7 +81,6 @@ impl Bound {
     }
 
     /// Whether it is that of the slope of the pressure.
-    #[must_use]
     pub fn is_slope(&self) -> bool {
         self.probe.is_none()
     }
@@ -95,31 +91,26 @@ impl Bound {
     }
 
     /// c.
-    #[must_use]
     pub fn kept(&self, number: f64) -> f64 {
         if self.is_least { number - self.value } else { self.value - number }
     }
 
     /// q, of c.
-    #[must_use]
     pub fn number(&self, kept: f64) -> f64 {
         if self.is_least { self.value + kept } else { self.value - kept }
     }
 
     /// How far c may be below 0 at the end.
-    #[must_use]
     pub fn tolerance(&self) -> f64 {
         TOLERANCE * self.size()
     }
 
     /// By what a violation is measured, in the unit of the number.
-    #[must_use]
     pub fn size(&self) -> f64 {
         if self.value == 0.0 { 1.0 } else { self.value.abs() }
     }
 
     /// Where it is written.
-    #[must_use]
     pub fn title(&self) -> KeyPath {
         KeyPath::list("constraint").named(&self.name)
     }

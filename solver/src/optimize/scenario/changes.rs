@@ -8,9 +8,6 @@ use crate::number::{self, Group, Number};
 use crate::optimize::offset::Offset;
 
 /// The scene of a scenario, walls included.
-///
-/// # Errors
-/// When the scene does not have what the scenario changes, or does not admit it.
 pub fn scene_of(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
     scenario.check_alone()?;
     let mut changed = under(scene, scenario)?;
@@ -25,9 +22,6 @@ pub fn scene_of(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
 
 /// The scene under a scenario, without what it says of walls: they are moved with the shape of a
 /// level.
-///
-/// # Errors
-/// When the scene does not have what the scenario changes, or does not admit it.
 pub fn under(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
     let ScenarioConfig { modulus, density, membrane, friction, pressure, parameters, .. } =
         scenario;

@@ -17,9 +17,6 @@ const PIECE: usize = 1024;
 
 impl Scenario {
     /// A small change of the designed shape and of the variables of the loads.
-    ///
-    /// # Errors
-    /// When the scene does not admit the loads.
     pub fn varied(&self, loads: &[f64], designed: &[mesh::Vec3]) -> Result<Varied, Rejected> {
         Ok(Varied { problem: self.under(loads)?, rest: self.rest(designed) })
     }
@@ -63,9 +60,6 @@ impl Scenario {
 
     /// The run at other loads and another shape, foreseen by the states of neighbours: for each of them, with how much
     /// of its difference from the run is added.
-    ///
-    /// # Errors
-    /// When the scene does not admit the loads.
     pub fn foreseen(
         &self,
         run: &Run,

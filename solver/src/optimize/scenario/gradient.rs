@@ -13,9 +13,6 @@ use super::{Bound, Rejected, Run, Scenario};
 impl Scenario {
     /// dJ of all terms, of those of a name, or dc of a bound of a name, times a factor, by all that a run depends on, the designed rest
     /// shape among it. Where it is linearised at the run, that saves factorisations.
-    ///
-    /// # Errors
-    /// When the adjoint system has no accurate solution.
     pub fn sweep(
         &mut self,
         run: &Run,
@@ -79,7 +76,6 @@ impl Scenario {
     }
 
     /// dJ by the variables of the loads, which have these values.
-    #[must_use]
     pub fn by_loads(&self, loads: &[f64], gradient: &Gradient) -> Vec<f64> {
         self.loads.vjp(loads, &self.swept(gradient))
     }

@@ -96,9 +96,6 @@ pub struct Scenario {
 impl Scenario {
     /// Sets up a scenario of a level on a body, whose moving surface has edges of about `edge`
     /// [m].
-    ///
-    /// # Errors
-    /// When the scene or the body does not have what it needs.
     pub fn new(
         config: &ScenarioConfig,
         scene: &Scene,
@@ -144,26 +141,22 @@ impl Scenario {
     }
 
     /// The discrete problem.
-    #[must_use]
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
 
     /// What its solves need; those of a slope have a factor of their own.
-    #[must_use]
     pub fn memory(&self) -> Need {
         let one = self.workspace.memory();
         std::iter::once(one).chain(self.bounds.iter().any(Bound::is_slope).then_some(one)).sum()
     }
 
     /// Whether the scene goes through time.
-    #[must_use]
     pub fn is_transient(&self) -> bool {
         self.transient
     }
 
     /// Number of time steps.
-    #[must_use]
     pub fn steps(&self) -> usize {
         self.times.len()
     }
@@ -174,7 +167,6 @@ impl Scenario {
     }
 
     /// What the end of each run keeps.
-    #[must_use]
     pub fn bounds(&self) -> &[Bound] {
         &self.bounds
     }
@@ -197,9 +189,6 @@ impl Scenario {
 
     /// Whether a rest shape of a body is valid, of which the design moves these facets, and
     /// every term admits it; cheap beside the equilibrium.
-    ///
-    /// # Errors
-    /// With the element, facet or term that is not valid.
     pub fn admit(
         &self,
         designed: &[Vec3],
@@ -219,9 +208,6 @@ impl Scenario {
     }
 
     /// The run on a designed rest shape, with these variables of the loads.
-    ///
-    /// # Errors
-    /// [`Rejected`] when there is no equilibrium.
     pub fn run(&mut self, loads: &[f64], designed: &[Vec3], near: Near) -> Result<Run, Rejected> {
         let (rest, problem) = (self.rest(designed), self.under(loads)?);
         let guided = |guide: &Arc<Trajectory>| Some(Arc::clone(guide));
@@ -239,9 +225,6 @@ impl Scenario {
     }
 
     /// A run as it was, from its displacements at the ends of time steps [m].
-    ///
-    /// # Errors
-    /// When one of them cannot be read, or the scene does not admit the loads.
     pub fn recall<E: Into<anyhow::Error>>(
         &mut self,
         loads: &[f64],
@@ -256,9 +239,6 @@ impl Scenario {
     }
 
     /// States with displacements at times [s, m], as those of a run.
-    ///
-    /// # Errors
-    /// When one of them cannot be read, or the scene does not admit the loads.
     pub fn states<E: Into<anyhow::Error>>(
         &self,
         loads: &[f64],
@@ -294,7 +274,6 @@ impl Scenario {
     }
 
     /// The derivatives of a sweep, to be asked by the numbers of the scene.
-    #[must_use]
     pub fn swept<'a>(&'a self, by: &'a Gradient) -> Swept<'a> {
         Swept::new(&self.scene, &self.problem, None, by)
     }
@@ -340,7 +319,6 @@ impl Scenario {
 
     /// The displacements of a run at the ends of time steps on another mesh of the same designed
     /// shape, by elements of another degree [m].
-    #[must_use]
     pub fn carry(&self, run: &Run, designed: &[Vec3], body: &Body, degree: usize) -> Vec<Vec<f64>> {
         let space = &*run.problem.space;
         let vertices = &body.mesh.vertices;
@@ -349,9 +327,6 @@ impl Scenario {
     }
 
     /// Mean displacement of each tag over its rest area [m].
-    ///
-    /// # Errors
-    /// When a tag has no facets.
     pub fn mean_displacements(&self, run: &Run, body: &Body) -> Result<BTreeMap<String, f64>> {
         let mut body = body.clone();
         body.mesh.vertices.clone_from(&run.rest);
@@ -364,9 +339,6 @@ impl Scenario {
     }
 
     /// The probes of the scene at the end of a run, in the units of their kinds, and the slope of the pressure, where it is kept.
-    ///
-    /// # Errors
-    /// As [`Scene::probes`].
     pub fn measured(&self, run: &Run, body: &Body) -> Result<BTreeMap<String, f64>> {
         let mut body = body.clone();
         body.mesh.vertices.clone_from(&run.rest);
@@ -377,13 +349,11 @@ impl Scenario {
     }
 
     /// The solution's grid for ParaView, at the end of a run.
-    #[must_use]
     pub fn grid(&self, run: &Run) -> mesh::io::vtu::Grid {
         run.at_end(|end| grid_with_fields(&run.problem.energies, end))
     }
 
     /// Surfaces of the body that have passed through each other at the end of a run.
-    #[must_use]
     pub fn crossing(&self, run: &Run, body: &Body) -> Option<Crossing> {
         run.at_end(|end| Crossing::find(&self.scene, body, &run.problem, end))
     }

@@ -41,7 +41,6 @@ pub(super) fn add_partials<'a>(
 
 impl Scenario {
     /// Factors of the terms, in the order of the design file.
-    #[must_use]
     pub fn weights(&self) -> Vec<f64> {
         self.terms.iter().map(|term| term.weight).collect()
     }

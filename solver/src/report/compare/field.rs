@@ -21,7 +21,6 @@ pub struct Difference {
 }
 
 /// Compares the displacement of a run with the reference's.
-#[must_use]
 pub fn difference(reference: &Run, run: &Run) -> Difference {
     let (points, volumes, expected) = quadrature(reference);
     let found = sample((&run.space, &run.rest, &run.u), &points);

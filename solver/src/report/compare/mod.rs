@@ -39,7 +39,6 @@ pub struct Comparison {
 impl Comparison {
     /// Compares a run with the reference; boundaries are sampled with a
     /// `spacing` [m].
-    #[must_use]
     pub fn new(reference: &Run, run: &Run, spacing: f64) -> Self {
         let [theirs, ours] = [reference, run].map(|r| [r.deformed(), r.at_rest()]);
         Self {

@@ -31,10 +31,6 @@ pub struct Run {
 
 impl Run {
     /// Reads the folder of a finished `solver simulate`, and its mesh from where that found it.
-    ///
-    /// # Errors
-    /// When a file is missing, the run has no equilibrium, or the mesh is not
-    /// the one that was used.
     pub fn read(folder: &Path) -> Result<Self> {
         mesh::io::note_results(folder);
         let path = folder.join("report.json");
@@ -79,13 +75,11 @@ impl Run {
     }
 
     /// The boundary at rest.
-    #[must_use]
     pub fn at_rest(&self) -> Patches {
         Patches::new(&self.space, &self.boundary, &self.space.node_positions(&self.rest))
     }
 
     /// The boundary under load.
-    #[must_use]
     pub fn deformed(&self) -> Patches {
         let rest = self.space.node_positions(&self.rest);
         let places: Vec<Vec3> = rest.iter().enumerate().map(|(i, x)| x + at(&self.u, i)).collect();
@@ -93,7 +87,6 @@ impl Run {
     }
 
     /// Diagonal of the bounding box at rest [m].
-    #[must_use]
     pub fn diagonal(&self) -> f64 {
         let low = self.rest.iter().fold(self.rest[0], |m, x| m.inf(x));
         let high = self.rest.iter().fold(self.rest[0], |m, x| m.sup(x));
@@ -101,7 +94,6 @@ impl Run {
     }
 
     /// Largest displacement of a node [m].
-    #[must_use]
     pub fn largest_displacement(&self) -> f64 {
         (0..self.space.node_count()).map(|i| at(&self.u, i).norm()).fold(0.0, f64::max)
     }

@@ -42,7 +42,6 @@ pub struct Distance {
 
 impl Patches {
     /// Facets of a space whose nodes are at `places` [m].
-    #[must_use]
     pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], places: &[Vec3]) -> Self {
         let patch = |&facet: &[usize; 3]| {
             space.facet_nodes(facet).iter().map(|&n| places[n]).collect::<Vec<_>>()
@@ -51,14 +50,12 @@ impl Patches {
     }
 
     /// The number of triangles of [`Self::triangulate`].
-    #[must_use]
     pub fn triangle_count(&self, spacing: f64) -> f64 {
         self.nodes.iter().map(|patch| cells(patch, spacing).powi(2)).sum()
     }
 
     /// Triangles with corners on the patches and edges no longer than `spacing`
     /// [m], as far as the patches are not stretched along their inside.
-    #[must_use]
     pub fn triangulate(&self, spacing: f64) -> SurfaceMesh {
         let mut grids: BTreeMap<usize, Grid> = BTreeMap::new();
         let mut surface = SurfaceMesh { vertices: Vec::new(), triangles: Vec::new() };
@@ -111,7 +108,6 @@ impl Grid {
 }
 
 /// The Hausdorff distance of two surfaces, sampled with a `spacing` [m].
-#[must_use]
 pub fn hausdorff(reference: &Patches, other: &Patches, spacing: f64) -> Distance {
     let mut distance = sampled(reference, other, spacing);
     distance.coarser = sampled(reference, other, 2.0 * spacing).hausdorff;

@@ -61,9 +61,6 @@ pub enum Failure {
 
 /// The minimum from a start. `model` gives none where it cannot be evaluated, and `observe`
 /// sees each iteration's numbers and residuals.
-///
-/// # Errors
-/// Errors of the model; a [`Failure`] is in the inner result.
 pub fn minimise(
     start: &[f64],
     mut model: impl FnMut(&[f64]) -> Result<Option<Residuals>>,

@@ -123,17 +123,11 @@ pub struct Calibration {
 
 impl Calibration {
     /// Reads a calibration with its scenes and tables.
-    ///
-    /// # Errors
-    /// With the file, what was found and what is needed.
     pub fn read(path: &Path) -> Result<Self> {
         Self::read_with(path, &Changes::default())
     }
 
     /// Reads a calibration with other values; those of `scene.` are for all its scenes.
-    ///
-    /// # Errors
-    /// With the file, what was found and what is needed.
     pub fn read_with(path: &Path, changes: &Changes) -> Result<Self> {
         let (own, of_scenes) = changes.own_and_scene();
         let file = Settings::read(path, &own, KEYS)?;
@@ -179,9 +173,6 @@ impl Calibration {
     }
 
     /// The scene of the first experiment with the values of what is of the material, its density among it.
-    ///
-    /// # Errors
-    /// When the scene does not admit them.
     pub fn material(&self, values: &[f64]) -> Result<Scene> {
         let mut scene = self.scenes[0].clone();
         for ((number, &value), group) in self.numbers.iter().zip(values).zip(&self.groups[0]) {
@@ -194,9 +185,6 @@ impl Calibration {
 
     /// Values of all measured points, experiment by experiment, in the units of the probes, and
     /// their derivatives by the numbers; none where a scene has no equilibrium.
-    ///
-    /// # Errors
-    /// When an adjoint system has no accurate solution.
     pub fn model(&self, values: &[f64]) -> Result<Option<(DVector<f64>, DMatrix<f64>)>> {
         let starts: Vec<usize> = self
             .experiments
@@ -236,9 +224,6 @@ impl Calibration {
 
     /// [`Self::model`] less the measurements, over their standard uncertainties; none also
     /// where a probe is not finite.
-    ///
-    /// # Errors
-    /// As [`Self::model`].
     pub fn residuals(&self, values: &[f64]) -> Result<Option<Residuals>> {
         let Some((simulated, mut jacobian)) = self.model(values)? else { return Ok(None) };
         let mut r = simulated;

@@ -61,7 +61,6 @@ impl TryFrom<Written> for Sought {
 
 impl Sought {
     /// What tables call it.
-    #[must_use]
     pub fn title(&self) -> String {
         let branch = self.branch.map(|branch| format!("branch {branch}"));
         let on = self.on.clone().or(branch);
@@ -69,7 +68,6 @@ impl Sought {
     }
 
     /// Whether it is a factor, an offset, or a parameter of a law.
-    #[must_use]
     pub fn meaning(&self) -> &'static str {
         match &*self.of {
             "modulus" => "factor on all stresses",
@@ -84,19 +82,16 @@ impl Sought {
     }
 
     /// Whether it is a factor on all stresses.
-    #[must_use]
     pub fn is_modulus(&self) -> bool {
         self.of == "modulus"
     }
 
     /// Whether it is a parameter of a law.
-    #[must_use]
     pub fn is_parameter(&self) -> bool {
         self.meaning() == "parameter of the law" || self.of.starts_with("material.")
     }
 
     /// Whether a table `[material]`, `[[relaxation]]`, `[[mullins]]` or `[[membrane]]` has it.
-    #[must_use]
     pub fn is_of_material(&self) -> bool {
         let words = ["modulus", "membrane", "overstress", "relaxation-time"];
         let paths = ["relaxation.", "mullins.", "membrane."];
@@ -106,15 +101,11 @@ impl Sought {
     }
 
     /// Whether it is the density of what a scene is made of.
-    #[must_use]
     pub fn is_density(&self) -> bool {
         self.of.split('.').next() == Some("density")
     }
 
     /// The numbers of a scene that it stands for; none where the scene does not have it.
-    ///
-    /// # Errors
-    /// When no scene can have it.
     pub fn group(&self, scene: &Scene) -> Result<Option<Group>> {
         let on = self.on.as_deref();
         let group = match &*self.of {

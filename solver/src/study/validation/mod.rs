@@ -131,10 +131,6 @@ struct Point {
 
 impl Config {
     /// Compares every run of every row; paths are relative to `folder`.
-    ///
-    /// # Errors
-    /// When a table or a run cannot be read or lacks a column, or when a run has none of the
-    /// measured states.
     pub fn compare(&self, folder: &Path) -> Result<Vec<Comparison>> {
         ensure!(!self.row.is_empty(), "no [[row]]: there is nothing to compare");
         let compared =

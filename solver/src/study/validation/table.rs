@@ -19,9 +19,6 @@ struct Line {
 
 impl Table {
     /// Reads a table, and keeps the lines that have all the entries in `wanted`.
-    ///
-    /// # Errors
-    /// When the file is no table, lacks a column, or no line is left.
     pub fn read(path: &Path, wanted: &BTreeMap<String, toml::Value>) -> Result<Self> {
         let text = mesh::io::read_text(path)?;
         Self::parse(&text, wanted).with_context(|| path.display().to_string())
@@ -68,9 +65,6 @@ impl Table {
     }
 
     /// The numbers of a column, by its title with a unit, which is added to one that has none.
-    ///
-    /// # Errors
-    /// When there is no such column, no unit is given, or an entry is no finite number.
     pub fn numbers(&self, title: &str) -> Result<Vec<f64>> {
         let column = self.column(title)?;
         ensure!(
@@ -97,7 +91,6 @@ fn quantity(title: &str) -> &str {
 }
 
 /// The unit in a title, such as `mm` of `height [mm]`.
-#[must_use]
 pub fn unit(title: &str) -> Option<&str> {
     title.strip_suffix(']')?.rsplit_once('[').map(|(_, unit)| unit.trim())
 }

@@ -43,9 +43,6 @@ impl Inside {
     }
 
     /// Adds its facets and volumes to the tags of a mesh with the same boundary.
-    ///
-    /// # Errors
-    /// If a facet is none of the mesh.
     pub fn transfer(&self, mesh: &TetMesh, tags: &mut Tags) -> Result<()> {
         let (mut found, mut open) = (0, Vec::new());
         for (key, sides) in sides(mesh) {

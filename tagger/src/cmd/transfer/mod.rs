@@ -29,9 +29,6 @@ pub struct Args {
 }
 
 /// Runs `tagger transfer`.
-///
-/// # Errors
-/// If a file is bad or the boundaries differ.
 pub fn run(args: &Args) -> Result<()> {
     let old = io::read_tets(&args.tagged)?;
     let new = io::read_tets(&args.volume)?;

@@ -50,7 +50,6 @@ pub struct SurfaceReport {
 
 impl SurfaceReport {
     /// Whether anything changed.
-    #[must_use]
     pub fn changed(&self) -> bool {
         self.flips + self.collapses + self.splits + self.moved > 0
     }
@@ -58,7 +57,6 @@ impl SurfaceReport {
 
 /// How far facets may move when they are re-meshed, unless somebody says: a twentieth of their mean
 /// edge [m].
-#[must_use]
 pub fn usual_tolerance(vertices: &[Vec3], moving: &[[usize; 3]]) -> f64 {
     TOLERANCE * mean_edge(vertices, moving)
 }

@@ -12,7 +12,6 @@ impl Grid {
     /// The quadratic grid with the same corners, and the middles of the edges
     /// where the cubic one has them; any other grid as it is. Nodes inside edges
     /// and faces remain as points without a cell.
-    #[must_use]
     pub fn at_most_quadratic(&self) -> Self {
         if self.cell_type != CellType::Tet20 {
             return self.clone();

@@ -36,7 +36,6 @@ impl CellType {
     const ALL: [Self; 5] = [Self::Tri3, Self::Tet4, Self::Tri6, Self::Tet10, Self::Tet20];
 
     /// Number of corners.
-    #[must_use]
     pub fn corners(self) -> usize {
         match self {
             Self::Tri3 | Self::Tri6 => 3,
@@ -46,7 +45,6 @@ impl CellType {
 
     /// The corners at the ends of the edges that have nodes inside, in the order
     /// of these nodes; empty for cells without such nodes.
-    #[must_use]
     pub fn edges(self) -> &'static [[usize; 2]] {
         match self {
             Self::Tri3 | Self::Tet4 => &[],
@@ -56,7 +54,6 @@ impl CellType {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn nodes(self) -> usize {
         let inside =
             if self == Self::Tet20 { 2 * self.edges().len() + 4 } else { self.edges().len() };
@@ -94,7 +91,6 @@ pub struct Grid {
 
 impl Grid {
     /// Number of cells.
-    #[must_use]
     pub fn cell_count(&self) -> usize {
         self.cells.len() / self.cell_type.nodes()
     }

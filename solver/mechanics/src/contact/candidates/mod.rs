@@ -33,7 +33,6 @@ use crate::parallel::map_merge;
 /// Steps of half the length of an edge need some 7 per vertex and edge. A pair
 /// takes 8 B while searching and 40 B in the end, so memory is about 0.2 GB and
 /// 1 kB per vertex or edge at most.
-#[must_use]
 pub fn budget(features: &Features) -> usize {
     4_000_000 + 20 * (features.vertices.len() + features.edges.len())
 }
@@ -95,7 +94,6 @@ pub fn between_within(
 
 /// Keeps the pairs that may come closer than `radius` [m] while vertices move from `x0` to `x1` [m], by the test of
 /// [`between`]. Their order stays.
-#[must_use]
 pub fn coming_within(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], radius: f64) -> Vec<Pair> {
     let radius = radius + rounding(x0, x1);
     let search = Search { x0, x1, radius, budget: usize::MAX, seen: 0.into() };
@@ -105,7 +103,6 @@ pub fn coming_within(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], radius: f64) -> V
 
 /// All pairs of two of `features` closer than `radius` [m] at positions `x` [m]:
 /// sorted, each once, without those that share a vertex.
-#[must_use]
 pub fn close_within(features: &Features, x: &[Vec3], radius: f64) -> Vec<Pair> {
     let Features { vertices, edges, triangles } = features;
     let search = Search::at_rest(x, radius);
@@ -117,7 +114,6 @@ pub fn close_within(features: &Features, x: &[Vec3], radius: f64) -> Vec<Pair> {
 /// All pairs of a feature of `a` and one of `b` closer than `radius` [m] at positions
 /// `x` [m]: vertices of `a` with triangles of `b`, vertices of `b` with triangles of
 /// `a`, and edges, each sorted, without those that share a vertex.
-#[must_use]
 pub fn close_between(a: &Features, b: &Features, x: &[Vec3], radius: f64) -> Vec<Pair> {
     let search = Search::at_rest(x, radius);
     let mut pairs = search.close(&a.vertices, &b.triangles, false, radius, point_triangle);
@@ -128,7 +124,6 @@ pub fn close_between(a: &Features, b: &Features, x: &[Vec3], radius: f64) -> Vec
 
 /// The closest pair of a feature of each of two surfaces without a common vertex, at
 /// positions `x` [m]; none where one of them has no triangles.
-#[must_use]
 pub fn closest_between([a, b]: &[Features; 2], x: &[Vec3]) -> Option<(Pair, Closest)> {
     if b.triangles.is_empty() {
         return None;

@@ -46,13 +46,11 @@ const RENEWALS: usize = 100;
 /// and about [`KEPT`] of their gap beyond it, when their corners move from
 /// `start` to `end` [m]: 1 if they do all along, 0 if they are no further
 /// apart than `thickness` from the start, or numbers are not finite.
-#[must_use]
 pub fn time_of_impact(pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thickness: f64) -> f64 {
     time_within(1.0, pair, start, end, thickness)
 }
 
 /// The least [`time_of_impact`] of all pairs, the same for any number of threads.
-#[must_use]
 pub fn max_step(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], thickness: f64) -> f64 {
     // numbers ≥ 0 are ordered as their bits
     let least = AtomicU64::new(1.0_f64.to_bits());

@@ -55,7 +55,6 @@ impl Closest {
     }
 
     /// ∂d²/∂xᵢ [m].
-    #[must_use]
     pub fn d2_gradient(&self) -> [Vec3; 4] {
         self.coefficients.map(|c| 2.0 * c * self.offset)
     }
@@ -76,13 +75,11 @@ pub struct Region {
 
 impl Region {
     /// The region of closest points.
-    #[must_use]
     pub fn of(first: usize, closest: &Closest) -> Self {
         Self { first, active: closest.coefficients.map(|c| c != 0.0) }
     }
 
     /// The closest points if they are in this region.
-    #[must_use]
     pub fn closest(&self, x: &[Vec3; 4]) -> Closest {
         let free = self.free();
         let mut c = free.start;
@@ -102,7 +99,6 @@ impl Region {
     }
 
     /// ∂²d²/∂x² at the closest points, which are in this region [1].
-    #[must_use]
     pub fn d2_hessian(&self, x: &[Vec3; 4], closest: &Closest) -> Mat12 {
         let c = &closest.coefficients;
         let mut hessian = Mat12::zeros();
@@ -136,7 +132,6 @@ impl Region {
     ///
     /// From tₖ · r = 0: Σ M σ = s̄ with s̄ₖ = c̄ · eₖ + r̄ · tₖ, and
     /// x̄ᵢ = cᵢ r̄ − Σₖ σₖ (cᵢ tₖ + eᵢₖ r).
-    #[must_use]
     pub fn closest_vjp(
         &self,
         x: &[Vec3; 4],
@@ -168,7 +163,6 @@ impl Region {
 
     /// Orthonormal vectors that span the range of ∂²d²/∂x² and contain ∂d²/∂x;
     /// zero from their number on.
-    #[must_use]
     pub fn range(&self, closest: &Closest) -> SMatrix<f64, 12, 5> {
         let normal = closest.offset.normalize();
         let coefficients = Vec4::from(closest.coefficients).normalize();
@@ -228,7 +222,6 @@ impl Free {
 }
 
 /// Two unit vectors orthogonal to a unit vector and to each other.
-#[must_use]
 pub fn tangents(normal: &Vec3) -> [Vec3; 2] {
     // the axis that is least along the normal
     let mut axis = Vec3::zeros();
@@ -238,13 +231,11 @@ pub fn tangents(normal: &Vec3) -> [Vec3; 2] {
 }
 
 /// One vector of the components of four.
-#[must_use]
 pub fn corners(vectors: [Vec3; 4]) -> Vec12 {
     Vec12::from_fn(|i, _| vectors[i / 3][i % 3])
 }
 
 /// Point `x[0]` to triangle `x[1..4]`.
-#[must_use]
 pub fn point_triangle(x: &[Vec3; 4]) -> Closest {
     if let Some([a, b]) = projection(x) {
         return Closest::new(x, [1.0, a + b - 1.0, -a, -b]);
@@ -254,7 +245,6 @@ pub fn point_triangle(x: &[Vec3; 4]) -> Closest {
 }
 
 /// Corner `point` to the edge of corners i and j of the other feature.
-#[must_use]
 pub fn point_edge(x: &[Vec3; 4], point: usize, [i, j]: [usize; 2]) -> Closest {
     let t = segment_parameter(&x[point], &x[i], &x[j]);
     let sign = if point < i { 1.0 } else { -1.0 };
@@ -266,7 +256,6 @@ pub fn point_edge(x: &[Vec3; 4], point: usize, [i, j]: [usize; 2]) -> Closest {
 }
 
 /// Edge `x[0..2]` to edge `x[2..4]`.
-#[must_use]
 pub fn edge_edge(x: &[Vec3; 4]) -> Closest {
     if let Some([s, t]) = crossing(x) {
         return Closest::new(x, [1.0 - s, s, t - 1.0, -t]);

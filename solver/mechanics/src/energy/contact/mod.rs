@@ -59,7 +59,6 @@ pub struct GapSummary {
 
 impl Contact {
     /// The barrier between features of a surface.
-    #[must_use]
     pub fn new(surface: Arc<Surface>, partners: Partners, barrier: Barrier) -> Self {
         // each copy of a part has the same share of the energy of the whole
         let (repulsion, scale) = (barrier.repulsion(), barrier.scale() * surface.share());
@@ -69,25 +68,21 @@ impl Contact {
 
     /// This barrier; of accepted states it is also proved that they have no
     /// intersection.
-    #[must_use]
     pub fn certified(self) -> Self {
         Self { certify: true, ..self }
     }
 
     /// Takes rest shapes that hardly differ from the last one for it ([`NeighbourList::hold`]).
-    #[must_use]
     pub fn hold(&self) -> Held<'_> {
         self.neighbours.hold()
     }
 
     /// The barrier.
-    #[must_use]
     pub fn barrier(&self) -> &Barrier {
         &self.barrier
     }
 
     /// This contact with another stiffness of the barrier [Pa]; in the plain form [J/m⁴].
-    #[must_use]
     pub fn with_stiffness(&self, stiffness: f64) -> Self {
         let barrier = Barrier { stiffness, ..self.barrier };
         let own = Self::new(Arc::clone(self.surface()), self.potential.partners(), barrier);
@@ -95,20 +90,17 @@ impl Contact {
     }
 
     /// What intersects at positions of the collision vertices [m], if anything.
-    #[must_use]
     pub fn intersection(&self, x: &[Vec3]) -> Option<Intersection> {
         let movable = |vertex: usize| !self.surface().immovable(&[vertex]);
         certify(&self.surface().features().triangles, x, movable).err()
     }
 
     /// The collision surface.
-    #[must_use]
     pub fn surface(&self) -> &Arc<Surface> {
         self.potential.surface()
     }
 
     /// Force on each collision vertex [N].
-    #[must_use]
     pub fn forces(&self, at: &Iterate) -> Vec<Vec3> {
         let mut forces = self.contacts(at).gradient();
         // zero has no sign
@@ -117,7 +109,6 @@ impl Contact {
     }
 
     /// Force between each two bodies that touch.
-    #[must_use]
     pub fn body_forces(&self, at: &Iterate) -> Vec<BodyForce> {
         let mut forces = Vec::new();
         self.contacts(at).for_each_gradient(|corners, gradient| {
@@ -127,7 +118,6 @@ impl Contact {
     }
 
     /// How close the surfaces are.
-    #[must_use]
     pub fn gaps(&self, at: &Iterate) -> GapSummary {
         let repulsion = self.potential.repulsion();
         let close = self.close_pairs(&self.positions(at), &self.rest(at)).unwrap_or_default();
@@ -142,7 +132,6 @@ impl Contact {
 
     /// The pairs within range at rest positions of the collision vertices, in a fixed order;
     /// none if there are more than memory is meant for.
-    #[must_use]
     pub fn close_at_rest(&self, rest: &[Vec3]) -> Option<Vec<Close>> {
         self.close_pairs(rest, rest)
     }
@@ -179,7 +168,6 @@ impl Contact {
 
     /// Largest step length α in [0, 1] for which nothing on the straight path, in u and the time, from
     /// one iterate to another of the same rest shape comes closer than d₀ before α.
-    #[must_use]
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
         let (start, whole, rest) = (self.positions(from), self.positions(to), self.rest(from));
         if let Some(list) = self.neighbours.last_at(&rest, &[&start, &whole]) {
@@ -210,20 +198,17 @@ impl Contact {
     }
 
     /// What intersects, if it is to be proved that nothing does.
-    #[must_use]
     pub fn objection(&self, at: &Iterate) -> Option<String> {
         let found = self.certify.then(|| self.intersection(&self.positions(at))).flatten();
         found.map(|intersection| intersection.to_string())
     }
 
     /// The contacts whose friction acts in the next step (lagged friction).
-    #[must_use]
     pub fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
         self.contacts(at).lagged()
     }
 
     /// What cotangents of [`Self::lagged_contacts`] make of the stiffness, to which their forces are proportional.
-    #[must_use]
     pub fn lagged_stiffness_vjp(
         &self,
         contacts: &[LaggedContact],

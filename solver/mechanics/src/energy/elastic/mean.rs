@@ -223,7 +223,6 @@ impl<'a> ElementLaw<'a> {
     }
 
     /// ψ, or ψ_p + (1/n) Σ_c U(J̄_c) [J/m³].
-    #[must_use]
     pub fn energy_density(&self, k: &Kinematics) -> f64 {
         let pointwise = self.law.energy_density(k);
         let means = self.dilatation.iter().flat_map(|mean| &mean.by);
@@ -231,7 +230,6 @@ impl<'a> ElementLaw<'a> {
     }
 
     /// P, or P_p + p cof F [Pa], at quadrature point q.
-    #[must_use]
     pub fn first_piola(&self, q: usize, k: &Kinematics) -> Mat3 {
         let pointwise = self.law.first_piola(k);
         let pressure = self.dilatation.as_ref().map(|mean| mean.pressure(q));

@@ -53,33 +53,28 @@ fn field_gradient<const N: usize>(values: &[Vec3; N], gradients: &[Vec3; N]) -> 
 
 impl Elastic {
     /// All elements have one law.
-    #[must_use]
     pub fn whole(material: Box<dyn Material>) -> Self {
         Self { material: material.into(), elements: None, mean: None }
     }
 
     /// The law of consecutive elements.
-    #[must_use]
     pub fn part(material: Box<dyn Material>, elements: Range<usize>) -> Self {
         Self { material: material.into(), elements: Some(elements), mean: None }
     }
 
     /// The elements that have this law.
-    #[must_use]
     pub fn elements(&self, space: &FunctionSpace) -> Range<usize> {
         self.elements.clone().unwrap_or(0..space.tets().len())
     }
 
     /// This energy with mean dilatation; none where the law has no term of the change of volume
     /// alone.
-    #[must_use]
     pub fn with_mean_dilatation(self) -> Option<Self> {
         let split = self.material.split()?;
         Some(Self { mean: Some(split), ..self })
     }
 
     /// The law at the points of an element in a state.
-    #[must_use]
     pub fn law_in<'a>(&'a self, at: &Iterate<'a>, element: usize) -> ElementLaw<'a> {
         let (law, split) = self.parts(at.space);
         ElementLaw::new(law, split, at, element)

@@ -55,7 +55,6 @@ impl Axis {
     }
 
     /// A point on the axis inside one of some elements, or on the boundary of one.
-    #[must_use]
     pub fn point_inside(
         &self,
         space: &FunctionSpace,
@@ -84,7 +83,6 @@ impl Axis {
 
 impl Direction {
     /// a₀ at a rest position; not a number on the axis.
-    #[must_use]
     pub fn at(&self, x: Vec3) -> Vec3 {
         match self {
             Self::Constant(along) => *along,
@@ -97,7 +95,6 @@ impl Direction {
     }
 
     /// ∂a₀/∂X [1/m].
-    #[must_use]
     pub fn gradient(&self, x: Vec3) -> Mat3 {
         match self {
             Self::Constant(_) => Mat3::zeros(),
@@ -114,14 +111,12 @@ impl Direction {
     }
 
     /// ∂a₀/∂α [1/rad]; zero where there is no angle.
-    #[must_use]
     pub fn by_angle(&self, x: Vec3) -> Vec3 {
         let Self::Helical(axis, angle) = self else { return Vec3::zeros() };
         angle.cos() * axis.around(x).hoop - angle.sin() * axis.along
     }
 
     /// The axis that it needs, where it is undefined.
-    #[must_use]
     pub fn axis(&self) -> Option<&Axis> {
         match self {
             Self::Constant(_) => None,
@@ -131,7 +126,6 @@ impl Direction {
     }
 
     /// Whether it is the same everywhere.
-    #[must_use]
     pub fn is_constant(&self) -> bool {
         self.axis().is_none()
     }

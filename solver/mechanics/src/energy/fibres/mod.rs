@@ -67,7 +67,6 @@ impl From<Direction> for Directions {
 
 impl Directions {
     /// The formula that holds at a rest position; none where each element has a vector.
-    #[must_use]
     pub fn formula(&self, x: Vec3) -> Option<Direction> {
         match self {
             Self::Formula(direction) => Some(*direction),
@@ -233,26 +232,22 @@ fn gradient(nodes: &[usize], gradients: &[Vec3], w: &[f64]) -> Mat3 {
 
 impl Fibres {
     /// A family in consecutive elements.
-    #[must_use]
     pub fn new(law: Fibre, directions: impl Into<Directions>, elements: Range<usize>) -> Self {
         let (name, directions) = (String::new(), directions.into());
         Self { name, law, stiffness: None, directions, elements }
     }
 
     /// This family with k₁ along an axis [Pa], in place of the one of its law.
-    #[must_use]
     pub fn with_stiffness(self, stiffness: Option<Profile>) -> Self {
         Self { stiffness, ..self }
     }
 
     /// This family with a name.
-    #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
     }
 
     /// The elements that it is in.
-    #[must_use]
     pub fn elements(&self) -> Range<usize> {
         self.elements.clone()
     }
@@ -263,7 +258,6 @@ impl Fibres {
     }
 
     /// The law at a rest position.
-    #[must_use]
     pub fn law_at(&self, x: Vec3) -> Fibre {
         let k1 = self.stiffness.as_ref().map_or(self.law.k1, |stiffness| stiffness.at(x));
         Fibre { k1, ..self.law }
@@ -309,7 +303,6 @@ impl Fibres {
     }
 
     /// Measures of the family at a state.
-    #[must_use]
     pub fn summary(&self, iterate: &Iterate) -> FibreSummary {
         let stretch = [f64::INFINITY, 0.0];
         let mut all = FibreSummary { volume: 0.0, energy: 0.0, stretch, stress: 0.0, taut: 0.0 };
@@ -328,7 +321,6 @@ impl Fibres {
     }
 
     /// What the fibres of each of its elements do.
-    #[must_use]
     pub fn means(&self, iterate: &Iterate) -> Vec<FibreMean> {
         let one = |e: usize| {
             let (mut mean, mut volume) = (FibreMean::default(), 0.0);

@@ -42,7 +42,6 @@ pub enum PrescribedVolume {
 
 impl PrescribedVolume {
     /// V* and its derivatives.
-    #[must_use]
     pub fn at_load(&self, rest: f64, time: f64) -> Wanted {
         match self {
             Self::Change(change) => {

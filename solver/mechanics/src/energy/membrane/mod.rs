@@ -243,7 +243,6 @@ impl Membrane {
     ///
     /// # Panics
     /// When one is no facet of the mesh and the degree is above 1.
-    #[must_use]
     pub fn new(
         space: &FunctionSpace,
         facets: &[[usize; 3]],
@@ -256,7 +255,6 @@ impl Membrane {
     }
 
     /// This membrane with an orthotropic law: its first axis is the direction, projected on the sheet.
-    #[must_use]
     pub fn along(self, direction: Direction) -> Self {
         Self { direction: Some(direction), ..self }
     }
@@ -284,7 +282,6 @@ impl Membrane {
     }
 
     /// Measures of the sheet at a state.
-    #[must_use]
     pub fn summary(&self, iterate: &Iterate) -> MembraneSummary {
         let mut all = MembraneSummary { stretch: [f64::INFINITY, 0.0], ..Default::default() };
         let mut volumes = [0.0; 3];

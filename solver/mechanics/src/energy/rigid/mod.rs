@@ -57,7 +57,6 @@ pub struct Rigid {
 
 impl Rigid {
     /// A part bonded to a body with a shear modulus [Pa], with the positions of all nodes at rest [m].
-    #[must_use]
     pub fn new(part: &RigidSet, positions: &[Vec3], shear: f64) -> Self {
         let masters = part.masters().to_vec();
         let rest: Vec<Vec3> = masters.iter().map(|&m| positions[m]).collect();
@@ -73,7 +72,6 @@ impl Rigid {
     }
 
     /// By which rotation vector the part has turned [rad].
-    #[must_use]
     pub fn rotation(&self, u: &[f64]) -> Vec3 {
         let now: Vec<Vec3> =
             self.masters.iter().zip(&self.rest).map(|(&m, x)| x + at(u, m)).collect();
@@ -209,7 +207,6 @@ pub struct RigidMass {
 
 impl RigidMass {
     /// A mass [kg] at some points.
-    #[must_use]
     pub fn new(part: &RigidSet, mass: f64, points: &[MassPoint]) -> Self {
         let masters = part.masters().to_vec();
         let sum = |j: usize, k: usize| {
@@ -229,13 +226,11 @@ impl RigidMass {
     }
 
     /// ½ vᵀ M v of a velocity [J].
-    #[must_use]
     pub fn kinetic_energy(&self, velocity: &[f64]) -> f64 {
         self.times(velocity).map(|(master, mv)| 0.5 * mv.dot(&at(velocity, master))).sum()
     }
 
     /// Momentum of a velocity [kg m/s].
-    #[must_use]
     pub fn momentum(&self, velocity: &[f64]) -> Vec3 {
         self.times(velocity).map(|(_, mv)| mv).sum()
     }
@@ -313,7 +308,6 @@ pub struct RigidLoad {
 
 impl RigidLoad {
     /// A force [N] and the weight of a mass [kg] where masters have these weights.
-    #[must_use]
     pub fn new(
         part: &RigidSet,
         weights: Vec<f64>,
@@ -325,14 +319,12 @@ impl RigidLoad {
     }
 
     /// This load as it is at a time, for all times.
-    #[must_use]
     pub fn held(&self, time: f64) -> Self {
         let still = |field: &Field| Field(field.0.each_ref().map(|s| Schedule::held(s.at(time))));
         Self { force: still(&self.force), gravity: still(&self.gravity), ..self.clone() }
     }
 
     /// Displacement of the point where the force acts [m], or another nodal field there.
-    #[must_use]
     pub fn of_point(&self, w: &[f64]) -> Vec3 {
         self.masters.iter().zip(&self.weights).map(|(&m, share)| at(w, m) * *share).sum()
     }

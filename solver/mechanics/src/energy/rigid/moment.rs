@@ -127,7 +127,6 @@ impl RigidMoment {
     }
 
     /// These moments as they are at a time, for all times.
-    #[must_use]
     pub fn held(&self, time: f64) -> Self {
         let still = self.moment.0.each_ref().map(|moment| Schedule::held(moment.at(time)));
         Self { moment: Field(still), ..self.clone() }

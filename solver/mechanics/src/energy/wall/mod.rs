@@ -66,13 +66,11 @@ impl Point<'_> {
 
 impl Wall {
     /// A wall of boundary facets (vertex ids, oriented out of the solid).
-    #[must_use]
     pub fn new(space: &FunctionSpace, facets: &[[usize; 3]]) -> Self {
         Self::cut_by(&[], space, facets)
     }
 
     /// A wall of a body that is cut by planes of symmetry.
-    #[must_use]
     pub fn cut_by(planes: &[Plane], space: &FunctionSpace, facets: &[[usize; 3]]) -> Self {
         let mut origin = Vec3::zeros();
         planes.iter().for_each(|plane| origin[plane.axis] = plane.level);
@@ -81,13 +79,11 @@ impl Wall {
     }
 
     /// Whether the wall, with its mirror images, encloses the chamber without caps.
-    #[must_use]
     pub fn is_closed(&self) -> bool {
         self.rims.is_empty()
     }
 
     /// What caps close.
-    #[must_use]
     pub fn rims(&self) -> &[Rim] {
         &self.rims
     }
@@ -138,7 +134,6 @@ impl Wall {
     }
 
     /// Volume behind the wall, its caps and planes of symmetry at node positions `x` [m³].
-    #[must_use]
     pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3 + Sync) -> f64 {
         let behind = |nodes: &[usize]| {
             let mut volume = 0.0;

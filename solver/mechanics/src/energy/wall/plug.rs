@@ -19,19 +19,16 @@ use crate::math::tensor::{Mat3, cross_matrix};
 
 impl Wall {
     /// This wall with plugs in all that is open.
-    #[must_use]
     pub fn plugged(self) -> Self {
         Self { plugged: true, ..self }
     }
 
     /// Whether it has them.
-    #[must_use]
     pub fn is_plugged(&self) -> bool {
         self.plugged
     }
 
     /// Pairs of nodes (row > column) of a rim, which a plug couples.
-    #[must_use]
     pub fn couplings(&self, space: &FunctionSpace) -> Vec<[usize; 2]> {
         if !self.plugged {
             return Vec::new();

@@ -25,7 +25,6 @@ pub enum Along {
 
 impl Along {
     /// The one value, or the control values.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         match self {
             Self::Number(number) => std::slice::from_ref(number),
@@ -55,7 +54,6 @@ pub enum Climb {
 
 impl Climb {
     /// The pitch, or the angle.
-    #[must_use]
     pub fn number(&self) -> &Along {
         match self {
             Self::Pitch(along) | Self::Angle(along, _) => along,
@@ -63,7 +61,6 @@ impl Climb {
     }
 
     /// 1 for a right-handed screw, −1 for a left-handed one.
-    #[must_use]
     pub fn hand(&self) -> f64 {
         self.number().values()[0].signum()
     }

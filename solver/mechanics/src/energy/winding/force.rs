@@ -16,7 +16,6 @@ use crate::energy::Iterate;
 
 impl Winding {
     /// The power mean M of the force along it [N], of a power q of 1 or more.
-    #[must_use]
     pub fn mean_force(&self, at: &Iterate, power: f64) -> f64 {
         self.mean_and_length(at, power)[0]
     }
@@ -40,7 +39,6 @@ impl Winding {
     }
 
     /// Derivatives of [`Self::mean_force`] by the parameters of the thread.
-    #[must_use]
     pub fn mean_force_by_parameters(&self, at: &Iterate, power: f64) -> Vec<f64> {
         let (mut by, own) = (vec![0.0; self.parameters()], self.own_parameters());
         self.for_each_share(at, power, |segment, p, shares| {

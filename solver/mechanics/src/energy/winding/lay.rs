@@ -97,7 +97,6 @@ pub enum LayError {
 
 impl<const N: usize> Piece<N> {
     /// Where its first (0) or other (1) end is [m].
-    #[must_use]
     pub fn place(&self, x: &[Vec3], end: usize) -> Vec3 {
         self.simplex.iter().zip(self.ends[end]).map(|(&v, l)| l * x[v]).sum()
     }
@@ -165,20 +164,17 @@ fn slide(end: &[f64; 3], corners: &[[f64; 2]; 3], free: bool) -> [f64; 3] {
 
 impl Helix {
     /// A helix of the hand of its climb.
-    #[must_use]
     pub fn new(axis: Axis, climb: Climb, heights: [f64; 2], phase: f64) -> Self {
         let hand = climb.hand();
         Self { axis, climb, hand, heights, phase }
     }
 
     /// The helix of the other hand from the same start.
-    #[must_use]
     pub fn opposite(&self) -> Self {
         Self { hand: -self.hand, ..self.clone() }
     }
 
     /// Its turns.
-    #[must_use]
     pub fn turns(&self) -> f64 {
         let [start, end] = self.heights;
         Course::new(&self.climb, start).turns(end).count
@@ -265,7 +261,6 @@ fn chained(
 impl Axis {
     /// The direction from which angles around it count: x where it is along z or y, y where it is along x;
     /// its part across the axis.
-    #[must_use]
     pub fn reference(&self) -> Vec3 {
         let from = if self.along.x.abs() > 0.9 { Vec3::y() } else { Vec3::x() };
         (from - from.dot(&self.along) * self.along).normalize()
@@ -279,7 +274,6 @@ impl Axis {
     }
 
     /// Mean distance of some facets from it, by their area [m].
-    #[must_use]
     pub fn mean_distance(&self, facets: &[[usize; 3]], x: &[Vec3]) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
         for facet in facets {
@@ -292,7 +286,6 @@ impl Axis {
     }
 
     /// Smallest and largest height of some facets [m].
-    #[must_use]
     pub fn heights(&self, facets: &[[usize; 3]], x: &[Vec3]) -> [f64; 2] {
         let all = facets.iter().flatten().map(|&v| (x[v] - self.point).dot(&self.along));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])

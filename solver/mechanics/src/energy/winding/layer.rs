@@ -42,7 +42,6 @@ pub struct Layer {
 
 impl Layer {
     /// The layer of a mesh at a depth [m] below some of its facets, at rest positions of its vertices.
-    #[must_use]
     pub fn below(facets: &[[usize; 3]], tets: &[[usize; 4]], x: &[Vec3], depth: f64) -> Self {
         let part = SurfaceMesh { vertices: x.to_vec(), triangles: facets.to_vec() };
         let bvh = SurfaceBvh::new(&part);
@@ -132,7 +131,6 @@ impl Layer {
     ///
     /// # Panics
     /// When the piece is in none of its triangles.
-    #[must_use]
     pub fn inside(&self, piece: &Piece<3>) -> Piece<4> {
         let tet = self.tets[&piece.simplex];
         // barycentric coordinates of the corners are a linear map of those in the triangle

@@ -34,7 +34,6 @@ pub struct Strand {
 
 impl Winding {
     /// Measures of the thread at a state.
-    #[must_use]
     pub fn summary(&self, iterate: &Iterate) -> WindingSummary {
         let mut all = WindingSummary::default();
         let mut pulled = Vec::new();
@@ -56,7 +55,6 @@ impl Winding {
     }
 
     /// All pieces of the thread at a state, in its order.
-    #[must_use]
     pub fn strands(&self, iterate: &Iterate) -> Vec<Strand> {
         let one = |segment: &Segment| {
             let rest = [0, 1].map(|end| segment.corners(&segment.ends[end], iterate.rest));

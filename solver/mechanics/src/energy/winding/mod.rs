@@ -255,7 +255,6 @@ impl Winding {
     ///
     /// # Panics
     /// When one is in no facet or tetrahedron of the mesh and the degree is above 1.
-    #[must_use]
     pub fn new<const N: usize>(
         space: &FunctionSpace,
         pieces: &[Piece<N>],
@@ -268,7 +267,6 @@ impl Winding {
     }
 
     /// The same with a stiffness that changes along an axis [N]: each point of the thread has that of its height at rest.
-    #[must_use]
     pub fn with_stiffness(mut self, profile: &Profile, rest: &[Vec3]) -> Self {
         self.stiffness = profile.values().to_vec();
         for segment in &mut self.segments {
@@ -299,13 +297,11 @@ impl Winding {
     }
 
     /// How long it is in the unit in which it was laid: turns of helices, legs of polylines.
-    #[must_use]
     pub fn course(&self) -> f64 {
         self.course
     }
 
     /// Number of its segments.
-    #[must_use]
     pub fn segments(&self) -> usize {
         self.segments.len()
     }

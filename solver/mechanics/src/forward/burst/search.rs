@@ -59,19 +59,16 @@ pub struct BurstSearch {
 
 impl BurstSearch {
     /// Begins at the first state, whose stretch may be beyond that at break.
-    #[must_use]
     pub fn new(start: &Iterate, at_break: f64) -> Self {
         Self { at_break, last: Passed::of(start), between: None }
     }
 
     /// Largest stretch of the last state.
-    #[must_use]
     pub fn stretch(&self) -> f64 {
         self.last.stretch
     }
 
     /// Whether a state has been beyond the stretch at break.
-    #[must_use]
     pub fn has_passed(&self) -> bool {
         self.between.is_some() || self.last.stretch >= self.at_break
     }
@@ -89,7 +86,6 @@ impl BurstSearch {
     }
 
     /// The burst of what has passed. From a first state that is beyond the stretch at break, the load is lowered.
-    #[must_use]
     pub fn found(
         &self,
         problem: &Problem,

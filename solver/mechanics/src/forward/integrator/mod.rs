@@ -39,7 +39,6 @@ pub enum Method {
 
 impl Method {
     /// Number of earlier states in the formula, at most.
-    #[must_use]
     pub fn states(self) -> usize {
         match self {
             Self::Quasistatic | Self::ImplicitEuler | Self::EnergyMomentum => 1,
@@ -49,19 +48,16 @@ impl Method {
     }
 
     /// Whether masses resist acceleration.
-    #[must_use]
     pub fn has_inertia(self) -> bool {
         self != Self::Quasistatic
     }
 
     /// Whether the energy may grow of what is much stiffer than steps resolve and turns.
-    #[must_use]
     pub fn shakes_stiff_parts(self) -> bool {
         matches!(self, Self::Newmark | Self::GeneralizedAlpha)
     }
 
     /// Whether forces act along the chord of a step.
-    #[must_use]
     pub fn has_chord(self) -> bool {
         self == Self::EnergyMomentum
     }
@@ -73,7 +69,6 @@ impl Method {
 
     /// Growth of the oscillations that nothing drives and that grow all the same; none where none
     /// grows, whatever the length of the step.
-    #[must_use]
     pub fn growth(self) -> Option<Growth> {
         (self == Self::Bdf3).then_some(bdf::GROWTH_OF_THREE_STATES)
     }
@@ -131,7 +126,6 @@ pub struct State {
 
 impl State {
     /// Without acceleration and internal variables.
-    #[must_use]
     pub fn new(u: Vec<f64>, v: Vec<f64>) -> Self {
         Self { u, v, ..Self::default() }
     }
@@ -148,19 +142,16 @@ pub struct Integrator {
 
 impl Integrator {
     /// Begins at a state.
-    #[must_use]
     pub fn new(method: Method, start: State) -> Self {
         Self { method, states: vec![start] }
     }
 
     /// The last state.
-    #[must_use]
     pub fn last(&self) -> &State {
         &self.states[0]
     }
 
     /// The formula of the next step, of length Δt [s]. The first steps use as many states as there are.
-    #[must_use]
     pub fn formula(&self, dt: f64) -> Formula {
         match self.method {
             Method::Newmark if !self.last().a.is_empty() => newmark::formula(dt),
@@ -175,7 +166,6 @@ impl Integrator {
     }
 
     /// The next step, from one time to another [s], without contacts.
-    #[must_use]
     pub fn step(&self, from: f64, to: f64) -> TimeStep {
         let dt = to - from;
         let Formula { h, k, internal_h, past } = self.formula(dt);

@@ -112,7 +112,6 @@ struct Found {
 
 impl ArcFollower {
     /// Begins at rest.
-    #[must_use]
     pub fn new(path: ArcLength) -> Self {
         Self { path, progress: None, before: None }
     }

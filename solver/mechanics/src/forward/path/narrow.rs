@@ -18,7 +18,6 @@ const TRIED: usize = 16;
 impl ArcFollower {
     /// The state next to the limit point between the last two. None where the first of these is the start of all,
     /// or where there is no limit point between them.
-    #[must_use]
     pub fn narrowed(
         &self,
         stepper: &TimeStepper,

@@ -137,7 +137,6 @@ impl PressureSlope {
     }
 
     /// What the rest vertices change of the slope beside the equations [1/m], three components per vertex.
-    #[must_use]
     pub fn by_rest(
         &self,
         held: &Problem,
@@ -155,7 +154,6 @@ impl PressureSlope {
     }
 
     /// What the pressures that grow change of the slope beside the equations [1/Pa], at the load at which they are held.
-    #[must_use]
     pub fn by_pressures(
         &self,
         held: &Problem,

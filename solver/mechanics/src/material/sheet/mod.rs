@@ -78,7 +78,6 @@ pub struct Specification {
 
 impl Specification {
     /// The law, ready for use; without compression if it carries `tension` only.
-    #[must_use]
     pub fn build(&self, tension: bool) -> Box<dyn Sheet> {
         let law = (self.law.build)(&self.values);
         if tension { Box::new(TensionField(law)) } else { law }

@@ -54,7 +54,6 @@ pub enum State {
 }
 
 /// Principal strains E₁ ≥ E₂.
-#[must_use]
 pub fn principal(e: &Strain) -> [f64; 2] {
     let (mean, radius) = (0.5 * (e[0] + e[1]), 0.5 * (e[0] - e[1]).hypot(e[2]));
     [mean + radius, mean - radius]

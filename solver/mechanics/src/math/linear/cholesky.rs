@@ -38,7 +38,6 @@ impl Multifrontal {
     /// # Panics
     /// When the groups are not all unknowns, each once, when unknowns of a group have different
     /// neighbours, or when memory runs out.
-    #[must_use]
     pub fn boxed(structure: &Structure) -> Box<dyn DirectSolver> {
         let Structure { pattern, groups, memory } = structure;
         let Symbolic { order, supernodes } = symbolic(pattern, groups);

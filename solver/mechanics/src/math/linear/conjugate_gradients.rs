@@ -91,7 +91,6 @@ pub enum Outcome {
 
 impl Outcome {
     /// The solution, if it was found.
-    #[must_use]
     pub fn solved(self) -> Option<Vec<f64>> {
         if let Self::Solved(x) = self { Some(x) } else { None }
     }

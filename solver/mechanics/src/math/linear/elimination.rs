@@ -12,7 +12,6 @@ const NONE: usize = usize::MAX;
 /// of every subtree of the elimination tree follow one another, so that
 /// disjoint subtrees own disjoint ranges of the factor. The pattern is a lower
 /// triangle in compressed columns; `order[i]` is the unknown at position i.
-#[must_use]
 pub fn postordered(column_start: &[usize], rows: &[usize], order: &[usize]) -> Vec<usize> {
     let parent = parents(&earlier_neighbours(column_start, rows, order));
     postorder(&parent).into_iter().map(|position| order[position]).collect()

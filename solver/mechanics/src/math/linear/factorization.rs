@@ -82,25 +82,21 @@ impl Factorization {
     }
 
     /// Number of unknowns.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.pattern.size()
     }
 
     /// Whether it is that of a positive definite matrix.
-    #[must_use]
     pub fn is_positive(&self) -> bool {
         self.positive.is_some()
     }
 
     /// The smallest pivot, if the matrix is positive definite.
-    #[must_use]
     pub fn smallest_pivot(&self) -> Option<Pivot> {
         self.factor.smallest_pivot()
     }
 
     /// Number of negative eigenvalues of the matrix, its dense part included.
-    #[must_use]
     pub fn negative_eigenvalues(&self) -> usize {
         let own = self.factor.negative_eigenvalues();
         let added = self.matrix.updates.iter().filter(|(scale, _)| *scale > 0.0).count();
@@ -154,7 +150,6 @@ impl Factorization {
     /// Solves A x = b, to ‖A x − b‖ ≤ tolerance ‖b‖, by conjugate gradients with a factor some
     /// of whose pivots were replaced. They meet a direction of negative curvature after a few
     /// steps if A is not positive definite.
-    #[must_use]
     pub fn solve_modified(&self, b: &[f64], tolerance: f64) -> Outcome {
         let stop = Stop { tolerance, steps: REFINEMENTS, near: false };
         self.gradients(&self.matrix, b, &stop).outcome(tolerance)
@@ -163,7 +158,6 @@ impl Factorization {
     /// Solves for another matrix by conjugate gradients, preconditioned with this factor, to
     /// ‖A x − b‖ ≤ tolerance ‖b‖. [`Outcome::Inaccurate`] where a factorisation is likely to be
     /// cheaper, or this one is not that of a positive definite matrix.
-    #[must_use]
     pub fn solve_near(&self, matrix: &Symmetric, b: &[f64], tolerance: f64) -> Outcome {
         if !self.is_positive() {
             return Outcome::Inaccurate;
@@ -200,7 +194,6 @@ impl Factorization {
     }
 
     /// b − A x.
-    #[must_use]
     pub fn residual(&self, b: &[f64], x: &[f64]) -> Vec<f64> {
         let ax = self.pattern.multiply(&self.matrix, x);
         b.iter().zip(&ax).map(|(b, a)| b - a).collect()

@@ -40,7 +40,6 @@ pub struct Symmetric {
 
 impl Symmetric {
     /// A sparse matrix alone.
-    #[must_use]
     pub fn sparse(lower: Vec<f64>) -> Self {
         Self { lower, updates: Vec::new() }
     }
@@ -51,20 +50,17 @@ impl Triangle {
     ///
     /// # Panics
     /// When it has 2³² rows.
-    #[must_use]
     pub fn new(column_start: Vec<usize>, rows: &[usize]) -> Self {
         let groups = groups(&column_start, rows);
         Self { column_start, rows: rows.iter().map(|&row| narrow(row)).collect(), groups }
     }
 
     /// Number of columns.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.column_start.len() - 1
     }
 
     /// The product of a matrix and a vector.
-    #[must_use]
     pub fn multiply(&self, matrix: &Symmetric, x: &[f64]) -> Vec<f64> {
         let mut y =
             sum(self.by_parts(x, |groups, y| self.add_product(&matrix.lower, x, groups, y)));
@@ -215,13 +211,11 @@ fn groups(column_start: &[usize], rows: &[usize]) -> Vec<Range<usize>> {
 }
 
 /// Euclidean norm.
-#[must_use]
 pub fn norm(x: &[f64]) -> f64 {
     dot(x, x).sqrt()
 }
 
 /// Σ of vectors of one length; of none an empty one.
-#[must_use]
 pub fn sum<V: AsRef<[f64]>>(vectors: impl IntoIterator<Item = V>) -> Vec<f64> {
     let mut vectors = vectors.into_iter();
     let mut total = vectors.next().map_or_else(Vec::new, |first| first.as_ref().to_vec());
@@ -242,7 +236,6 @@ pub fn add_scaled(y: &mut [f64], scale: f64, x: &[f64]) {
 
 /// Scalar product. Summed up by pieces of constant length, so that it has the same bits
 /// for any number of threads.
-#[must_use]
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     if x.len() <= PIECE {
         return dot_of_piece(x, y);

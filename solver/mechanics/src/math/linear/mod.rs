@@ -75,7 +75,6 @@ impl SparseSolver {
     /// # Panics
     /// When the groups are not all unknowns, each once, when unknowns of a group have different
     /// neighbours, or when memory runs out.
-    #[must_use]
     pub fn new(column_start: Vec<usize>, rows: &[usize], groups: &[Range<usize>]) -> Self {
         Self::with(
             Triangle::new(column_start, rows),
@@ -89,7 +88,6 @@ impl SparseSolver {
     ///
     /// # Panics
     /// As [`Self::new`] does, or as the direct solver does.
-    #[must_use]
     pub fn with(
         pattern: Triangle,
         groups: &[Range<usize>],
@@ -102,37 +100,31 @@ impl SparseSolver {
     }
 
     /// Number of unknowns.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.pattern.size()
     }
 
     /// The product of a matrix of the pattern and a vector.
-    #[must_use]
     pub fn multiply(&self, matrix: &Symmetric, x: &[f64]) -> Vec<f64> {
         self.pattern.multiply(matrix, x)
     }
 
     /// Number of stored entries of the matrix.
-    #[must_use]
     pub fn entries(&self) -> usize {
         self.pattern.rows.len()
     }
 
     /// Position of the first stored entry of each column of the matrix, its diagonal.
-    #[must_use]
     pub fn column_start(&self) -> &[usize] {
         &self.pattern.column_start
     }
 
     /// What a factorisation takes.
-    #[must_use]
     pub fn cost(&self) -> Cost {
         self.direct.cost()
     }
 
     /// The last factorisation; none before the first, and after one that failed.
-    #[must_use]
     pub fn last(&self) -> Option<&Factorization> {
         self.last.as_deref()
     }
@@ -238,7 +230,6 @@ impl SparseSolver {
     }
 
     /// The last factorisation, for the caller to keep as well.
-    #[must_use]
     pub fn share(&self) -> Option<Arc<Factorization>> {
         self.last.clone()
     }
@@ -258,7 +249,6 @@ impl SparseSolver {
     }
 
     /// The memory that its factorisations use again, for the solver of another pattern.
-    #[must_use]
     pub fn memory(&self) -> Memory {
         self.memory.clone()
     }

@@ -67,7 +67,6 @@ impl Fronts {
     ///
     /// # Panics
     /// When A or a front has 2³² entries, or the columns are not in postorder.
-    #[must_use]
     pub fn new(
         structure: Vec<(Range<usize>, Vec<usize>)>,
         pattern: &Triangle,
@@ -120,13 +119,11 @@ impl Fronts {
     }
 
     /// Number of stored entries of a factor.
-    #[must_use]
     pub fn factor_len(&self) -> usize {
         self.supernodes.last().map_or(0, |s| s.values.end)
     }
 
     /// Floating-point operations of a factorisation.
-    #[must_use]
     pub fn flops(&self) -> f64 {
         self.roots.iter().map(|&r| self.supernodes[r].work).sum()
     }
@@ -134,7 +131,6 @@ impl Fronts {
     /// Operations of the supernodes on the costliest way from a leaf to a root. They follow one
     /// another: subtrees on any number of threads take at least their time, and only threads
     /// within a front make it shorter.
-    #[must_use]
     pub fn chain_flops(&self) -> f64 {
         let mut chains: Vec<f64> = Vec::with_capacity(self.supernodes.len());
         for s in &self.supernodes {
@@ -154,7 +150,6 @@ impl Fronts {
     }
 
     /// Numbers in the updates that wait at once, at most.
-    #[must_use]
     pub fn updates_len(&self) -> usize {
         let update = |s: &Supernode| (s.height() - s.width()).pow(2);
         let mut peaks: Vec<usize> = Vec::with_capacity(self.supernodes.len());

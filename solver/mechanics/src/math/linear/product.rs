@@ -11,7 +11,6 @@ const ORDER: usize = 768;
 const PRODUCTS: usize = 8;
 
 /// Operations per second of a matrix product in single precision on all threads.
-#[must_use]
 pub fn product_speed() -> f64 {
     let a = Mat::<f32>::from_fn(ORDER, ORDER, |i, j| ((i * 7 + j * 3) % 11) as f32);
     let mut c = Mat::<f32>::zeros(ORDER, ORDER);

@@ -31,7 +31,6 @@ pub struct Symbolic {
 /// # Panics
 /// When the groups are not all unknowns, each once, when unknowns of a group have different
 /// neighbours, or when memory runs out.
-#[must_use]
 pub fn symbolic(pattern: &Triangle, groups: &[Range<usize>]) -> Symbolic {
     let (start, entries, ids) = quotient(pattern, groups);
     let mut members = vec![0..0; groups.len()];
@@ -61,7 +60,6 @@ pub fn symbolic(pattern: &Triangle, groups: &[Range<usize>]) -> Symbolic {
 }
 
 /// Groups of one unknown each, for [`super::SparseSolver::new`].
-#[must_use]
 pub fn one_by_one(order: &[usize]) -> Vec<Range<usize>> {
     order.iter().map(|&unknown| unknown..unknown + 1).collect()
 }

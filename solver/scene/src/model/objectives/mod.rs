@@ -34,9 +34,6 @@ pub struct ObjectiveBuilder<'a> {
 
 impl<'a> ObjectiveBuilder<'a> {
     /// Checks the terms of a design file.
-    ///
-    /// # Errors
-    /// When a setting is not admissible.
     pub fn new(design: &Path, terms: &'a [ObjectiveConfig], scene: &Scene) -> Result<Self> {
         for config in terms {
             let context = || design.display().to_string();
@@ -71,17 +68,11 @@ impl<'a> ObjectiveBuilder<'a> {
     }
 
     /// Checks that the times of all terms are times of a scene.
-    ///
-    /// # Errors
-    /// When a time step is missing.
     pub fn check_times(&self, scene: &Scene) -> Result<()> {
         self.terms.iter().try_for_each(|term| factors(term, scene).map(drop))
     }
 
     /// The terms on one body, over the times of a scene.
-    ///
-    /// # Errors
-    /// When a tag, a body or a time step is missing.
     pub fn build(
         &self,
         scene: &Scene,
