@@ -12,7 +12,7 @@ use mechanics::forward::{
 use mesh::Vec3;
 
 use super::{Bound, Rejected, Run, Scenario};
-use crate::study::limit::growing;
+use crate::run::limit::growing;
 
 /// The equilibrium whose pressures grow.
 struct Growing<'a> {
