@@ -35,9 +35,7 @@ pub use energies::{
     BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId,
     RigidEnergies, Term,
 };
-pub use fibres::{
-    Axis, Direction, Directions, FibreMean, FibreSummary, Fibres, gradients_of_potential,
-};
+pub use fibres::{Axis, Direction, Directions, FibreMean, FibreSummary, Fibres};
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolume};
 pub use held::Held;
@@ -52,7 +50,7 @@ pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
 pub use winding::{
-    Along, Climb, Helix, LayError, Layer, Piece, Strand, Winding, WindingSummary, helix, polyline,
+    Along, Climb, Helix, LayError, Piece, Strand, Winding, WindingSummary, helix, polyline,
 };
 
 use mesh::Vec3;
