@@ -10,9 +10,10 @@ use clap::builder::RangedU64ValueParser;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    ArcFollower, LoadStep, Problem, Reached, Steps, TimeStepper, Trajectory, Unreached, Workspace,
-    about, predicted_iterations, predicted_time,
+    LoadStep, Problem, Reached, Steps, TimeStepper, Trajectory, Unreached, Workspace, about,
+    predicted_iterations, predicted_time,
 };
+use mechanics::stability::Continuation;
 use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, Simulation};
 use scene::{Scene, log_share};
@@ -186,7 +187,7 @@ struct Run<'a> {
     workspace: Workspace,
     stepper: TimeStepper,
     /// What follows the path of a static scene by its arc length, if the scene asks for that.
-    follower: Option<ArcFollower>,
+    follower: Option<Continuation>,
     /// The last state of that path.
     last: Option<LoadStep>,
     /// All states, where error bars need them.
@@ -206,7 +207,7 @@ impl<'a> Run<'a> {
     ) -> Self {
         let integrator = scene.integrator(&scene.body, problem);
         let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-        let mut follower = scene.path().map(ArcFollower::new);
+        let mut follower = scene.path().map(Continuation::new);
         let done = checkpoint.as_ref().map_or(0, |c| c.steps);
         let timed = scene.config.time.is_some();
         if let Some(checkpoint) = checkpoint {

@@ -1,8 +1,7 @@
 //! The states of a run: from rest through time, to the full load or along a path, or next to a known equilibrium.
 
-use mechanics::forward::{
-    ArcFollower, LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace,
-};
+use mechanics::forward::{LoadStep, Problem, TimeStepper, Trajectory, Unreached, Workspace};
+use mechanics::stability::Continuation;
 use scene::Scene;
 
 use super::nearby::{is_free_of_history, next_to};
@@ -86,7 +85,7 @@ fn follow(
 ) -> Reached {
     let (rest, mut load_steps) = (&scene.body.mesh.vertices[..], Vec::new());
     let mut trajectory = Trajectory::begin(&stepper.progress.integrator, STATE_MEMORY);
-    let mut follower = scene.path().map(ArcFollower::new);
+    let mut follower = scene.path().map(Continuation::new);
     while let Some(on_path) = &mut follower {
         let step = on_path.next(stepper, problem, workspace, rest)?;
         judge_step(&step);

@@ -30,7 +30,7 @@
 //! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
 //! 2023. One factorisation per step.
 
-mod limit;
+mod scaled_pressure;
 
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
@@ -45,7 +45,7 @@ use crate::forward::{
 };
 use crate::math::linear::{dot, norm};
 
-pub use limit::Grown;
+pub use scaled_pressure::ScaledPressure;
 
 /// Relative residual of the adjoint system that is too large.
 const TOLERANCE: f64 = 1e-9;
@@ -143,7 +143,7 @@ pub fn sweep_for(
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
-        if workspace.tell(&Event::Adjoint { step: n }).is_break() {
+        if workspace.notify(&Event::Adjoint { step: n }).is_break() {
             return Err(NoGradient::Interrupted);
         }
         let State { u, v, a, internal } = states[n].take().unwrap_or_else(|| zeros(len));

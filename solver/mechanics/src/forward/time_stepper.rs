@@ -128,7 +128,7 @@ impl TimeStepper {
     }
 
     /// The last time step that was begun.
-    pub(super) fn step(&self) -> Option<&Arc<TimeStep>> {
+    pub(crate) fn step(&self) -> Option<&Arc<TimeStep>> {
         self.step.as_ref()
     }
 
@@ -152,7 +152,7 @@ impl TimeStepper {
             states.push(end, self.progress.integrator.last().clone());
         }
         if let Some(error) = states.unwritten() {
-            let _told = workspace.tell(&Event::KeptInMemory { error });
+            let _told = workspace.notify(&Event::KeptInMemory { error });
         }
         Ok(states)
     }
@@ -217,7 +217,7 @@ impl TimeStepper {
     }
 
     /// The time step to `end` that is being made, begun if it is not.
-    pub(super) fn begun(
+    pub(crate) fn begun(
         &mut self,
         problem: &Problem,
         workspace: &mut Workspace,
@@ -231,7 +231,7 @@ impl TimeStepper {
     }
 
     /// Takes in a load step, which ends at a fraction of its time step.
-    pub(super) fn accept(
+    pub(crate) fn accept(
         &mut self,
         step: LoadStep,
         fraction: f64,

@@ -128,7 +128,7 @@ impl Workspace {
     }
 
     /// Tells the watch of an event, and gives back whether to go on.
-    pub(crate) fn tell(&mut self, event: &Event) -> ControlFlow<()> {
+    pub(crate) fn notify(&mut self, event: &Event) -> ControlFlow<()> {
         self.watch.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event))
     }
 

@@ -23,7 +23,7 @@ const NEARLY: f64 = 0.9;
 const ROUNDING: f64 = 1e-9;
 
 /// Where a body bursts.
-pub enum Torn {
+pub enum FirstBurst {
     /// A state.
     At(Box<Burst>),
     /// Between two loads, at which no state was found.
@@ -36,12 +36,12 @@ pub enum Torn {
 
 /// A state and its largest stretch.
 #[derive(Clone)]
-struct Passed {
+struct Stretched {
     at: Reached,
     stretch: f64,
 }
 
-impl Passed {
+impl Stretched {
     fn of(at: &Iterate) -> Self {
         let (u, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
         let stretch = LargestStretch::of(at.space, at.rest, at.u).value;
@@ -52,15 +52,15 @@ impl Passed {
 /// Looks at the states of a path, one after the other.
 pub struct BurstSearch {
     at_break: f64,
-    last: Passed,
+    last: Stretched,
     /// The states before and after the burst.
-    between: Option<[Passed; 2]>,
+    between: Option<[Stretched; 2]>,
 }
 
 impl BurstSearch {
     /// Begins at the first state, whose stretch may be beyond that at break.
     pub fn new(start: &Iterate, at_break: f64) -> Self {
-        Self { at_break, last: Passed::of(start), between: None }
+        Self { at_break, last: Stretched::of(start), between: None }
     }
 
     /// Largest stretch of the last state.
@@ -78,7 +78,7 @@ impl BurstSearch {
         if self.has_passed() {
             return;
         }
-        let next = Passed::of(at);
+        let next = Stretched::of(at);
         if next.stretch >= self.at_break {
             self.between = Some([self.last.clone(), next.clone()]);
         }
@@ -92,39 +92,39 @@ impl BurstSearch {
         workspace: &mut Workspace,
         rest: &[Vec3],
         stepping: &Stepping,
-    ) -> Torn {
-        let held = Held { problem, rest, at_break: self.at_break, stepping };
+    ) -> FirstBurst {
+        let bracketing = Bracketing { problem, rest, at_break: self.at_break, stepping };
         match &self.between {
-            Some(between) => held.narrowed(workspace, between.clone()),
-            None if !self.has_passed() => Torn::Never,
-            None => match held.lowered(workspace, self.last.clone()) {
-                Ok(between) => held.narrowed(workspace, between),
-                Err(failure) => Torn::Beyond(failure),
+            Some(between) => bracketing.narrowed(workspace, between.clone()),
+            None if !self.has_passed() => FirstBurst::Never,
+            None => match bracketing.lowered(workspace, self.last.clone()) {
+                Ok(between) => bracketing.narrowed(workspace, between),
+                Err(failure) => FirstBurst::Beyond(failure),
             },
         }
     }
 }
 
 /// What is the same for all states of a path.
-struct Held<'a> {
+struct Bracketing<'a> {
     problem: &'a Problem,
     rest: &'a [Vec3],
     at_break: f64,
     stepping: &'a Stepping,
 }
 
-impl<'a> Held<'a> {
+impl<'a> Bracketing<'a> {
     fn configuration(&self, at: Reached) -> Configuration<'a> {
         let Reached { time, u, multipliers } = at;
         Configuration { rest: self.rest, time, step: None, u, multipliers }
     }
 
     /// The equilibrium at the load of a state near by.
-    fn balanced(&self, workspace: &mut Workspace, near: Reached) -> Result<Passed, Failure> {
+    fn balanced(&self, workspace: &mut Workspace, near: Reached) -> Result<Stretched, Failure> {
         let start = self.configuration(near);
         let mut solution = solve_from(self.problem, workspace, &start, &self.stepping.newton)?;
         let found = solution.steps.pop().ok_or(Failure::Singular)?;
-        Ok(Passed::of(&found.iterate(self.problem, self.rest)))
+        Ok(Stretched::of(&found.iterate(self.problem, self.rest)))
     }
 
     /// The fraction of the way from one state to another that surfaces are free.
@@ -139,8 +139,8 @@ impl<'a> Held<'a> {
     fn lowered(
         &self,
         workspace: &mut Workspace,
-        mut above: Passed,
-    ) -> Result<[Passed; 2], Option<Failure>> {
+        mut above: Stretched,
+    ) -> Result<[Stretched; 2], Option<Failure>> {
         let start = above.at.time;
         let mut part = DOWN;
         for _ in 0..STATES {
@@ -157,7 +157,11 @@ impl<'a> Held<'a> {
     }
 
     /// The burst between two states.
-    fn narrowed(&self, workspace: &mut Workspace, [mut below, mut above]: [Passed; 2]) -> Torn {
+    fn narrowed(
+        &self,
+        workspace: &mut Workspace,
+        [mut below, mut above]: [Stretched; 2],
+    ) -> FirstBurst {
         let newton = &self.stepping.newton;
         let mut part = (self.at_break - below.stretch) / (above.stretch - below.stretch);
         for _ in 0..TRIED {
@@ -167,7 +171,7 @@ impl<'a> Held<'a> {
             let loads = [below.at.time, above.at.time];
             match Burst::near(self.problem, workspace, &start, self.at_break, newton) {
                 Ok(found) if found.negative == 0 && is_between(found.load, loads) => {
-                    return Torn::At(Box::new(found));
+                    return FirstBurst::At(Box::new(found));
                 }
                 Ok(found) => log::debug!("a burst at {} is not between {loads:?}", found.load),
                 Err(failure) => log::debug!("no burst between {loads:?}: {failure}"),
@@ -179,7 +183,7 @@ impl<'a> Held<'a> {
                 Err(_) => part *= 0.5,
             }
         }
-        Torn::Between([below.at.time, above.at.time])
+        FirstBurst::Between([below.at.time, above.at.time])
     }
 }
 

@@ -15,7 +15,7 @@ const NEAR: f64 = 1e-3;
 /// States that are tried, at most.
 const TRIED: usize = 16;
 
-impl ArcFollower {
+impl Continuation {
     /// The state next to the limit point between the last two. None where the first of these is the start of all,
     /// or where there is no limit point between them.
     pub fn narrowed(
@@ -34,11 +34,12 @@ impl ArcFollower {
         // the next state is sought from the one below, which a state that is found takes the place of
         let (mut below, mut above) = (state(before), state(beyond));
         let mut progress = self.before.clone()?;
-        let mut rates = Rates::new(progress.direction.load, self.progress.as_ref()?.direction.load);
+        let mut rates =
+            FalsePosition::new(progress.direction.load, self.progress.as_ref()?.direction.load);
         let (mut nearest, mut part) = (None, 1.0);
         for _ in 0..TRIED {
             let last = below.iterate(problem);
-            let mut from = From { problem, last, step, progress: &progress, end: self.path.end };
+            let mut from = ArcStep { problem, last, step, progress: &progress, end: self.path.end };
             let across = from.change(&above.iterate(problem)).length(progress.scale);
             let length = part * across * rates.zero()?;
             let shortened = ArcProgress { length, ..progress.clone() };
@@ -68,7 +69,7 @@ impl ArcFollower {
 }
 
 /// dt/ds below and above a limit point.
-struct Rates {
+struct FalsePosition {
     below: f64,
     above: f64,
     /// Their difference at first.
@@ -77,7 +78,7 @@ struct Rates {
     below_moved: Option<bool>,
 }
 
-impl Rates {
+impl FalsePosition {
     fn new(below: f64, above: f64) -> Self {
         Self { below, above, change: (below - above).abs(), below_moved: None }
     }

@@ -2,21 +2,22 @@
 //!
 //! Where facets of a mesh slide over each other, forces of contact have kinks. A path may turn back at one, so that a
 //! corrector goes to and fro between both sides, or the body snaps by little. From such a place on, states are found
-//! [by load steps](super::by_load), and a limit is what no stable state near by lies beyond.
+//! [by load steps](super::load_steps), and a limit is what no stable state near by lies beyond.
 
 use std::ops::ControlFlow;
 
 use mesh::Vec3;
 
 use super::Limit;
-use super::by_load::{ByLoad, End};
+use super::load_steps::{End, LoadSteps};
 use crate::energy::Iterate;
 use crate::forward::{
-    ArcFollower, ArcLength, Configuration, Failure, Integrator, Kind, LoadStep, Passed, Problem,
-    Reached, Stepping, TimeStepper, Workspace,
+    Configuration, Failure, Integrator, LoadStep, Problem, Reached, SingularPoint, Singularity,
+    Stepping, TimeStepper, Workspace,
 };
+use crate::stability::{ArcLength, Continuation};
 
-/// First step of the load.
+/// FirstLimit step of the load.
 const FIRST: f64 = 0.05;
 /// States from the start to the limit, at most.
 const STATES: usize = 300;
@@ -26,11 +27,11 @@ const HIGHER: f64 = 0.05;
 const ROUNDING: f64 = 1e-9;
 
 /// What was found of the first limit.
-pub enum First {
+pub enum FirstLimit {
     /// A state, between those of two loads.
     Found(Box<Limit>, [f64; 2]),
     /// One of a kind between two loads, at which no state was found.
-    Between(Kind, [f64; 2]),
+    Between(Singularity, [f64; 2]),
     /// None up to the largest load.
     None,
     /// The start is not stable.
@@ -57,7 +58,7 @@ enum Along {
     /// As far as the observer wanted.
     Stopped,
     /// To what was found, from the last stable state.
-    To(Reached, First),
+    To(Reached, FirstLimit),
 }
 
 /// How the first limit is sought.
@@ -78,41 +79,45 @@ impl LimitSearch {
         workspace: &mut Workspace,
         (start, integrator): (&Iterate, Integrator),
         mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
-    ) -> First {
+    ) -> FirstLimit {
         let (time, u, multipliers) = (start.time, start.u.to_vec(), start.multipliers.to_vec());
         let reached = Reached { time, u, multipliers };
         let on = On { held, rest: start.rest, integrator };
         let (last, found) = match self.along(&on, workspace, reached, &mut observe) {
-            Along::Whole => return First::None,
-            Along::Unstable => return First::Unstable,
-            Along::Stopped => return First::Stopped,
+            Along::Whole => return FirstLimit::None,
+            Along::Unstable => return FirstLimit::Unstable,
+            Along::Stopped => return FirstLimit::Stopped,
             Along::To(last, found) => (last, found),
         };
         let kinks = held.energies.contact.is_some();
         match &found {
-            First::Lost(None | Some(Failure::Folded | Failure::Interrupted)) => return found,
-            First::Lost(_) => {}
+            FirstLimit::Lost(None | Some(Failure::Folded | Failure::Interrupted)) => return found,
+            FirstLimit::Lost(_) => {}
             _ if !kinks => return found,
             _ => {}
         }
         let begun = last.time;
-        let by_load = ByLoad { stepping: &self.stepping, most: self.most };
+        let by_load = LoadSteps { stepping: &self.stepping, most: self.most };
         let came = by_load.from(held, workspace, (on.rest, last), &mut observe);
         let last = came.last.time;
         match (came.end, found) {
-            (End::Most, _) => First::None,
-            (End::Stopped, _) => First::Stopped,
-            (_, found @ (First::Found(..) | First::Between(..))) if last <= begun => found,
+            (End::Most, _) => FirstLimit::None,
+            (End::Stopped, _) => FirstLimit::Stopped,
+            (_, found @ (FirstLimit::Found(..) | FirstLimit::Between(..))) if last <= begun => {
+                found
+            }
             (end, found) => {
                 let (beyond, otherwise) = match (end, found) {
-                    (End::Limit(to), _) => (to, First::Between(Kind::LimitPoint, [last, to])),
-                    (_, First::Lost(why)) => (self.most, First::Lost(why)),
-                    _ => (self.most, First::Lost(None)),
+                    (End::Limit(to), _) => {
+                        (to, FirstLimit::Between(Singularity::LimitPoint, [last, to]))
+                    }
+                    (_, FirstLimit::Lost(why)) => (self.most, FirstLimit::Lost(why)),
+                    _ => (self.most, FirstLimit::Lost(None)),
                 };
                 // next to the limit, the path may be smooth enough for a direct method
                 match self.along(&on, workspace, came.last, |_| ControlFlow::Continue(())) {
-                    Along::To(_, First::Found(limit, loads)) if limit.load <= beyond => {
-                        First::Found(limit, loads)
+                    Along::To(_, FirstLimit::Found(limit, loads)) if limit.load <= beyond => {
+                        FirstLimit::Found(limit, loads)
                     }
                     _ => otherwise,
                 }
@@ -132,12 +137,12 @@ impl LimitSearch {
         let mut stepper = TimeStepper::within(self.stepping, integrator.clone(), from);
         let (first, smallest) = (FIRST, self.stepping.smallest);
         let path = ArcLength { first, largest: f64::INFINITY, smallest, end: self.most };
-        let mut follower = ArcFollower::new(path);
+        let mut follower = Continuation::new(path);
         for states in 1..=STATES {
             let step = match follower.next(&mut stepper, held, workspace, rest) {
                 Ok(step) => step,
                 Err(unreached) => {
-                    return Along::To(last(&stepper, 0), First::Lost(Some(unreached.failure)));
+                    return Along::To(last(&stepper, 0), FirstLimit::Lost(Some(unreached.failure)));
                 }
             };
             let Some(point) = step.path.as_deref() else { continue };
@@ -159,7 +164,7 @@ impl LimitSearch {
                 return Along::Whole;
             }
         }
-        Along::To(last(&stepper, 0), First::Lost(None))
+        Along::To(last(&stepper, 0), FirstLimit::Lost(None))
     }
 
     /// The limit that lies between the last two states of a path.
@@ -167,20 +172,16 @@ impl LimitSearch {
         &self,
         held: &Problem,
         workspace: &mut Workspace,
-        (stepper, follower): (&TimeStepper, &ArcFollower),
+        (stepper, follower): (&TimeStepper, &Continuation),
         rest: &[Vec3],
-        (step, passed): (&LoadStep, Passed),
-    ) -> First {
-        let (kind, loads) = match passed {
-            Passed::LimitPoint(loads) => (Kind::LimitPoint, loads),
-            Passed::Bifurcation(loads) => (Kind::Bifurcation, loads),
-        };
-        let nearer = match kind {
-            Kind::LimitPoint => follower.narrowed(stepper, held, workspace, rest),
-            Kind::Bifurcation => None,
+        (step, passed): (&LoadStep, SingularPoint),
+    ) -> FirstLimit {
+        let nearer = match passed.kind {
+            Singularity::LimitPoint => follower.narrowed(stepper, held, workspace, rest),
+            Singularity::Bifurcation => None,
         };
         let nearest = nearer.as_ref().unwrap_or(step);
-        self.sharp(held, workspace, (rest, nearest), (kind, loads))
+        self.sharp(held, workspace, (rest, nearest), passed)
     }
 
     /// The limit next to a state, between two loads.
@@ -189,23 +190,24 @@ impl LimitSearch {
         held: &Problem,
         workspace: &mut Workspace,
         (rest, nearest): (&[Vec3], &LoadStep),
-        (kind, loads): (Kind, [f64; 2]),
-    ) -> First {
+        passed: SingularPoint,
+    ) -> FirstLimit {
+        let SingularPoint { kind, loads } = passed;
         let LoadStep { time, step, u, multipliers, .. } = nearest;
         let (u, multipliers) = (u.clone(), multipliers.clone());
         let start = Configuration { rest, time: *time, step: step.as_ref(), u, multipliers };
         match Limit::near(held, workspace, &start, kind, &self.stepping.newton) {
             Ok(found) if is_between(found.load, loads, kind) => {
-                First::Found(Box::new(found), loads)
+                FirstLimit::Found(Box::new(found), loads)
             }
             Ok(found) => {
                 // that of another point would be a wrong one
                 log::debug!("the direct method went to {} from {loads:?}", found.load);
-                First::Between(kind, loads)
+                FirstLimit::Between(kind, loads)
             }
             Err(failure) => {
                 log::debug!("the direct method failed: {failure}");
-                First::Between(kind, loads)
+                FirstLimit::Between(kind, loads)
             }
         }
     }
@@ -218,12 +220,12 @@ fn last(stepper: &TimeStepper, back: usize) -> Reached {
 }
 
 /// Whether a load is that of a singular point between two states: above both where the load turns.
-fn is_between(load: f64, [from, to]: [f64; 2], kind: Kind) -> bool {
+fn is_between(load: f64, [from, to]: [f64; 2], kind: Singularity) -> bool {
     let (low, high) = (from.min(to), from.max(to));
     match kind {
-        Kind::LimitPoint => {
+        Singularity::LimitPoint => {
             load >= high - ROUNDING && load <= high + (high - low).max(HIGHER * high)
         }
-        Kind::Bifurcation => load >= low && load <= high,
+        Singularity::Bifurcation => load >= low && load <= high,
     }
 }

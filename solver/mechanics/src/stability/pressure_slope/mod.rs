@@ -23,10 +23,10 @@
 //! Nonlinear Programming", chapter 3.
 
 use super::limit::Covector;
-use super::stability::negative_eigenvalues;
+use super::spectrum::negative_eigenvalues;
 use super::tangent_system::{Direction, Residual, at_held_load, factor};
-use super::{Configuration, Failure, Problem, Workspace};
 use crate::energy::ChamberId;
+use crate::forward::{Configuration, Failure, Problem, Workspace};
 use crate::math::linear::dot;
 
 /// Motion of the difference along the path beside that of differences of tangents.

@@ -9,13 +9,12 @@ use std::ops::ControlFlow;
 use mesh::Vec3;
 
 use crate::energy::Iterate;
-use crate::forward::stability::negative_eigenvalues;
-use crate::forward::stepping::attempt;
-use crate::forward::tangent_system::{at_held_load, factor};
 use crate::forward::{
-    Configuration, Failure, LoadStep, Newton, Problem, Reached, Stepping, Workspace,
+    Configuration, Failure, LoadStep, Newton, Problem, Reached, Stepping, Workspace, attempt,
 };
 use crate::math::linear::norm;
+use crate::stability::spectrum::negative_eigenvalues;
+use crate::stability::tangent_system::{at_held_load, factor};
 
 /// First step of the load, beside it, ...
 const FIRST: f64 = 0.01;
@@ -29,7 +28,7 @@ const NEARBY: f64 = 0.05;
 const GROWN: f64 = 0.2;
 
 /// How to step.
-pub(super) struct ByLoad<'a> {
+pub(super) struct LoadSteps<'a> {
     /// How equilibria are found.
     pub stepping: &'a Stepping,
     /// The largest load.
@@ -66,7 +65,7 @@ enum Refused {
     Failed,
 }
 
-impl ByLoad<'_> {
+impl LoadSteps<'_> {
     /// From a state to the limit. Every state is shown to `observe`, which may end it.
     pub fn from(
         &self,
@@ -161,7 +160,8 @@ fn is_stable(held: &Problem, workspace: &mut Workspace, step: &LoadStep, rest: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forward::{First, Integrator, LimitSearch, Method, State, solve};
+    use crate::forward::{Integrator, Method, State, solve};
+    use crate::stability::{FirstLimit, LimitSearch};
     use crate::testing::{balloon, balloon_pressure};
 
     const NEWTON: Newton = Newton {
@@ -179,19 +179,19 @@ mod tests {
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
         let first = solve(&problem, &mut Workspace::new(&problem), &rest, &stepping, |_| {});
         let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
-        let held = problem.held(1.0, &growing);
+        let held = problem.with_scaled_pressures(1.0, &growing);
         let first = Reached { time: 1.0, u: first.expect("a state").u, multipliers: Vec::new() };
         let search = LimitSearch { stepping, most: 3.0 };
         let zero = vec![0.0; held.dofs()];
         let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
         let mut searching = Workspace::new(&held);
         let start = held.iterate(&rest, &first.u, 1.0);
-        let First::Found(found, _) =
+        let FirstLimit::Found(found, _) =
             search.from(&held, &mut searching, (&start, integrator), |_| ControlFlow::Continue(()))
         else {
             panic!("no limit")
         };
-        let by_load = ByLoad { stepping: &stepping, most: 3.0 };
+        let by_load = LoadSteps { stepping: &stepping, most: 3.0 };
         let came = by_load
             .from(&held, &mut searching, (&rest, first.clone()), |_| ControlFlow::Continue(()));
         // nearly incompressible: Newton's method may fail before it is seen that the sphere balloons
@@ -199,7 +199,7 @@ mod tests {
         let (last, found) = (came.last.time, found.load);
         assert!(last < found && found < last * (1.0 + 2.0 * SMALLEST), "{last} {found}");
         let mut loads = Vec::new();
-        let by_load = ByLoad { most: 1.2, ..by_load };
+        let by_load = LoadSteps { most: 1.2, ..by_load };
         let came = by_load.from(&held, &mut searching, (&rest, first), |step| {
             loads.push(step.time);
             ControlFlow::Continue(())

@@ -14,14 +14,13 @@
 
 mod search;
 
-pub use search::{BurstSearch, Torn};
+pub use search::{BurstSearch, FirstBurst};
 
 use super::limit::Covector;
-use super::newton::Newton;
-use super::stability::negative_eigenvalues;
-use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor, with_load};
-use super::{Configuration, Failure, Problem, Workspace};
+use super::spectrum::negative_eigenvalues;
+use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor};
 use crate::energy::Multiplier;
+use crate::forward::{Configuration, Failure, Newton, Problem, Workspace};
 use crate::math::linear::dot;
 use crate::stretch::LargestStretch;
 
@@ -135,17 +134,10 @@ fn step<'a>(
     (largest, over): (&LargestStretch, f64),
 ) -> Result<Configuration<'a>, Failure> {
     let at = state.iterate(problem);
-    let rate = LoadRate::of(problem, workspace, &at);
     let (by_u, _) = largest.partials(at.space, at.rest, at.u);
     // supports are held
     let row = Row { u: problem.restrict(&by_u), load: 0.0 };
-    let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
-    let tangent = with_load(problem, factor, &now.constraints, &rate, row);
-    let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
-    let mut lower = now.gaps();
-    lower.push(-over);
-    let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
-    let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+    let step = Step::newton(problem, workspace, &at, now, row, over)?;
     Ok(step.cut(problem, workspace, state))
 }
 
