@@ -106,7 +106,7 @@ impl Equilibrium {
         let start = self.problem.iterate(&self.rest, &zero, 0.0);
         let (stepping, integrator) = at_rest(&self.problem);
         let search = LimitSearch { stepping, most: 1.0 };
-        search.from(&self.problem, &mut self.workspace, (&start, integrator), |step| {
+        search.from(&self.problem, &mut self.workspace, &start, integrator, |step| {
             observe(step);
             ControlFlow::Continue(())
         })

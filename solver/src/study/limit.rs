@@ -48,8 +48,8 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
     let burst = scene.stretch_at_break().map(|at_break| BurstSearch::new(end, at_break));
     let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
     let search = LimitSearch { stepping: scene.stepping(), most: config.most };
-    let start = (end, scene.integrator(&scene.body, &held));
-    let first = search.from(&held, &mut workspace, start, |step| {
+    let integrator = scene.integrator(&scene.body, &held);
+    let first = search.from(&held, &mut workspace, end, integrator, |step| {
         if step.path.is_none() {
             way.by_load_from.get_or_insert(way.last()[0]);
         }

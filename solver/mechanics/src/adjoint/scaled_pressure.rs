@@ -33,9 +33,6 @@ pub struct ScaledPressure<'a> {
 
 impl ScaledPressure<'_> {
     /// The derivatives of the load of a limit, as those of a run of one time step.
-    ///
-    /// # Errors
-    /// As [`Limit::covectors`].
     pub fn gradient(&self, workspace: &mut Workspace, limit: &Limit) -> Result<Gradient, Failure> {
         let covectors = limit.covectors(self.held, workspace, self.rest)?;
         Ok(self.along_covectors(&covectors, vec![0.0; 3 * self.rest.len()]))
@@ -48,9 +45,6 @@ impl ScaledPressure<'_> {
     }
 
     /// The derivatives of the slope of the pressure, as those of a run of one time step.
-    ///
-    /// # Errors
-    /// As [`PressureSlope::covectors`].
     pub fn gradient_of_slope(
         &self,
         workspace: &mut Workspace,

@@ -86,9 +86,6 @@ struct State {
 
 impl Newton {
     /// Moves the displacement to an equilibrium.
-    ///
-    /// # Errors
-    /// [`Failure`]; the displacement is then that of the last iterate.
     pub fn solve(
         &self,
         problem: &Problem,
@@ -100,9 +97,6 @@ impl Newton {
 
     /// Moves the displacement to an equilibrium, and adds the residual of every iterate [N] to
     /// `residuals`.
-    ///
-    /// # Errors
-    /// [`Failure`]; the displacement is then that of the last iterate.
     pub fn trace(
         &self,
         problem: &Problem,

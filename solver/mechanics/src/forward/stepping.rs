@@ -15,7 +15,7 @@ use super::path_point::ArcPoint;
 use super::volumes::balance;
 use super::watch::Event;
 use super::{
-    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State,
+    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, Reached, State,
     TimeStepper, Workspace, certificate,
 };
 use crate::energy::{Iterate, Multiplier, TimeStep};
@@ -78,6 +78,12 @@ impl LoadStep {
         let (u, multipliers) = (&self.u, &self.multipliers);
         Iterate { space, rest, u, time: self.time, multipliers, step, chord: None }
     }
+
+    /// The state alone.
+    pub fn into_reached(self) -> Reached {
+        let Self { time, u, multipliers, .. } = self;
+        Reached { time, u, multipliers }
+    }
 }
 
 /// An equilibrium and the load steps to it.
@@ -122,9 +128,6 @@ pub struct Attempt {
 /// Solves under the full load from a nearby equilibrium, in one step. A factor
 /// that the workspace still has is used, so that the result depends on it in its
 /// last digits.
-///
-/// # Errors
-/// [`Failure`] of Newton's method.
 pub fn solve_from(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -139,9 +142,6 @@ pub fn solve_from(
 }
 
 /// Solves under the full load from the rest shape: one time step of length 1.
-///
-/// # Errors
-/// [`Unreached`] with the load that was reached.
 pub fn solve(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -154,9 +154,6 @@ pub fn solve(
 
 /// Solves from the rest shape at t = 0 to the ends `times` of time steps without
 /// inertia. `observe` is called after every accepted step.
-///
-/// # Errors
-/// [`Unreached`] with the load that was reached.
 pub fn solve_in_time(
     problem: &Problem,
     workspace: &mut Workspace,

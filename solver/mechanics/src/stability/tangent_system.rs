@@ -261,9 +261,6 @@ pub struct Step<'a> {
 
 impl<'a> Step<'a> {
     /// That of Newton's method with the exact tangent on all equations and one more, of which `off` is left.
-    ///
-    /// # Errors
-    /// [`Failure`] where the tangent is not finite or singular.
     pub fn newton(
         problem: &Problem,
         workspace: &mut Workspace,

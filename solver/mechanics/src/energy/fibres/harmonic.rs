@@ -17,9 +17,6 @@ use crate::math::tensor::Mat3;
 
 /// ∇φ of every element [1/m], with φ = 0 and φ = 1 at the given vertices; at a vertex of both φ is 0. It is zero in
 /// elements that are connected with neither.
-///
-/// # Errors
-/// [`NotPositive`] where rounding makes such a part indefinite, or an element is flat.
 pub fn gradients_of_potential(
     tets: &[[usize; 4]],
     x: &[Vec3],

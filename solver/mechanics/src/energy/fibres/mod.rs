@@ -46,7 +46,7 @@ pub use direction::{Axis, Direction};
 pub use harmonic::gradients_of_potential;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Where the fibres of a family lead.
 #[derive(Clone, Debug, PartialEq)]

@@ -50,9 +50,6 @@ pub struct Burst {
 
 impl Burst {
     /// The state next to another one.
-    ///
-    /// # Errors
-    /// [`Failure`] where Newton's method does not come to one.
     pub fn near(
         problem: &Problem,
         workspace: &mut Workspace,
@@ -78,13 +75,13 @@ impl Burst {
                 && now.largest_gap() <= newton.relative;
             if placed && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at))
             {
-                return Self::at(problem, workspace, &state, (&now, &largest), iterations);
+                return Self::at(problem, workspace, &state, &largest, iterations);
             }
             if iterations == ITERATIONS {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
             let before = state.time;
-            state = step(problem, workspace, &state, &now, (&largest, over))?;
+            state = step(problem, workspace, &state, &now, &largest, over)?;
             changed = (state.time - before).abs();
         }
         unreachable!("the last iteration returns")
@@ -95,16 +92,17 @@ impl Burst {
         problem: &Problem,
         workspace: &mut Workspace,
         state: &Configuration,
-        (now, largest): (&Residual, &LargestStretch),
+        largest: &LargestStretch,
         iterations: usize,
     ) -> Result<Self, Failure> {
         let at = state.iterate(problem);
+        let constraints = problem.constraints(&at);
         let rate = LoadRate::of(problem, workspace, &at);
         let (by_u, mut by_rest) = largest.partials(at.space, at.rest, at.u);
         let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
-        let held = at_held_load(problem, factor, &now.constraints);
+        let held = at_held_load(problem, factor, &constraints);
         let negative = negative_eigenvalues(factor, &held);
-        let none = vec![0.0; now.constraints.len()];
+        let none = vec![0.0; constraints.len()];
         let found = held.solve(factor, &problem.restrict(&by_u), &none);
         let (lambda, pressures) = found.ok_or(Failure::Singular)?;
         let by_load = dot(&lambda, &rate.force) - dot(&pressures, &rate.gaps);
@@ -113,7 +111,7 @@ impl Burst {
         }
         let scaled = |x: &[f64], by: f64| -> Vec<f64> { x.iter().map(|x| by * x).collect() };
         let mut mu = vec![0.0; state.multipliers.len()];
-        for (constraint, pressure) in now.constraints.iter().zip(&pressures) {
+        for (constraint, pressure) in constraints.iter().zip(&pressures) {
             mu[constraint.multiplier] = pressure / by_load;
         }
         by_rest.iter_mut().for_each(|by| *by /= by_load);
@@ -131,7 +129,8 @@ fn step<'a>(
     workspace: &mut Workspace,
     state: &Configuration<'a>,
     now: &Residual,
-    (largest, over): (&LargestStretch, f64),
+    largest: &LargestStretch,
+    over: f64,
 ) -> Result<Configuration<'a>, Failure> {
     let at = state.iterate(problem);
     let (by_u, _) = largest.partials(at.space, at.rest, at.u);

@@ -8,7 +8,7 @@ use mesh::Vec3;
 
 use super::Burst;
 use crate::energy::Iterate;
-use crate::forward::{Configuration, Failure, Problem, Reached, Stepping, Workspace, solve_from};
+use crate::forward::{Failure, Problem, Reached, Stepping, Workspace, solve_from};
 use crate::stretch::LargestStretch;
 
 /// States between two others that are tried, at most.
@@ -43,9 +43,8 @@ struct Stretched {
 
 impl Stretched {
     fn of(at: &Iterate) -> Self {
-        let (u, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
         let stretch = LargestStretch::of(at.space, at.rest, at.u).value;
-        Self { at: Reached { time: at.time, u, multipliers }, stretch }
+        Self { at: Reached::of(at), stretch }
     }
 }
 
@@ -113,15 +112,10 @@ struct Bracketing<'a> {
     stepping: &'a Stepping,
 }
 
-impl<'a> Bracketing<'a> {
-    fn configuration(&self, at: Reached) -> Configuration<'a> {
-        let Reached { time, u, multipliers } = at;
-        Configuration { rest: self.rest, time, step: None, u, multipliers }
-    }
-
+impl Bracketing<'_> {
     /// The equilibrium at the load of a state near by.
-    fn balanced(&self, workspace: &mut Workspace, near: Reached) -> Result<Stretched, Failure> {
-        let start = self.configuration(near);
+    fn balanced(&self, workspace: &mut Workspace, near: &Reached) -> Result<Stretched, Failure> {
+        let start = near.configuration(self.rest, None);
         let mut solution = solve_from(self.problem, workspace, &start, &self.stepping.newton)?;
         let found = solution.steps.pop().ok_or(Failure::Singular)?;
         Ok(Stretched::of(&found.iterate(self.problem, self.rest)))
@@ -129,7 +123,7 @@ impl<'a> Bracketing<'a> {
 
     /// The fraction of the way from one state to another that surfaces are free.
     fn free(&self, workspace: &mut Workspace, from: &Reached, to: &Reached) -> f64 {
-        let [from, to] = [from, to].map(|at| self.configuration(at.clone()));
+        let [from, to] = [from, to].map(|at| at.configuration(self.rest, None));
         let problem = self.problem;
         let free = workspace.max_step(problem, &from.iterate(problem), &to.iterate(problem));
         if free < 1.0 { NEARLY * free } else { 1.0 }
@@ -145,7 +139,7 @@ impl<'a> Bracketing<'a> {
         let mut part = DOWN;
         for _ in 0..STATES {
             let time = (above.at.time - part * start).max(0.0);
-            match self.balanced(workspace, Reached { time, ..above.at.clone() }) {
+            match self.balanced(workspace, &Reached { time, ..above.at.clone() }) {
                 Ok(below) if below.stretch < self.at_break => return Ok([below, above]),
                 Ok(_) if time == 0.0 => return Err(None),
                 Ok(beyond) => above = beyond,
@@ -167,7 +161,7 @@ impl<'a> Bracketing<'a> {
         for _ in 0..TRIED {
             part *= self.free(workspace, &below.at, &between(&below.at, &above.at, part));
             let between = between(&below.at, &above.at, part);
-            let start = self.configuration(between.clone());
+            let start = between.configuration(self.rest, None);
             let loads = [below.at.time, above.at.time];
             match Burst::near(self.problem, workspace, &start, self.at_break, newton) {
                 Ok(found) if found.negative == 0 && is_between(found.load, loads) => {
@@ -176,7 +170,7 @@ impl<'a> Bracketing<'a> {
                 Ok(found) => log::debug!("a burst at {} is not between {loads:?}", found.load),
                 Err(failure) => log::debug!("no burst between {loads:?}: {failure}"),
             }
-            match self.balanced(workspace, between) {
+            match self.balanced(workspace, &between) {
                 Ok(next) if next.stretch < self.at_break => (below, part) = (next, 0.5),
                 Ok(next) => (above, part) = (next, 0.5),
                 // nearer to a state that is one

@@ -41,7 +41,7 @@ impl Case {
         let mut way = BurstSearch::new(&start, at_break);
         let search = LimitSearch { stepping: stepper.stepping, most };
         let integrator = stepper.progress.integrator.clone();
-        let first = search.from(&held, &mut workspace, (&start, integrator), |step| {
+        let first = search.from(&held, &mut workspace, &start, integrator, |step| {
             way.pass(&step.iterate(&held, &rest));
             ControlFlow::Continue(())
         });

@@ -120,9 +120,6 @@ impl Continuation {
     }
 
     /// The next state. It ends the time step where the load reaches its end from below.
-    ///
-    /// # Errors
-    /// [`Unreached`] with the last state.
     pub fn next(
         &mut self,
         stepper: &mut TimeStepper,

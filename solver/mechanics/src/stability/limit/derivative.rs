@@ -45,9 +45,6 @@ pub struct Covector {
 
 impl Limit {
     /// What makes changes of the equations a change of the load: the sum of these.
-    ///
-    /// # Errors
-    /// [`Failure`] where the path that a branch leaves is not regular.
     pub fn covectors(
         &self,
         problem: &Problem,

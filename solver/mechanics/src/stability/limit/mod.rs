@@ -95,9 +95,6 @@ impl Null {
 
 impl Limit {
     /// The state of the given kind next to a state.
-    ///
-    /// # Errors
-    /// [`Failure`] where Newton's method does not come to one.
     pub fn near(
         problem: &Problem,
         workspace: &mut Workspace,

@@ -42,10 +42,12 @@ pub enum FirstLimit {
     Lost(Option<Failure>),
 }
 
-/// A body whose loads grow.
-struct On<'a> {
-    held: &'a Problem,
+/// One search on a body whose loads grow.
+struct Search<'a> {
+    problem: &'a Problem,
     rest: &'a [Vec3],
+    stepping: Stepping,
+    most: f64,
     integrator: Integrator,
 }
 
@@ -71,25 +73,36 @@ pub struct LimitSearch {
 }
 
 impl LimitSearch {
-    /// The first limit of a problem whose loads grow from a state on ([`Problem::held`]). Every state on the way is
-    /// shown to `observe`, which may end it; one that is no point of a path was found by a load step.
+    /// The first limit of a problem whose loads grow from a state on ([`Problem::with_scaled_pressures`]). Every state on
+    /// the way is shown to `observe`, which may end it; one that is no point of a path was found by a load step.
     pub fn from(
         &self,
-        held: &Problem,
+        problem: &Problem,
         workspace: &mut Workspace,
-        (start, integrator): (&Iterate, Integrator),
+        start: &Iterate,
+        integrator: Integrator,
         mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
     ) -> FirstLimit {
-        let (time, u, multipliers) = (start.time, start.u.to_vec(), start.multipliers.to_vec());
-        let reached = Reached { time, u, multipliers };
-        let on = On { held, rest: start.rest, integrator };
-        let (last, found) = match self.along(&on, workspace, reached, &mut observe) {
+        let Self { stepping, most } = *self;
+        let search = Search { problem, rest: start.rest, stepping, most, integrator };
+        search.from(workspace, Reached::of(start), &mut observe)
+    }
+}
+
+impl Search<'_> {
+    fn from(
+        &self,
+        workspace: &mut Workspace,
+        start: Reached,
+        mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
+    ) -> FirstLimit {
+        let (last, found) = match self.along(workspace, start, &mut observe) {
             Along::Whole => return FirstLimit::None,
             Along::Unstable => return FirstLimit::Unstable,
             Along::Stopped => return FirstLimit::Stopped,
             Along::To(last, found) => (last, found),
         };
-        let kinks = held.energies.contact.is_some();
+        let kinks = self.problem.energies.contact.is_some();
         match &found {
             FirstLimit::Lost(None | Some(Failure::Folded | Failure::Interrupted)) => return found,
             FirstLimit::Lost(_) => {}
@@ -97,8 +110,9 @@ impl LimitSearch {
             _ => {}
         }
         let begun = last.time;
-        let by_load = LoadSteps { stepping: &self.stepping, most: self.most };
-        let came = by_load.from(held, workspace, (on.rest, last), &mut observe);
+        let Self { problem, rest, stepping, most, .. } = self;
+        let load_steps = LoadSteps { problem, rest, stepping, most: *most };
+        let came = load_steps.from(workspace, last, &mut observe);
         let last = came.last.time;
         match (came.end, found) {
             (End::Most, _) => FirstLimit::None,
@@ -107,7 +121,7 @@ impl LimitSearch {
                 found
             }
             (end, found) => {
-                let (beyond, otherwise) = match (end, found) {
+                let (above, otherwise) = match (end, found) {
                     (End::Limit(to), _) => {
                         (to, FirstLimit::Between(Singularity::LimitPoint, [last, to]))
                     }
@@ -115,8 +129,8 @@ impl LimitSearch {
                     _ => (self.most, FirstLimit::Lost(None)),
                 };
                 // next to the limit, the path may be smooth enough for a direct method
-                match self.along(&on, workspace, came.last, |_| ControlFlow::Continue(())) {
-                    Along::To(_, FirstLimit::Found(limit, loads)) if limit.load <= beyond => {
+                match self.along(workspace, came.last, |_| ControlFlow::Continue(())) {
+                    Along::To(_, FirstLimit::Found(limit, loads)) if limit.load <= above => {
                         FirstLimit::Found(limit, loads)
                     }
                     _ => otherwise,
@@ -128,21 +142,20 @@ impl LimitSearch {
     /// Follows the path from a state to the first singular point.
     fn along(
         &self,
-        on: &On,
         workspace: &mut Workspace,
         from: Reached,
         mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
     ) -> Along {
-        let On { held, rest, integrator } = on;
-        let mut stepper = TimeStepper::within(self.stepping, integrator.clone(), from);
+        let mut stepper = TimeStepper::within(self.stepping, self.integrator.clone(), from);
         let (first, smallest) = (FIRST, self.stepping.smallest);
         let path = ArcLength { first, largest: f64::INFINITY, smallest, end: self.most };
-        let mut follower = Continuation::new(path);
+        let mut path = Continuation::new(path);
         for states in 1..=STATES {
-            let step = match follower.next(&mut stepper, held, workspace, rest) {
+            let step = match path.next(&mut stepper, self.problem, workspace, self.rest) {
                 Ok(step) => step,
                 Err(unreached) => {
-                    return Along::To(last(&stepper, 0), FirstLimit::Lost(Some(unreached.failure)));
+                    let lost = FirstLimit::Lost(Some(unreached.failure));
+                    return Along::To(last(&stepper, 0), lost);
                 }
             };
             let Some(point) = step.path.as_deref() else { continue };
@@ -155,8 +168,13 @@ impl LimitSearch {
                     }
                 }
                 Some(&passed) => {
-                    let between = (&stepper, &follower);
-                    let found = self.at(held, workspace, between, rest, (&step, passed));
+                    let nearer = match passed.kind {
+                        Singularity::LimitPoint => {
+                            path.narrowed(&stepper, self.problem, workspace, self.rest)
+                        }
+                        Singularity::Bifurcation => None,
+                    };
+                    let found = self.next_to(workspace, &nearer.unwrap_or(step), passed);
                     return Along::To(last(&stepper, 1), found);
                 }
             }
@@ -167,49 +185,25 @@ impl LimitSearch {
         Along::To(last(&stepper, 0), FirstLimit::Lost(None))
     }
 
-    /// The limit that lies between the last two states of a path.
-    fn at(
-        &self,
-        held: &Problem,
-        workspace: &mut Workspace,
-        (stepper, follower): (&TimeStepper, &Continuation),
-        rest: &[Vec3],
-        (step, passed): (&LoadStep, SingularPoint),
-    ) -> FirstLimit {
-        let nearer = match passed.kind {
-            Singularity::LimitPoint => follower.narrowed(stepper, held, workspace, rest),
-            Singularity::Bifurcation => None,
-        };
-        let nearest = nearer.as_ref().unwrap_or(step);
-        self.sharp(held, workspace, (rest, nearest), passed)
-    }
-
     /// The limit next to a state, between two loads.
-    fn sharp(
+    fn next_to(
         &self,
-        held: &Problem,
         workspace: &mut Workspace,
-        (rest, nearest): (&[Vec3], &LoadStep),
-        passed: SingularPoint,
+        state: &LoadStep,
+        SingularPoint { kind, loads }: SingularPoint,
     ) -> FirstLimit {
-        let SingularPoint { kind, loads } = passed;
-        let LoadStep { time, step, u, multipliers, .. } = nearest;
-        let (u, multipliers) = (u.clone(), multipliers.clone());
-        let start = Configuration { rest, time: *time, step: step.as_ref(), u, multipliers };
-        match Limit::near(held, workspace, &start, kind, &self.stepping.newton) {
+        let (u, multipliers) = (state.u.clone(), state.multipliers.clone());
+        let step = state.step.as_ref();
+        let start = Configuration { rest: self.rest, time: state.time, step, u, multipliers };
+        match Limit::near(self.problem, workspace, &start, kind, &self.stepping.newton) {
             Ok(found) if is_between(found.load, loads, kind) => {
-                FirstLimit::Found(Box::new(found), loads)
+                return FirstLimit::Found(Box::new(found), loads);
             }
-            Ok(found) => {
-                // that of another point would be a wrong one
-                log::debug!("the direct method went to {} from {loads:?}", found.load);
-                FirstLimit::Between(kind, loads)
-            }
-            Err(failure) => {
-                log::debug!("the direct method failed: {failure}");
-                FirstLimit::Between(kind, loads)
-            }
+            // that of another point would be a wrong one
+            Ok(found) => log::debug!("the direct method went to {} from {loads:?}", found.load),
+            Err(failure) => log::debug!("the direct method failed: {failure}"),
         }
+        FirstLimit::Between(kind, loads)
     }
 }
 

@@ -46,9 +46,6 @@ pub struct PressureSlope {
 
 impl PressureSlope {
     /// The slope by the pressures of some chambers, which grow in proportion to the load ([`Problem::held`]).
-    ///
-    /// # Errors
-    /// [`Failure`] where the tangent is singular, and [`Failure::NoLoad`] where no pressure acts.
     pub fn of(
         held: &Problem,
         workspace: &mut Workspace,
@@ -77,9 +74,6 @@ impl PressureSlope {
     }
 
     /// What makes changes of the equations one of the slope. The tangent is factored once more.
-    ///
-    /// # Errors
-    /// [`Failure`] where it is singular.
     pub fn covectors(
         &self,
         held: &Problem,
