@@ -21,6 +21,8 @@ mod quadrature_points;
 mod rigid;
 mod rim;
 mod springs;
+#[cfg(test)]
+mod tests;
 mod traction;
 mod viscous;
 mod wall;
@@ -50,7 +52,7 @@ pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
 pub use winding::{
-    Along, Climb, Helix, LayError, Piece, Strand, Winding, WindingSummary, helix, polyline,
+    Along, Helix, LayError, Lead, Piece, Strand, Winding, WindingSummary, helix, polyline,
 };
 
 use mesh::Vec3;

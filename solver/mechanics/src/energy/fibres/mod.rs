@@ -44,7 +44,7 @@ use crate::math::tensor::Mat3;
 pub use direction::{Axis, Direction};
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Where the fibres of a family lead.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,5 @@
-//! Laws given as ψ(Ī₁, Ī₂, J): stress and tangent by the chain rule.
+//! Laws given as ψ̄(Ī₁, Ī₂) + U(J), of which the isochoric and the volumetric part are decoupled: stress and tangent by
+//! the chain rule.
 //!
 //! Ī₁ = J^{−2/3} I₁      Ī₂ = J^{−4/3} I₂
 //!
@@ -44,8 +45,8 @@ pub struct Invariants {
     pub j_minus_1: f64,
 }
 
-/// An isotropic law; J > 0 is given.
-pub trait Isotropic: Send + Sync {
+/// An isotropic law ψ̄(Ī₁, Ī₂) + U(J) of decoupled isochoric and volumetric parts; J > 0 is given.
+pub trait Decoupled: Send + Sync {
     /// ψ and its derivatives.
     fn partials(&self, at: &Invariants) -> Partials;
     /// Number of parameters.
@@ -61,7 +62,7 @@ pub(super) fn alone(k: &Kinematics) -> Points<Scalar> {
     Points::new(Scalar, &splat(Scalar, &k.grad_u))
 }
 
-impl<T: Isotropic + Clone + 'static> Material for T {
+impl<T: Decoupled + Clone + 'static> Material for T {
     fn energy_density(&self, k: &Kinematics) -> f64 {
         let at = Points::invariants(&alone(k))[0];
         if at.j > 0.0 { self.partials(&at).value } else { f64::INFINITY }
@@ -79,7 +80,7 @@ impl<T: Isotropic + Clone + 'static> Material for T {
     }
 
     fn parameter_count(&self) -> usize {
-        Isotropic::parameter_count(self)
+        Decoupled::parameter_count(self)
     }
 
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
@@ -89,7 +90,7 @@ impl<T: Isotropic + Clone + 'static> Material for T {
         self.add_partials_vjp(&at.invariants()[0], bar, out);
     }
 
-    fn isotropic(&self) -> Option<&dyn Isotropic> {
+    fn decoupled(&self) -> Option<&dyn Decoupled> {
         Some(self)
     }
 
@@ -99,6 +100,6 @@ impl<T: Isotropic + Clone + 'static> Material for T {
 
     /// J does not couple to the other invariants.
     fn split(&self) -> Option<Split> {
-        Some(Split::of_isotropic(self.clone()))
+        Some(Split::of_decoupled(self.clone()))
     }
 }

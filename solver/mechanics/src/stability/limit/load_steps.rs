@@ -9,13 +9,10 @@ use std::ops::ControlFlow;
 use mesh::Vec3;
 
 use crate::energy::Iterate;
-use crate::forward::stability::negative_eigenvalues;
-use crate::forward::stepping::attempt;
-use crate::forward::tangent_system::{at_held_load, factor};
-use crate::forward::{
-    Configuration, Failure, LoadStep, Newton, Problem, Reached, Stepping, Workspace,
-};
+use crate::forward::{Failure, LoadStep, Newton, Problem, Reached, Stepping, Workspace, attempt};
 use crate::math::linear::norm;
+use crate::stability::spectrum::negative_eigenvalues;
+use crate::stability::tangent_system::{at_held_load, factor};
 
 /// First step of the load, beside it, ...
 const FIRST: f64 = 0.01;
@@ -29,7 +26,11 @@ const NEARBY: f64 = 0.05;
 const GROWN: f64 = 0.2;
 
 /// How to step.
-pub(super) struct ByLoad<'a> {
+pub(super) struct LoadSteps<'a> {
+    /// A problem whose loads grow.
+    pub problem: &'a Problem,
+    /// Rest vertices [m].
+    pub rest: &'a [Vec3],
     /// How equilibria are found.
     pub stepping: &'a Stepping,
     /// The largest load.
@@ -37,7 +38,7 @@ pub(super) struct ByLoad<'a> {
 }
 
 /// How far the steps came.
-pub(super) struct Came {
+pub(super) struct Outcome {
     /// The last stable state.
     pub last: Reached,
     /// Why not further.
@@ -66,46 +67,44 @@ enum Refused {
     Failed,
 }
 
-impl ByLoad<'_> {
+impl LoadSteps<'_> {
     /// From a state to the limit. Every state is shown to `observe`, which may end it.
     pub fn from(
         &self,
-        held: &Problem,
         workspace: &mut Workspace,
-        (rest, mut last): (&[Vec3], Reached),
+        mut last: Reached,
         mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
-    ) -> Came {
-        let (mut share, mut refused) = (FIRST, None);
+    ) -> Outcome {
+        let (mut part, mut refused) = (FIRST, None);
         loop {
-            let further = (last.time * (1.0 + share)).min(self.most);
+            let further = (last.time * (1.0 + part)).min(self.most);
             let load = match &refused {
-                Some((beyond, _)) if further >= *beyond => 0.5 * (last.time + beyond),
+                Some((above, _)) if further >= *above => 0.5 * (last.time + above),
                 _ => further,
             };
             let shortest = last.time * (1.0 + SMALLEST);
-            match self.step(held, workspace, (rest, &last), load) {
+            match self.step(workspace, &last, load) {
                 Ok(step) => {
                     let goes_on = observe(&step);
-                    let LoadStep { time, u, multipliers, .. } = step;
-                    last = Reached { time, u, multipliers };
-                    if goes_on.is_break() && time < self.most {
-                        return Came { last, end: End::Stopped };
+                    last = step.into_reached();
+                    if goes_on.is_break() && last.time < self.most {
+                        return Outcome { last, end: End::Stopped };
                     }
-                    share = (2.0 * share).min(LARGEST);
+                    part = (2.0 * part).min(LARGEST);
                 }
-                Err(Refused::Far) if load > shortest => share = (0.5 * share).max(SMALLEST),
+                Err(Refused::Far) if load > shortest => part = (0.5 * part).max(SMALLEST),
                 Err(why) => refused = Some((load, why)),
             }
             if last.time >= self.most {
-                return Came { last, end: End::Most };
+                return Outcome { last, end: End::Most };
             }
             match refused {
-                Some((beyond, why)) if beyond <= last.time * (1.0 + SMALLEST) => {
+                Some((above, why)) if above <= last.time * (1.0 + SMALLEST) => {
                     let end = match why {
-                        Refused::Limit | Refused::Far => End::Limit(beyond),
+                        Refused::Limit | Refused::Far => End::Limit(above),
                         Refused::Failed => End::Unknown,
                     };
-                    return Came { last, end };
+                    return Outcome { last, end };
                 }
                 _ => {}
             }
@@ -115,26 +114,24 @@ impl ByLoad<'_> {
     /// The next state at a load.
     fn step(
         &self,
-        held: &Problem,
         workspace: &mut Workspace,
-        (rest, last): (&[Vec3], &Reached),
+        last: &Reached,
         load: f64,
     ) -> Result<LoadStep, Refused> {
-        let (u, multipliers) = (last.u.clone(), last.multipliers.clone());
-        let start = Configuration { rest, time: last.time, step: None, u, multipliers };
+        let Self { problem, rest, .. } = *self;
         let newton = Newton { ballooned: Some(1.0), ..self.stepping.newton };
-        let found = attempt(held, workspace, &start, load, &newton);
+        let found = attempt(problem, workspace, &last.configuration(rest, None), load, &newton);
         let step = found.map_err(|failed| {
             log::debug!("a step to {load:.4} failed ({})", failed.failure);
-            let [from, to] = [&last.u, &failed.u].map(|u| held.iterate(rest, u, load));
-            let mut grown = volumes(held, &to).zip(volumes(held, &from));
+            let [from, to] = [&last.u, &failed.u].map(|u| problem.iterate(rest, u, load));
+            let mut grown = volumes(problem, &to).zip(volumes(problem, &from));
             let balloons = matches!(failed.failure, Failure::Balloons { .. })
                 || grown.any(|(after, before)| after > (1.0 + GROWN) * before);
             if balloons { Refused::Limit } else { Refused::Failed }
         })?;
         let moved: Vec<f64> = step.u.iter().zip(&last.u).map(|(to, from)| to - from).collect();
         let moved = norm(&moved) / norm(&last.u);
-        let stable = is_stable(held, workspace, &step, rest);
+        let stable = self.is_stable(workspace, &step.iterate(problem, rest));
         log::debug!("step to {load:.4}: moved by {moved:.2e}, stable: {stable}");
         match stable {
             false => Err(Refused::Limit),
@@ -142,26 +139,27 @@ impl ByLoad<'_> {
             true => Ok(step),
         }
     }
+
+    fn is_stable(&self, workspace: &mut Workspace, at: &Iterate) -> bool {
+        let constraints = self.problem.constraints(at);
+        let factor = factor(self.problem, workspace, at);
+        factor.is_some_and(|factor| {
+            let held = at_held_load(self.problem, factor, &constraints);
+            negative_eigenvalues(factor, &held) == 0
+        })
+    }
 }
 
 /// Volume of each chamber [m³].
-fn volumes(held: &Problem, at: &Iterate) -> impl Iterator<Item = f64> {
-    held.energies.chambers().map(|(_, named)| named.chamber.state(at).0)
-}
-
-fn is_stable(held: &Problem, workspace: &mut Workspace, step: &LoadStep, rest: &[Vec3]) -> bool {
-    let at = step.iterate(held, rest);
-    let constraints = held.constraints(&at);
-    let factor = factor(held, workspace, &at);
-    factor.is_some_and(|factor| {
-        negative_eigenvalues(factor, &at_held_load(held, factor, &constraints)) == 0
-    })
+fn volumes(problem: &Problem, at: &Iterate) -> impl Iterator<Item = f64> {
+    problem.energies.chambers().map(|(_, named)| named.chamber.state(at).0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forward::{First, Integrator, LimitSearch, Method, State, solve};
+    use crate::forward::{Integrator, Method, State, solve};
+    use crate::stability::{FirstLimit, LimitSearch};
     use crate::testing::{balloon, balloon_pressure};
 
     const NEWTON: Newton = Newton {
@@ -179,28 +177,27 @@ mod tests {
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
         let first = solve(&problem, &mut Workspace::new(&problem), &rest, &stepping, |_| {});
         let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
-        let held = problem.held(1.0, &growing);
+        let held = problem.with_scaled_pressures(1.0, &growing);
         let first = Reached { time: 1.0, u: first.expect("a state").u, multipliers: Vec::new() };
         let search = LimitSearch { stepping, most: 3.0 };
         let zero = vec![0.0; held.dofs()];
         let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
         let mut searching = Workspace::new(&held);
         let start = held.iterate(&rest, &first.u, 1.0);
-        let First::Found(found, _) =
-            search.from(&held, &mut searching, (&start, integrator), |_| ControlFlow::Continue(()))
+        let FirstLimit::Found(found, _) =
+            search.from(&held, &mut searching, &start, integrator, |_| ControlFlow::Continue(()))
         else {
             panic!("no limit")
         };
-        let by_load = ByLoad { stepping: &stepping, most: 3.0 };
-        let came = by_load
-            .from(&held, &mut searching, (&rest, first.clone()), |_| ControlFlow::Continue(()));
+        let by_load = LoadSteps { problem: &held, rest: &rest, stepping: &stepping, most: 3.0 };
+        let came = by_load.from(&mut searching, first.clone(), |_| ControlFlow::Continue(()));
         // nearly incompressible: Newton's method may fail before it is seen that the sphere balloons
         assert!(!matches!(came.end, End::Most | End::Stopped));
         let (last, found) = (came.last.time, found.load);
         assert!(last < found && found < last * (1.0 + 2.0 * SMALLEST), "{last} {found}");
         let mut loads = Vec::new();
-        let by_load = ByLoad { most: 1.2, ..by_load };
-        let came = by_load.from(&held, &mut searching, (&rest, first), |step| {
+        let by_load = LoadSteps { most: 1.2, ..by_load };
+        let came = by_load.from(&mut searching, first, |step| {
             loads.push(step.time);
             ControlFlow::Continue(())
         });

@@ -3,15 +3,15 @@
 use mesh::Vec3;
 
 use super::*;
-use crate::adjoint::Grown;
+use crate::adjoint::ScaledPressure;
 use crate::energy::{
     BodyEnergies, Chamber, Elastic, Energies, Isobaric, Multiplier, ParameterId, PrescribedVolume,
 };
-use crate::forward::path::tests::stepper;
 use crate::material::{Lame, NeoHookean};
 use crate::math::random::Random;
 use crate::math::taylor::taylor;
 use crate::schedule::Schedule;
+use crate::stability::continuation::tests::stepper;
 use crate::testing::{
     BALLOON, BALLOON_MODULUS, balloon, balloon_pressure, eighth_shell, flat, shell_problem,
     shell_wall,
@@ -53,7 +53,7 @@ impl Case {
     }
 
     fn held(&self) -> Problem {
-        self.problem.held(1.0, &self.growing())
+        self.problem.with_scaled_pressures(1.0, &self.growing())
     }
 
     /// The equilibrium of a rest shape at a load.
@@ -76,7 +76,7 @@ impl Case {
         let (held, growing) = (self.held(), self.growing());
         let (state, slope) = (self.at(&self.rest, 1.0), self.slope_at(&self.rest, 1.0));
         let (problem, rest) = (&self.problem, &self.rest[..]);
-        let grown = Grown { problem, held: &held, rest, time: 1.0, growing: &growing };
+        let grown = ScaledPressure { problem, held: &held, rest, time: 1.0, chambers: &growing };
         let gradient = grown.gradient_of_slope(&mut Workspace::new(&held), &state, &slope);
         (slope, gradient.expect("a gradient"))
     }

@@ -45,14 +45,14 @@ impl Along {
 
 /// What the number of a helix is, all of whose values have one sign: negative for a left-handed screw.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Climb {
+pub enum Lead {
     /// Height of a turn [m].
     Pitch(Along),
     /// Angle to the axis [rad], at a distance from it [m].
     Angle(Along, f64),
 }
 
-impl Climb {
+impl Lead {
     /// The pitch, or the angle.
     pub fn number(&self) -> &Along {
         match self {
@@ -98,7 +98,7 @@ impl Climb {
     }
 }
 
-/// Turns, and their derivatives by the values of a [`Climb`].
+/// Turns, and their derivatives by the values of a [`Lead`].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Turns {
     pub count: f64,
@@ -113,8 +113,8 @@ impl Turns {
 }
 
 /// The turns of a helix by the height.
-pub(super) struct Course<'a> {
-    climb: &'a Climb,
+pub(super) struct TurnsByHeight<'a> {
+    lead: &'a Lead,
     /// Places on [0, 1] and weights.
     rule: Vec<(f64, f64)>,
     /// Heights between which splines are polynomials, in their order, and the turns there from the first.
@@ -123,31 +123,31 @@ pub(super) struct Course<'a> {
     start: Option<Turns>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> TurnsByHeight<'a> {
     /// Of a helix that starts at a height [m].
-    pub fn new(climb: &'a Climb, start: f64) -> Self {
-        let heights = match climb.number() {
+    pub fn new(lead: &'a Lead, start: f64) -> Self {
+        let heights = match lead.number() {
             Along::Number(_) => vec![start],
             Along::Profile(profile) => profile.knots(),
         };
         let rule = gauss_jacobi(POINTS, 0);
-        let mut course = Self { climb, rule, knots: Vec::new(), start: None };
+        let mut turns = Self { lead, rule, knots: Vec::new(), start: None };
         for height in heights {
-            let turns = course.since_first(height);
-            course.knots.push((height, turns));
+            let there = turns.since_first(height);
+            turns.knots.push((height, there));
         }
-        course.start = Some(course.since_first(start));
-        course
+        turns.start = Some(turns.since_first(start));
+        turns
     }
 
     /// The turns at a height from the first knot.
     fn since_first(&self, height: f64) -> Turns {
         let below = self.knots.iter().rev().find(|(knot, _)| *knot <= height);
         let Some((from, turns)) = below.or(self.knots.first()) else {
-            return self.climb.turns([height, height], &[]);
+            return self.lead.turns([height, height], &[]);
         };
         let mut turns = turns.clone();
-        turns.add(&self.climb.turns([*from, height], &self.rule), 1.0);
+        turns.add(&self.lead.turns([*from, height], &self.rule), 1.0);
         turns
     }
 
@@ -174,22 +174,22 @@ mod tests {
         Along::Profile(Profile::new(axis, HEIGHTS, values.to_vec()).expect("it is good"))
     }
 
-    fn turns(climb: &Climb, start: f64, height: f64) -> Turns {
-        Course::new(climb, start).turns(height)
+    fn turns(lead: &Lead, start: f64, height: f64) -> Turns {
+        TurnsByHeight::new(lead, start).turns(height)
     }
 
     /// A pitch that grows linearly, a + b z: ln of the ratio over b; constant beyond the ends.
     #[test]
     fn a_linear_pitch_has_its_logarithm() {
-        let climb = Climb::Pitch(profile(&[2e-3, 5e-3]));
+        let lead = Lead::Pitch(profile(&[2e-3, 5e-3]));
         let slope = 3e-3 / 0.06;
         let at = |z: f64| (1.0 + slope * (z - 0.01) / 2e-3).ln() / slope;
-        let found = turns(&climb, 0.02, 0.06).count;
+        let found = turns(&lead, 0.02, 0.06).count;
         assert!((found / (at(0.06) - at(0.02)) - 1.0).abs() < 1e-9, "{found}");
-        let beyond = turns(&climb, -0.01, 0.09).count;
+        let beyond = turns(&lead, -0.01, 0.09).count;
         let exact = 0.02 / 2e-3 + at(0.07) + 0.02 / 5e-3;
         assert!((beyond / exact - 1.0).abs() < 1e-9, "{beyond} {exact}");
-        assert!((turns(&climb, 0.06, 0.02).count + found).abs() < 1e-9 * found);
+        assert!((turns(&lead, 0.06, 0.02).count + found).abs() < 1e-9 * found);
     }
 
     #[test]
@@ -197,8 +197,8 @@ mod tests {
         for hand in [1.0, -1.0] {
             for number in [3e-3, 1.1] {
                 let of = |along: Along| match number < 0.1 {
-                    true => Climb::Pitch(along),
-                    false => Climb::Angle(along, 0.01),
+                    true => Lead::Pitch(along),
+                    false => Lead::Angle(along, 0.01),
                 };
                 let [one, all] = [Along::Number(hand * number), profile(&[hand * number; 6])]
                     .map(|along| turns(&of(along), 0.013, 0.055));
@@ -212,14 +212,14 @@ mod tests {
     fn derivatives_are_those_of_differences() {
         let values = [0.9, 1.2, 0.7, 1.1, 1.3];
         for hand in [1.0, -1.0] {
-            let angle = |values: [f64; 5]| Climb::Angle(profile(&values.map(|v| hand * v)), 0.01);
-            let pitch = |values: [f64; 5]| Climb::Pitch(profile(&values.map(|v| hand * 3e-3 * v)));
+            let angle = |values: [f64; 5]| Lead::Angle(profile(&values.map(|v| hand * v)), 0.01);
+            let pitch = |values: [f64; 5]| Lead::Pitch(profile(&values.map(|v| hand * 3e-3 * v)));
             for (i, scale) in (0..5).flat_map(|i| [(i, 1.0), (i, 3e-3)]) {
                 let of = |by: f64| {
                     let mut values = values;
                     values[i] += by;
-                    let climb = if scale == 1.0 { angle(values) } else { pitch(values) };
-                    turns(&climb, 0.015, 0.065)
+                    let lead = if scale == 1.0 { angle(values) } else { pitch(values) };
+                    turns(&lead, 0.015, 0.065)
                 };
                 let step = 1e-5;
                 let slope = (of(step).count - of(-step).count) / (2.0 * step * hand * scale);

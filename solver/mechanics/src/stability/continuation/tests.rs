@@ -4,23 +4,22 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::adjoint::Grown;
+use crate::adjoint::ScaledPressure;
 use crate::element::FunctionSpace;
 use crate::energy::ParameterId;
 use crate::energy::{BodyForce, Energies};
-use crate::forward::{
-    First, Integrator, Kind, Limit, LimitSearch, Method, Newton, State, Stepping,
-};
+use crate::forward::{Integrator, Method, Newton, State, Stepping};
 use crate::material::{Lame, NeoHookean};
 use crate::math::linear::dot;
 use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
+use crate::stability::{FirstLimit, Limit, LimitSearch};
 use crate::testing::{self, balloon, balloon_pressure};
 
-pub(in crate::forward) const NEWTON: Newton =
+pub(in crate::stability) const NEWTON: Newton =
     Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0, ballooned: None };
 
-pub(in crate::forward) fn stepper(problem: &Problem) -> TimeStepper {
+pub(in crate::stability) fn stepper(problem: &Problem) -> TimeStepper {
     let zero = vec![0.0; problem.dofs()];
     let start = State::new(zero.clone(), zero);
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
@@ -41,7 +40,7 @@ fn follow_to(
     at_first: bool,
 ) -> Vec<LoadStep> {
     let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
-    let mut follower = ArcFollower::new(path);
+    let mut follower = Continuation::new(path);
     let mut steps: Vec<LoadStep> = Vec::new();
     let stops =
         |step: &LoadStep| step.ends_time_step || (at_first && !point(step).passed.is_empty());
@@ -114,7 +113,7 @@ fn point(step: &LoadStep) -> &ArcPoint {
     step.path.as_deref().expect("a path")
 }
 
-fn passed(steps: &[LoadStep]) -> Vec<Passed> {
+fn passed(steps: &[LoadStep]) -> Vec<SingularPoint> {
     steps.iter().flat_map(|step| point(step).passed.clone()).collect()
 }
 
@@ -138,9 +137,9 @@ fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
         assert!((step.time - expected).abs() < 0.01, "{} {expected}", step.time);
     }
     let passed = passed(&steps);
-    let [Passed::LimitPoint(top), Passed::LimitPoint(bottom)] = passed[..] else {
-        panic!("{passed:?}")
-    };
+    assert!(passed.iter().all(|point| point.kind == Singularity::LimitPoint), "{passed:?}");
+    let [top, bottom] = [0, 1].map(|i| passed[i].loads);
+    assert_eq!(passed.len(), 2);
     assert!(top.iter().all(|t| *t < limits[0] / full + 0.01), "{top:?}");
     assert!(bottom.iter().all(|t| *t > limits[1] / full - 0.01), "{bottom:?}");
     // it falls between both, on an unstable branch
@@ -151,66 +150,13 @@ fn a_shallow_arch_snaps_through_at_the_load_of_its_closed_form() {
     );
 }
 
-/// A higher arch bends sideways before it snaps, where a² − b² = 2.7276, and in its second symmetrical mode where
-/// N L²/(E I) = 16 π², which is a² − b² = 16/3: there and back, symmetrically around b = 0.
-#[test]
-#[ignore = "a quarter of a minute: runs in make test-all; the shallow arch and the direct method stay"]
-fn a_higher_arch_says_where_an_asymmetrical_branch_leaves() {
-    let rise: f64 = 2.5;
-    let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
-    let full = 1.5 * leaves;
-    let (problem, rest, _) = arch(rise, full);
-    let path = ArcLength { first: 0.05, largest: 0.15, smallest: 1e-3, end: 1.0 };
-    let steps = follow(&problem, &rest, path, 100);
-    assert!(steps.last().is_some_and(|step| step.ends_time_step), "{} states", steps.len());
-    let passed = passed(&steps);
-    let expected = [2.7276, 16.0 / 3.0].map(|thrust: f64| (rise * rise - thrust).sqrt());
-    let expected = [expected[0], expected[1], -expected[1], -expected[0]];
-    let mut expected = expected.into_iter().map(|b| arch_load(rise, b) / full);
-    let mut kinds = Vec::new();
-    for one in &passed {
-        let Passed::Bifurcation(loads) = *one else {
-            kinds.push("limit");
-            continue;
-        };
-        kinds.push("bifurcation");
-        let (from, to) = (loads[0].min(loads[1]) - 0.02, loads[0].max(loads[1]) + 0.02);
-        let load = expected.next().expect("four");
-        assert!(from < load && load < to, "{from} {load} {to}");
-    }
-    let between = ["limit", "bifurcation", "bifurcation", "limit"];
-    assert_eq!(kinds, [&["bifurcation"], &between[..], &["bifurcation"]].concat(), "{passed:?}");
-    let smallest = steps.iter().map(|s| s.time).fold(1.0, f64::min);
-    assert!(smallest < 0.0, "the load has to push it back: {smallest}");
-}
-
-#[test]
-fn a_sphere_balloons_at_the_pressure_of_its_closed_form() {
-    let limit = (100..400).map(|i| balloon_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
-    let (problem, rest) = balloon(2, 2, 1.1 * limit);
-    let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
-    let steps = follow(&problem, &rest, path, 14);
-    let stretch = |step: &LoadStep| {
-        let at = step.iterate(&problem, &rest);
-        let (_, named) = problem.energies.chambers().next().expect("a chamber");
-        (named.chamber.state(&at).0 / named.chamber.rest_volume(&at)).cbrt()
-    };
-    for step in &steps {
-        let (found, expected) = (1.1 * limit * step.time, balloon_pressure(stretch(step)));
-        assert!((found / expected - 1.0).abs() < 0.006, "{found} {expected}");
-    }
-    let top = steps.iter().map(|step| step.time).fold(0.0, f64::max);
-    assert!(top < 0.95, "{top}");
-    assert!(steps.last().is_some_and(|step| stretch(step) > 2.0));
-}
-
 #[test]
 fn a_path_without_load_and_a_body_that_floats_are_refused() {
     let (problem, rest, _) = arch(1.1, 0.0);
     let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
     let follow = |problem: &Problem| {
         let mut workspace = Workspace::new(problem);
-        let mut follower = ArcFollower::new(path);
+        let mut follower = Continuation::new(path);
         let next = follower.next(&mut stepper(problem), problem, &mut workspace, &rest);
         next.err().map(|unreached| unreached.failure)
     };
@@ -218,9 +164,14 @@ fn a_path_without_load_and_a_body_that_floats_are_refused() {
 }
 
 /// The loads of the states before the first singular point of a path and after it, and the point by the direct method.
-fn first_limit(problem: &Problem, rest: &[Vec3], path: ArcLength, kind: Kind) -> (Limit, [f64; 2]) {
+fn first_limit(
+    problem: &Problem,
+    rest: &[Vec3],
+    path: ArcLength,
+    kind: Singularity,
+) -> (Limit, [f64; 2]) {
     let (mut workspace, mut stepper) = (Workspace::new(problem), stepper(problem));
-    let mut follower = ArcFollower::new(path);
+    let mut follower = Continuation::new(path);
     let mut before = 0.0;
     let beyond = loop {
         let step = follower.next(&mut stepper, problem, &mut workspace, rest).expect("a state");
@@ -230,8 +181,8 @@ fn first_limit(problem: &Problem, rest: &[Vec3], path: ArcLength, kind: Kind) ->
         before = step.time;
     };
     let nearer = match kind {
-        Kind::LimitPoint => follower.narrowed(&stepper, problem, &mut workspace, rest),
-        Kind::Bifurcation => None,
+        Singularity::LimitPoint => follower.narrowed(&stepper, problem, &mut workspace, rest),
+        Singularity::Bifurcation => None,
     };
     let start = configuration(rest, nearer.as_ref().unwrap_or(&beyond));
     let limit = Limit::near(problem, &mut workspace, &start, kind, &NEWTON);
@@ -260,7 +211,7 @@ fn the_direct_method_converges_quadratically_from_afar() {
     let steps = follow_to(&problem, &rest, path, 40, true);
     let start = configuration(&rest, steps.last().expect("states"));
     let mut workspace = Workspace::new(&problem);
-    let limit = Limit::near(&problem, &mut workspace, &start, Kind::LimitPoint, &NEWTON);
+    let limit = Limit::near(&problem, &mut workspace, &start, Singularity::LimitPoint, &NEWTON);
     let limit = limit.unwrap_or_else(|failure| panic!("{failure}"));
     let errors: Vec<f64> = limit.history.iter().map(|l| (l.load - limit.load).abs()).collect();
     let seen: Vec<f64> = errors.iter().copied().filter(|e| *e > 1e-12).collect();
@@ -273,7 +224,7 @@ fn the_direct_method_finds_the_limit_of_a_sphere() {
     let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
     let (problem, rest) = balloon(2, 2, 1.1 * limit);
     let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
-    let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::LimitPoint);
+    let (found, [before, after]) = first_limit(&problem, &rest, path, Singularity::LimitPoint);
     assert!(found.load >= before.max(after) && found.load < 1.0, "{} {before} {after}", found.load);
     let pressure = 1.1 * limit * found.load;
     // by the faces of the polyhedron and the bulk modulus
@@ -281,28 +232,13 @@ fn the_direct_method_finds_the_limit_of_a_sphere() {
     assert_quick(&found);
 }
 
-#[test]
-fn the_direct_method_finds_where_an_arch_bends_sideways() {
-    let rise: f64 = 2.5;
-    let leaves = arch_load(rise, (rise * rise - 2.7276).sqrt());
-    let (problem, rest, _) = arch(rise, 1.5 * leaves);
-    let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
-    let (found, [before, after]) = first_limit(&problem, &rest, path, Kind::Bifurcation);
-    assert!(before < found.load && found.load < after, "{before} {} {after}", found.load);
-    assert!((1.5 * found.load - 1.0).abs() < 0.02, "{}", found.load);
-    // φ is antimetric, so that the load has no share in it
-    let zero = vec![0.0; problem.dofs()];
-    let full = problem.iterate(&rest, &zero, 1.0);
-    let load = Residual::of(&problem, &mut Workspace::new(&problem), &full).norm();
-    assert!(found.by_load.abs() < 1e-4 * load, "{} {load}", found.by_load);
-    assert_eq!(found.others, 0);
-}
-
 /// The load of the limit of an arch by its modulus, to which it is proportional, and by its rest vertices, of which
 /// those that move break its symmetry.
 #[test]
 fn the_gradient_of_a_limit_is_its_derivative() {
-    for (rise, load, kind) in [(1.5, 0.15, Kind::LimitPoint), (2.5, 1.5, Kind::Bifurcation)] {
+    for (rise, load, kind) in
+        [(1.5, 0.15, Singularity::LimitPoint), (2.5, 1.5, Singularity::Bifurcation)]
+    {
         let (problem, rest, _) = arch_of(10, ARCH.2, rise, load * unit_load(rise, kind));
         let path = ArcLength { first: 0.1, largest: 0.5, smallest: 1e-3, end: 1.0 };
         let (found, _) = first_limit(&problem, &rest, path, kind);
@@ -313,8 +249,13 @@ fn the_gradient_of_a_limit_is_its_derivative() {
             let limit = Limit::near(&problem, &mut workspace, &start, kind, &NEWTON);
             limit.map(|limit| limit.load)
         };
-        let grown =
-            Grown { problem: &problem, held: &problem, rest: &rest, time: 1.0, growing: &[] };
+        let grown = ScaledPressure {
+            problem: &problem,
+            held: &problem,
+            rest: &rest,
+            time: 1.0,
+            chambers: &[],
+        };
         let by = grown.gradient(&mut Workspace::new(&problem), &found).expect("a gradient");
         // loads of the problem itself are those at t = 1, its law is the same
         let by_modulus = by.parameters.total(ParameterId::Material(0))[0];
@@ -335,10 +276,10 @@ fn the_gradient_of_a_limit_is_its_derivative() {
 }
 
 /// What the loads of an arch are times of.
-fn unit_load(rise: f64, kind: Kind) -> f64 {
+fn unit_load(rise: f64, kind: Singularity) -> f64 {
     match kind {
-        Kind::LimitPoint => 1.0,
-        Kind::Bifurcation => arch_load(rise, (rise * rise - 2.7276).sqrt()),
+        Singularity::LimitPoint => 1.0,
+        Singularity::Bifurcation => arch_load(rise, (rise * rise - 2.7276).sqrt()),
     }
 }
 
@@ -352,17 +293,23 @@ fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
     let steps = stepper.next(&problem, &mut workspace, &rest, 1.0).expect("an equilibrium");
     assert!(steps.ends_time_step);
     let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
-    let held = problem.held(1.0, &growing);
+    let held = problem.with_scaled_pressures(1.0, &growing);
     let start = steps.iterate(&held, &rest);
     let integrator = stepper.progress.integrator.clone();
     let search = LimitSearch { stepping: stepper.stepping, most: 3.0 };
-    let First::Found(found, _) =
-        search.from(&held, &mut workspace, (&start, integrator), |_| ControlFlow::Continue(()))
+    let FirstLimit::Found(found, _) =
+        search.from(&held, &mut workspace, &start, integrator, |_| ControlFlow::Continue(()))
     else {
         panic!("no limit")
     };
     assert!((0.6 * found.load - 1.0).abs() < 0.005, "{}", found.load);
-    let grown = Grown { problem: &problem, held: &held, rest: &rest, time: 1.0, growing: &growing };
+    let grown = ScaledPressure {
+        problem: &problem,
+        held: &held,
+        rest: &rest,
+        time: 1.0,
+        chambers: &growing,
+    };
     let by = grown.gradient(&mut workspace, &found).expect("a gradient");
     let by_pressure = by.parameters.chamber(0, growing[0]);
     assert!((by_pressure * 0.6 * limit / found.load + 1.0).abs() < 1e-6, "{by_pressure}");

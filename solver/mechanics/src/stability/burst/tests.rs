@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 use mesh::Vec3;
 
 use super::*;
-use crate::adjoint::Grown;
+use crate::adjoint::ScaledPressure;
 use crate::energy::{ChamberId, Iterate, ParameterId};
-use crate::forward::path::tests::{NEWTON, stepper};
-use crate::forward::{First, LimitSearch};
 use crate::math::random::Random;
 use crate::math::taylor::taylor;
+use crate::stability::continuation::tests::{NEWTON, stepper};
+use crate::stability::{FirstLimit, LimitSearch};
 use crate::testing::{BALLOON, BALLOON_MODULUS, balloon, balloon_pressure, flat};
 
 /// Stretch at break of the tests: a sphere balloons beyond it.
@@ -22,8 +22,8 @@ struct Case {
     held: Problem,
     rest: Vec<Vec3>,
     growing: Vec<ChamberId>,
-    first: First,
-    torn: Torn,
+    first: FirstLimit,
+    torn: FirstBurst,
 }
 
 impl Case {
@@ -36,16 +36,16 @@ impl Case {
         let (mut workspace, mut stepper) = (Workspace::new(&problem), stepper(&problem));
         let step = stepper.next(&problem, &mut workspace, &rest, 1.0).expect("an equilibrium");
         let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
-        let held = problem.held(1.0, &growing);
+        let held = problem.with_scaled_pressures(1.0, &growing);
         let start = step.iterate(&held, &rest);
         let mut way = BurstSearch::new(&start, at_break);
         let search = LimitSearch { stepping: stepper.stepping, most };
         let integrator = stepper.progress.integrator.clone();
-        let first = search.from(&held, &mut workspace, (&start, integrator), |step| {
+        let first = search.from(&held, &mut workspace, &start, integrator, |step| {
             way.pass(&step.iterate(&held, &rest));
             ControlFlow::Continue(())
         });
-        if let First::Found(limit, _) = &first {
+        if let FirstLimit::Found(limit, _) = &first {
             let at = Iterate {
                 multipliers: &limit.multipliers,
                 ..held.iterate(&rest, &limit.u, limit.load)
@@ -58,10 +58,10 @@ impl Case {
 
     fn burst(&self) -> &Burst {
         match &self.torn {
-            Torn::At(burst) => burst,
-            Torn::Between(loads) => panic!("between {loads:?}"),
-            Torn::Beyond(why) => panic!("beyond: {why:?}"),
-            Torn::Never => panic!("never"),
+            FirstBurst::At(burst) => burst,
+            FirstBurst::Between(loads) => panic!("between {loads:?}"),
+            FirstBurst::Beyond(why) => panic!("beyond: {why:?}"),
+            FirstBurst::Never => panic!("never"),
         }
     }
 
@@ -123,8 +123,8 @@ fn a_body_that_is_torn_at_its_load_bursts_at_less() {
 fn a_sphere_that_balloons_first_does_not_burst() {
     let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
     let case = Case::sphere(0.6 * limit, 4.0, 3.0);
-    assert!(matches!(case.first, First::Found(..)));
-    assert!(matches!(case.torn, Torn::Never));
+    assert!(matches!(case.first, FirstLimit::Found(..)));
+    assert!(matches!(case.torn, FirstBurst::Never));
 }
 
 /// t p and t/G are the same whatever the pressure and the modulus are at t = 1; the rest shape by a Taylor test.
@@ -133,7 +133,7 @@ fn the_gradient_of_a_burst_is_its_derivative() {
     let case = Case::sphere(0.3, AT_BREAK, 3.0);
     let burst = case.burst();
     let Case { problem, held, rest, growing, .. } = &case;
-    let grown = Grown { problem, held, rest, time: 1.0, growing };
+    let grown = ScaledPressure { problem, held, rest, time: 1.0, chambers: growing };
     let by = grown.gradient_of_burst(burst);
     let by_pressure = by.parameters.chamber(0, growing[0]);
     assert!((by_pressure * 0.3 / burst.load + 1.0).abs() < 1e-6, "{by_pressure}");

@@ -11,12 +11,10 @@
 //! Source: Wriggers and Simo 1990, "A general procedure for the direct computation of turning and bifurcation points",
 //! doi:10.1002/nme.1620300110; Golub and Van Loan, "Matrix Computations", sections 8.1 and 8.2.
 
-use serde::{Deserialize, Serialize};
-
 use super::bordered::Bordered;
-use super::tangent_system::{LoadRate, Row, at_held_load, factor, with_load};
-use super::{Problem, Workspace};
+use super::tangent_system::{LoadRate, Row, at_held_load, factor, path_direction};
 use crate::energy::Iterate;
+use crate::forward::{Problem, Singularity, Stability, Workspace};
 use crate::math::lanczos::largest;
 use crate::math::linear::{Factorization, dot, norm};
 use crate::math::random::Random;
@@ -26,28 +24,6 @@ const SETTLED: f64 = 1e-7;
 /// Part of the path's direction along the softest mode that makes it that of a limit point.
 const ALONG: f64 = 0.5;
 
-/// How stable an equilibrium is at a held load.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Stability {
-    /// Number of negative eigenvalues.
-    pub negative: usize,
-    /// The eigenvalue nearest to zero, with its sign [N/m].
-    pub stiffness: f64,
-    /// The motion of least stiffness over all degrees of freedom, of length 1.
-    pub mode: Vec<f64>,
-    /// |φ · du/dt| / |du/dt|; 0 where no load acts.
-    pub along_path: f64,
-}
-
-/// What becomes of a path where the tangent is singular.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kind {
-    /// The load turns.
-    LimitPoint,
-    /// Another branch leaves.
-    Bifurcation,
-}
-
 impl Stability {
     /// The stability of an equilibrium; none where the tangent is singular.
     pub fn of(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> Option<Self> {
@@ -55,10 +31,7 @@ impl Stability {
         let rate = LoadRate::of(problem, workspace, at);
         let factor = factor(problem, workspace, at)?;
         let row = Row { u: vec![0.0; rate.force.len()], load: 1.0 };
-        let tangent = with_load(problem, factor, &constraints, &rate, row);
-        let mut one = vec![0.0; constraints.len() + 1];
-        one[constraints.len()] = 1.0;
-        let (direction, _) = tangent.solve(factor, &vec![0.0; rate.force.len()], &one)?;
+        let (direction, _) = path_direction(problem, factor, &constraints, &rate, row)?;
         let held = at_held_load(problem, factor, &constraints);
         Self::with(problem, factor, &held, &direction)
     }
@@ -82,8 +55,8 @@ impl Stability {
     }
 
     /// What happens where the stiffness of the mode vanishes.
-    pub fn kind(&self) -> Kind {
-        if self.along_path >= ALONG { Kind::LimitPoint } else { Kind::Bifurcation }
+    pub fn kind(&self) -> Singularity {
+        if self.along_path >= ALONG { Singularity::LimitPoint } else { Singularity::Bifurcation }
     }
 }
 

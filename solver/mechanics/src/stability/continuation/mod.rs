@@ -20,7 +20,7 @@
 
 mod corrector;
 mod direction;
-mod narrow;
+mod limit_point;
 #[cfg(test)]
 pub(super) mod tests;
 
@@ -31,12 +31,15 @@ use serde::{Deserialize, Serialize};
 
 use self::corrector::{Balanced, Corrector, Ends, Missed};
 use self::direction::Direction;
-use super::stability::{Stability, negative_eigenvalues, softest};
-use super::stepping::{ArcPoint, Attempt, Failed, LoadStep, Passed, Unreached, certify};
-use super::tangent_system::with_supports;
-use super::tangent_system::{LoadRate, Residual, Row, at_held_load, factor, with_load};
-use super::{Configuration, Failure, Problem, Reached, TimeStepper, Workspace};
+use super::spectrum::{negative_eigenvalues, softest};
+use super::tangent_system::{
+    LoadRate, Residual, Row, at_held_load, extent, factor, path_direction, with_supports,
+};
 use crate::energy::{Iterate, TimeStep};
+use crate::forward::{
+    ArcPoint, Attempt, Configuration, Failed, Failure, LoadStep, Problem, Reached, SingularPoint,
+    Singularity, Stability, TimeStepper, Unreached, Workspace, certify,
+};
 use crate::math::linear::norm;
 
 /// Fraction of the free path of surfaces that a predictor goes.
@@ -95,7 +98,7 @@ pub struct ArcProgress {
 }
 
 /// Follows the path of a static scene from rest, state by state.
-pub struct ArcFollower {
+pub struct Continuation {
     /// How.
     pub path: ArcLength,
     /// Where it is; none before the first state.
@@ -110,16 +113,13 @@ struct Found {
     progress: ArcProgress,
 }
 
-impl ArcFollower {
+impl Continuation {
     /// Begins at rest.
     pub fn new(path: ArcLength) -> Self {
         Self { path, progress: None, before: None }
     }
 
     /// The next state. It ends the time step where the load reaches its end from below.
-    ///
-    /// # Errors
-    /// [`Unreached`] with the last state.
     pub fn next(
         &mut self,
         stepper: &mut TimeStepper,
@@ -135,7 +135,7 @@ impl ArcFollower {
         loop {
             let last = Iterate { step: Some(&step), ..stepper.iterate(problem, rest) };
             let end = self.path.end;
-            let from = From { problem, last, step: &step, progress: &progress, end };
+            let from = ArcStep { problem, last, step: &step, progress: &progress, end };
             let failed = match self.attempt(&from, stepper, workspace) {
                 Ok(Found { step, progress: next }) => {
                     (self.before, self.progress) = (Some(progress), Some(next));
@@ -173,7 +173,7 @@ impl ArcFollower {
     /// One state from the last.
     fn attempt(
         &self,
-        from: &From,
+        from: &ArcStep,
         stepper: &TimeStepper,
         workspace: &mut Workspace,
     ) -> Result<Found, Failed> {
@@ -190,7 +190,7 @@ impl ArcFollower {
         };
         let start = state.clone();
         let mut balanced = correct(&mut state, ends);
-        if matches!(balanced, Err(Missed::Beyond)) {
+        if matches!(balanced, Err(Missed::PastEnd)) {
             state = from.at_full_load(start);
             balanced = correct(&mut state, Ends::AtFullLoad);
         }
@@ -218,8 +218,8 @@ struct Lengths {
     across: f64,
 }
 
-/// The last state, from which the next is sought.
-struct From<'a> {
+/// A step along the path, from the last state to the next.
+struct ArcStep<'a> {
     problem: &'a Problem,
     last: Iterate<'a>,
     step: &'a Arc<TimeStep>,
@@ -236,7 +236,7 @@ struct Predicted<'a> {
     ends: Ends,
 }
 
-impl<'a> From<'a> {
+impl<'a> ArcStep<'a> {
     /// A state along the direction of the path, as far as surfaces are free.
     fn predict(&self, workspace: &mut Workspace) -> Result<Predicted<'a>, Failure> {
         let ArcProgress { direction, length, .. } = self.progress;
@@ -313,7 +313,7 @@ impl<'a> From<'a> {
             Err(failure) => return Err((failure, state.u)),
         };
         let moved = self.change(&at).length(self.progress.scale);
-        let Some((direction, stability)) = self.onward(workspace, &at) else {
+        let Some((direction, stability)) = self.direction_at(workspace, &at) else {
             return Err((Failure::Singular, state.u));
         };
         let cosine = direction.product(&self.progress.direction, self.progress.scale);
@@ -323,7 +323,7 @@ impl<'a> From<'a> {
         }
         let negative = stability.negative;
         let point = self.point(stability, &direction, moved, state.time);
-        let bifurcates = point.passed.iter().any(|p| matches!(p, Passed::Bifurcation(_)));
+        let bifurcates = point.passed.iter().any(|p| p.kind == Singularity::Bifurcation);
         if bifurcates && self.progress.negative == 0 && length > limits.across {
             let degrees = cosine.clamp(-1.0, 1.0).acos().to_degrees();
             return Err((Failure::Strayed { degrees }, state.u));
@@ -362,15 +362,17 @@ impl<'a> From<'a> {
     }
 
     /// The direction of the path at a state, and its stability; none where the tangent is singular.
-    fn onward(&self, workspace: &mut Workspace, at: &Iterate) -> Option<(Direction, Stability)> {
+    fn direction_at(
+        &self,
+        workspace: &mut Workspace,
+        at: &Iterate,
+    ) -> Option<(Direction, Stability)> {
         let ArcProgress { direction: last, scale, .. } = self.progress;
         let constraints = self.problem.constraints(at);
         let rate = LoadRate::of(self.problem, workspace, at);
         let factor = factor(self.problem, workspace, at)?;
-        let tangent = with_load(self.problem, factor, &constraints, &rate, last.row(*scale));
-        let mut one = vec![0.0; constraints.len() + 1];
-        one[constraints.len()] = 1.0;
-        let (u, mut rest) = tangent.solve(factor, &vec![0.0; rate.force.len()], &one)?;
+        let (u, mut rest) =
+            path_direction(self.problem, factor, &constraints, &rate, last.row(*scale))?;
         let load = rest.pop()?;
         let direction = Direction { u, pressures: rest, load }.unit(*scale)?;
         let held = at_held_load(self.problem, factor, &constraints);
@@ -395,9 +397,18 @@ impl<'a> From<'a> {
             load_rate: direction.load,
             stability,
             rest_stiffness: *rest_stiffness,
-            passed: Passed::between([self.last.time, load], turned, changed),
+            passed: passed([self.last.time, load], turned, changed),
         }
     }
+}
+
+/// What lies between two loads where the load has turned or not, and the number of negative eigenvalues has changed.
+fn passed(loads: [f64; 2], turned: bool, changed: usize) -> Vec<SingularPoint> {
+    let point = |kind| SingularPoint { kind, loads };
+    let limit = turned.then(|| point(Singularity::LimitPoint));
+    let left = changed.abs_diff(usize::from(turned));
+    let branches = (left > 0).then(|| point(Singularity::Bifurcation));
+    limit.into_iter().chain(branches).collect()
 }
 
 /// The direction of the path at rest, towards more load, and a first arc length.
@@ -414,11 +425,8 @@ fn begun(
     }
     let factor = factor(problem, workspace, at).ok_or(Failure::Inadmissible)?;
     let row = Row { u: vec![0.0; rate.force.len()], load: 1.0 };
-    let tangent = with_load(problem, factor, &constraints, &rate, row);
-    let mut one = vec![0.0; constraints.len() + 1];
-    one[constraints.len()] = 1.0;
-    let onward = tangent.solve(factor, &vec![0.0; rate.force.len()], &one);
-    let (u, mut rest) = onward.ok_or(Failure::Singular)?;
+    let direction = path_direction(problem, factor, &constraints, &rate, row);
+    let (u, mut rest) = direction.ok_or(Failure::Singular)?;
     let load = rest.pop().ok_or(Failure::Singular)?;
     let held = at_held_load(problem, factor, &constraints);
     let (rest_stiffness, _) = softest(factor, &held).ok_or(Failure::Singular)?;
@@ -447,10 +455,7 @@ fn is_loaded(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> bool
 
 /// A displacement of all nodes by a tenth of the body [m], in the norm of the unknowns.
 fn size(problem: &Problem, at: &Iterate) -> f64 {
-    let bounds =
-        |pick: fn(f64, f64) -> f64| at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick));
-    let diagonal = (bounds(f64::max) - bounds(f64::min)).norm();
-    0.1 * diagonal * (problem.dirichlet.free().len() as f64).sqrt()
+    0.1 * extent(at) * (problem.dirichlet.free().len() as f64).sqrt()
 }
 
 /// No next state: what failed after the last one.

@@ -14,14 +14,13 @@
 
 mod search;
 
-pub use search::{BurstSearch, Torn};
+pub use search::{BurstSearch, FirstBurst};
 
 use super::limit::Covector;
-use super::newton::Newton;
-use super::stability::negative_eigenvalues;
-use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor, with_load};
-use super::{Configuration, Failure, Problem, Workspace};
+use super::spectrum::negative_eigenvalues;
+use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor};
 use crate::energy::Multiplier;
+use crate::forward::{Configuration, Failure, Newton, Problem, Workspace};
 use crate::math::linear::dot;
 use crate::stretch::LargestStretch;
 
@@ -51,9 +50,6 @@ pub struct Burst {
 
 impl Burst {
     /// The state next to another one.
-    ///
-    /// # Errors
-    /// [`Failure`] where Newton's method does not come to one.
     pub fn near(
         problem: &Problem,
         workspace: &mut Workspace,
@@ -79,13 +75,13 @@ impl Burst {
                 && now.largest_gap() <= newton.relative;
             if placed && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at))
             {
-                return Self::at(problem, workspace, &state, (&now, &largest), iterations);
+                return Self::at(problem, workspace, &state, &largest, iterations);
             }
             if iterations == ITERATIONS {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
             let before = state.time;
-            state = step(problem, workspace, &state, &now, (&largest, over))?;
+            state = step(problem, workspace, &state, &now, &largest, over)?;
             changed = (state.time - before).abs();
         }
         unreachable!("the last iteration returns")
@@ -96,16 +92,17 @@ impl Burst {
         problem: &Problem,
         workspace: &mut Workspace,
         state: &Configuration,
-        (now, largest): (&Residual, &LargestStretch),
+        largest: &LargestStretch,
         iterations: usize,
     ) -> Result<Self, Failure> {
         let at = state.iterate(problem);
+        let constraints = problem.constraints(&at);
         let rate = LoadRate::of(problem, workspace, &at);
         let (by_u, mut by_rest) = largest.partials(at.space, at.rest, at.u);
         let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
-        let held = at_held_load(problem, factor, &now.constraints);
+        let held = at_held_load(problem, factor, &constraints);
         let negative = negative_eigenvalues(factor, &held);
-        let none = vec![0.0; now.constraints.len()];
+        let none = vec![0.0; constraints.len()];
         let found = held.solve(factor, &problem.restrict(&by_u), &none);
         let (lambda, pressures) = found.ok_or(Failure::Singular)?;
         let by_load = dot(&lambda, &rate.force) - dot(&pressures, &rate.gaps);
@@ -114,7 +111,7 @@ impl Burst {
         }
         let scaled = |x: &[f64], by: f64| -> Vec<f64> { x.iter().map(|x| by * x).collect() };
         let mut mu = vec![0.0; state.multipliers.len()];
-        for (constraint, pressure) in now.constraints.iter().zip(&pressures) {
+        for (constraint, pressure) in constraints.iter().zip(&pressures) {
             mu[constraint.multiplier] = pressure / by_load;
         }
         by_rest.iter_mut().for_each(|by| *by /= by_load);
@@ -132,20 +129,14 @@ fn step<'a>(
     workspace: &mut Workspace,
     state: &Configuration<'a>,
     now: &Residual,
-    (largest, over): (&LargestStretch, f64),
+    largest: &LargestStretch,
+    over: f64,
 ) -> Result<Configuration<'a>, Failure> {
     let at = state.iterate(problem);
-    let rate = LoadRate::of(problem, workspace, &at);
     let (by_u, _) = largest.partials(at.space, at.rest, at.u);
     // supports are held
     let row = Row { u: problem.restrict(&by_u), load: 0.0 };
-    let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
-    let tangent = with_load(problem, factor, &now.constraints, &rate, row);
-    let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
-    let mut lower = now.gaps();
-    lower.push(-over);
-    let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
-    let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+    let step = Step::newton(problem, workspace, &at, now, row, over)?;
     Ok(step.cut(problem, workspace, state))
 }
 

@@ -1,11 +1,9 @@
 //! Newton's method from a predicted state to the path.
 
-use super::From;
+use super::ArcStep;
 use crate::energy::Iterate;
-use crate::forward::newton::Newton;
-use crate::forward::tangent_system::{LoadRate, Residual, Row, Step, factor, with_load};
-use crate::forward::watch::Event;
-use crate::forward::{Configuration, Failure, Workspace};
+use crate::forward::{Configuration, Event, Failure, Newton, Workspace};
+use crate::stability::tangent_system::{Residual, Row, Step};
 
 /// Newton iterations of a corrector, at most: a shorter arc is better than more of them.
 const ITERATIONS: usize = 12;
@@ -41,7 +39,7 @@ pub struct Balanced {
 /// Why there is none.
 pub enum Missed {
     /// The path goes beyond the full load, where loads are not defined.
-    Beyond,
+    PastEnd,
     /// All else.
     Failed(Failure),
 }
@@ -50,13 +48,13 @@ impl Missed {
     /// What to say of it.
     pub fn failure(self) -> Failure {
         match self {
-            Self::Beyond => Failure::Singular,
+            Self::PastEnd => Failure::Singular,
             Self::Failed(failure) => failure,
         }
     }
 }
 
-impl std::convert::From<Failure> for Missed {
+impl From<Failure> for Missed {
     fn from(failure: Failure) -> Self {
         Self::Failed(failure)
     }
@@ -64,7 +62,7 @@ impl std::convert::From<Failure> for Missed {
 
 /// Newton's method on the equations of a path.
 pub struct Corrector<'a> {
-    pub from: &'a From<'a>,
+    pub from: &'a ArcStep<'a>,
     pub newton: &'a Newton,
     pub ends: Ends,
 }
@@ -84,7 +82,7 @@ impl Corrector<'_> {
             peak = peak.max(now.scale);
             let (residual, wanted) = (now.norm(), self.newton.wanted(now.scale, peak));
             residuals.push(residual);
-            self.tell(workspace, iterations, residual, wanted)?;
+            self.notify(workspace, iterations, residual, wanted)?;
             let (side, _) = self.place(&state.iterate(problem));
             let placed = side.abs() <= ON_SPHERE * self.square();
             if placed && now.largest_gap() <= self.newton.relative {
@@ -113,7 +111,7 @@ impl Corrector<'_> {
         unreachable!("the last iteration returns")
     }
 
-    fn tell(
+    fn notify(
         &self,
         workspace: &mut Workspace,
         iteration: usize,
@@ -123,7 +121,7 @@ impl Corrector<'_> {
         log::debug!("path {iteration}  |g| {residual:.2e} N");
         let time = self.from.last.time;
         let event = Event::Iterate { time, iteration, residual, wanted };
-        if workspace.tell(&event).is_break() { Err(Failure::Interrupted.into()) } else { Ok(()) }
+        if workspace.notify(&event).is_break() { Err(Failure::Interrupted.into()) } else { Ok(()) }
     }
 
     /// How far a state is from its place, and the derivative of that.
@@ -159,18 +157,11 @@ impl Corrector<'_> {
     ) -> Result<(), Missed> {
         let problem = self.from.problem;
         let at = state.iterate(problem);
-        let rate = LoadRate::of(problem, workspace, &at);
         let (off, row) = self.place(&at);
-        let factor = factor(problem, workspace, &at).ok_or(Failure::Inadmissible)?;
-        let tangent = with_load(problem, factor, &now.constraints, &rate, row);
-        let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
-        let mut lower = now.gaps();
-        lower.push(-off);
-        let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
-        let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+        let step = Step::newton(problem, workspace, &at, now, row, off)?;
         let whole = step.from(problem, state, 1.0);
         if whole.time > self.from.end && matches!(self.ends, Ends::OnSphere(_)) {
-            return Err(Missed::Beyond);
+            return Err(Missed::PastEnd);
         }
         *state = step.cut(problem, workspace, state);
         Ok(())

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::forward::tangent_system::Row;
 use crate::math::linear::dot;
+use crate::stability::tangent_system::Row;
 
 /// A change of all unknowns.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -2,14 +2,14 @@
 //!
 //! R(u, P̂, t) = ∂L/∂u = 0 on the free degrees of freedom,   V(u) − V*(t) = 0 of each prescribed volume
 //!
-//! with the Lagrangian L of [`volumes`](super::volumes). Supports are where they are at t. The derivatives by t are
+//! with the Lagrangian L of prescribed volumes. Supports are where they are at t. The derivatives by t are
 //! differences of the whole equations, so that no term has to know its own.
 
 use nalgebra::DMatrix;
 
 use super::bordered::Bordered;
-use super::{Configuration, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate};
+use crate::forward::{Configuration, Failure, Problem, Workspace};
 use crate::math::linear::{Factorization, Precision, dot, norm};
 
 /// Half of the difference of loads that gives derivatives by the load. Most loads are linear in t: what counts is
@@ -154,6 +154,20 @@ pub fn with_load(
     Bordered::new(factor, columns, rows, corner)
 }
 
+/// d(u, P̂, t) of the path, of which `row` says how long it is; none where the tangent is singular.
+pub fn path_direction(
+    problem: &Problem,
+    factor: &Factorization,
+    constraints: &[Constraint],
+    rate: &LoadRate,
+    row: Row,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let tangent = with_load(problem, factor, constraints, rate, row);
+    let mut one = vec![0.0; constraints.len() + 1];
+    one[constraints.len()] = 1.0;
+    tangent.solve(factor, &vec![0.0; rate.force.len()], &one)
+}
+
 /// −∂V/∂u of each prescribed volume on the free degrees of freedom [m²]: ∂R/∂P̂.
 pub fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
     let negative = |c: &Constraint| problem.restrict(&c.gradient).iter().map(|g| -g).collect();
@@ -230,21 +244,41 @@ impl Direction {
 }
 
 /// Diagonal of the body at rest [m].
-fn extent(at: &Iterate) -> f64 {
+pub fn extent(at: &Iterate) -> f64 {
     let corner =
         |pick: fn(f64, f64) -> f64| at.rest.iter().fold(at.rest[0], |m, x| m.zip_map(x, pick));
     (corner(f64::max) - corner(f64::min)).norm()
 }
 
-/// A step from a state: changes of the unknowns [m], of the multipliers of the prescribed volumes in their order
-/// [Pa], and of the load, which may be none.
+/// A step from a state.
 pub struct Step<'a> {
     pub constraints: &'a [Constraint],
-    pub du: &'a [f64],
-    pub rest: &'a [f64],
+    /// Changes of the unknowns [m].
+    pub du: Vec<f64>,
+    /// Changes of the multipliers of the prescribed volumes in their order [Pa], and of the load, which may be none.
+    pub rest: Vec<f64>,
 }
 
-impl Step<'_> {
+impl<'a> Step<'a> {
+    /// That of Newton's method with the exact tangent on all equations and one more, of which `off` is left.
+    pub fn newton(
+        problem: &Problem,
+        workspace: &mut Workspace,
+        at: &Iterate,
+        now: &'a Residual,
+        row: Row,
+        off: f64,
+    ) -> Result<Self, Failure> {
+        let rate = LoadRate::of(problem, workspace, at);
+        let factor = factor(problem, workspace, at).ok_or(Failure::Inadmissible)?;
+        let tangent = with_load(problem, factor, &now.constraints, &rate, row);
+        let upper: Vec<f64> = now.force.iter().map(|r| -r).collect();
+        let mut lower = now.gaps();
+        lower.push(-off);
+        let (du, rest) = tangent.solve(factor, &upper, &lower).ok_or(Failure::Singular)?;
+        Ok(Self { constraints: &now.constraints, du, rest })
+    }
+
     /// The state after a fraction of it.
     pub fn from<'b>(
         &self,
@@ -255,7 +289,7 @@ impl Step<'_> {
         let by = |i: usize| fraction * self.rest.get(i).copied().unwrap_or(0.0);
         let time = state.time + by(self.constraints.len());
         let mut u = with_supports(problem, &state.u, time);
-        u.iter_mut().zip(problem.prolong(self.du)).for_each(|(u, d)| *u += fraction * d);
+        u.iter_mut().zip(problem.prolong(&self.du)).for_each(|(u, d)| *u += fraction * d);
         let mut multipliers = state.multipliers.clone();
         for (i, constraint) in self.constraints.iter().enumerate() {
             multipliers[constraint.multiplier].pressure += by(i);

@@ -20,10 +20,9 @@ use nalgebra::DMatrix;
 
 use super::{Limit, factor_pinned, largest_entry, slopes};
 use crate::energy::Multiplier;
-use crate::forward::stability::Kind;
-use crate::forward::tangent_system::{Direction, LoadRate, Residual, across};
-use crate::forward::{Configuration, Failure, Problem, Workspace};
+use crate::forward::{Configuration, Failure, Problem, Singularity, Workspace};
 use crate::math::linear::dot;
+use crate::stability::tangent_system::{Direction, LoadRate, Residual, across};
 
 /// Motion of the difference that gives ∂h beside that of tangents: a slender body bends by little.
 const SHORTER: f64 = 0.1;
@@ -46,9 +45,6 @@ pub struct Covector {
 
 impl Limit {
     /// What makes changes of the equations a change of the load: the sum of these.
-    ///
-    /// # Errors
-    /// [`Failure`] where the path that a branch leaves is not regular.
     pub fn covectors(
         &self,
         problem: &Problem,
@@ -56,8 +52,8 @@ impl Limit {
         rest: &[Vec3],
     ) -> Result<Vec<Covector>, Failure> {
         match self.kind {
-            Kind::LimitPoint => Ok(vec![self.covector(0.0, -1.0 / self.by_load)]),
-            Kind::Bifurcation => self.of_bifurcation(problem, workspace, rest),
+            Singularity::LimitPoint => Ok(vec![self.covector(0.0, -1.0 / self.by_load)]),
+            Singularity::Bifurcation => self.of_bifurcation(problem, workspace, rest),
         }
     }
 

@@ -8,7 +8,7 @@ use mesh::Vec3;
 
 use super::Burst;
 use crate::energy::Iterate;
-use crate::forward::{Configuration, Failure, Problem, Reached, Stepping, Workspace, solve_from};
+use crate::forward::{Failure, Problem, Reached, Stepping, Workspace, solve_from};
 use crate::stretch::LargestStretch;
 
 /// States between two others that are tried, at most.
@@ -23,7 +23,7 @@ const NEARLY: f64 = 0.9;
 const ROUNDING: f64 = 1e-9;
 
 /// Where a body bursts.
-pub enum Torn {
+pub enum FirstBurst {
     /// A state.
     At(Box<Burst>),
     /// Between two loads, at which no state was found.
@@ -36,31 +36,30 @@ pub enum Torn {
 
 /// A state and its largest stretch.
 #[derive(Clone)]
-struct Passed {
+struct Stretched {
     at: Reached,
     stretch: f64,
 }
 
-impl Passed {
+impl Stretched {
     fn of(at: &Iterate) -> Self {
-        let (u, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
         let stretch = LargestStretch::of(at.space, at.rest, at.u).value;
-        Self { at: Reached { time: at.time, u, multipliers }, stretch }
+        Self { at: Reached::of(at), stretch }
     }
 }
 
 /// Looks at the states of a path, one after the other.
 pub struct BurstSearch {
     at_break: f64,
-    last: Passed,
+    last: Stretched,
     /// The states before and after the burst.
-    between: Option<[Passed; 2]>,
+    between: Option<[Stretched; 2]>,
 }
 
 impl BurstSearch {
     /// Begins at the first state, whose stretch may be beyond that at break.
     pub fn new(start: &Iterate, at_break: f64) -> Self {
-        Self { at_break, last: Passed::of(start), between: None }
+        Self { at_break, last: Stretched::of(start), between: None }
     }
 
     /// Largest stretch of the last state.
@@ -78,7 +77,7 @@ impl BurstSearch {
         if self.has_passed() {
             return;
         }
-        let next = Passed::of(at);
+        let next = Stretched::of(at);
         if next.stretch >= self.at_break {
             self.between = Some([self.last.clone(), next.clone()]);
         }
@@ -92,44 +91,39 @@ impl BurstSearch {
         workspace: &mut Workspace,
         rest: &[Vec3],
         stepping: &Stepping,
-    ) -> Torn {
-        let held = Held { problem, rest, at_break: self.at_break, stepping };
+    ) -> FirstBurst {
+        let bracketing = Bracketing { problem, rest, at_break: self.at_break, stepping };
         match &self.between {
-            Some(between) => held.narrowed(workspace, between.clone()),
-            None if !self.has_passed() => Torn::Never,
-            None => match held.lowered(workspace, self.last.clone()) {
-                Ok(between) => held.narrowed(workspace, between),
-                Err(failure) => Torn::Beyond(failure),
+            Some(between) => bracketing.narrowed(workspace, between.clone()),
+            None if !self.has_passed() => FirstBurst::Never,
+            None => match bracketing.lowered(workspace, self.last.clone()) {
+                Ok(between) => bracketing.narrowed(workspace, between),
+                Err(failure) => FirstBurst::Beyond(failure),
             },
         }
     }
 }
 
 /// What is the same for all states of a path.
-struct Held<'a> {
+struct Bracketing<'a> {
     problem: &'a Problem,
     rest: &'a [Vec3],
     at_break: f64,
     stepping: &'a Stepping,
 }
 
-impl<'a> Held<'a> {
-    fn configuration(&self, at: Reached) -> Configuration<'a> {
-        let Reached { time, u, multipliers } = at;
-        Configuration { rest: self.rest, time, step: None, u, multipliers }
-    }
-
+impl Bracketing<'_> {
     /// The equilibrium at the load of a state near by.
-    fn balanced(&self, workspace: &mut Workspace, near: Reached) -> Result<Passed, Failure> {
-        let start = self.configuration(near);
+    fn balanced(&self, workspace: &mut Workspace, near: &Reached) -> Result<Stretched, Failure> {
+        let start = near.configuration(self.rest, None);
         let mut solution = solve_from(self.problem, workspace, &start, &self.stepping.newton)?;
         let found = solution.steps.pop().ok_or(Failure::Singular)?;
-        Ok(Passed::of(&found.iterate(self.problem, self.rest)))
+        Ok(Stretched::of(&found.iterate(self.problem, self.rest)))
     }
 
     /// The fraction of the way from one state to another that surfaces are free.
     fn free(&self, workspace: &mut Workspace, from: &Reached, to: &Reached) -> f64 {
-        let [from, to] = [from, to].map(|at| self.configuration(at.clone()));
+        let [from, to] = [from, to].map(|at| at.configuration(self.rest, None));
         let problem = self.problem;
         let free = workspace.max_step(problem, &from.iterate(problem), &to.iterate(problem));
         if free < 1.0 { NEARLY * free } else { 1.0 }
@@ -139,13 +133,13 @@ impl<'a> Held<'a> {
     fn lowered(
         &self,
         workspace: &mut Workspace,
-        mut above: Passed,
-    ) -> Result<[Passed; 2], Option<Failure>> {
+        mut above: Stretched,
+    ) -> Result<[Stretched; 2], Option<Failure>> {
         let start = above.at.time;
         let mut part = DOWN;
         for _ in 0..STATES {
             let time = (above.at.time - part * start).max(0.0);
-            match self.balanced(workspace, Reached { time, ..above.at.clone() }) {
+            match self.balanced(workspace, &Reached { time, ..above.at.clone() }) {
                 Ok(below) if below.stretch < self.at_break => return Ok([below, above]),
                 Ok(_) if time == 0.0 => return Err(None),
                 Ok(beyond) => above = beyond,
@@ -157,29 +151,33 @@ impl<'a> Held<'a> {
     }
 
     /// The burst between two states.
-    fn narrowed(&self, workspace: &mut Workspace, [mut below, mut above]: [Passed; 2]) -> Torn {
+    fn narrowed(
+        &self,
+        workspace: &mut Workspace,
+        [mut below, mut above]: [Stretched; 2],
+    ) -> FirstBurst {
         let newton = &self.stepping.newton;
         let mut part = (self.at_break - below.stretch) / (above.stretch - below.stretch);
         for _ in 0..TRIED {
             part *= self.free(workspace, &below.at, &between(&below.at, &above.at, part));
             let between = between(&below.at, &above.at, part);
-            let start = self.configuration(between.clone());
+            let start = between.configuration(self.rest, None);
             let loads = [below.at.time, above.at.time];
             match Burst::near(self.problem, workspace, &start, self.at_break, newton) {
                 Ok(found) if found.negative == 0 && is_between(found.load, loads) => {
-                    return Torn::At(Box::new(found));
+                    return FirstBurst::At(Box::new(found));
                 }
                 Ok(found) => log::debug!("a burst at {} is not between {loads:?}", found.load),
                 Err(failure) => log::debug!("no burst between {loads:?}: {failure}"),
             }
-            match self.balanced(workspace, between) {
+            match self.balanced(workspace, &between) {
                 Ok(next) if next.stretch < self.at_break => (below, part) = (next, 0.5),
                 Ok(next) => (above, part) = (next, 0.5),
                 // nearer to a state that is one
                 Err(_) => part *= 0.5,
             }
         }
-        Torn::Between([below.at.time, above.at.time])
+        FirstBurst::Between([below.at.time, above.at.time])
     }
 }
 

@@ -15,7 +15,7 @@ const NEAR: f64 = 1e-3;
 /// States that are tried, at most.
 const TRIED: usize = 16;
 
-impl ArcFollower {
+impl Continuation {
     /// The state next to the limit point between the last two. None where the first of these is the start of all,
     /// or where there is no limit point between them.
     pub fn narrowed(
@@ -27,20 +27,18 @@ impl ArcFollower {
     ) -> Option<LoadStep> {
         let [.., before, beyond] = &stepper.progress.last[..] else { return None };
         let step = stepper.step()?;
-        let state = |at: &Reached| {
-            let (u, multipliers) = (at.u.clone(), at.multipliers.clone());
-            Configuration { rest, time: at.time, step: Some(step), u, multipliers }
-        };
+        let state = |at: &Reached| at.configuration(rest, Some(step));
         // the next state is sought from the one below, which a state that is found takes the place of
         let (mut below, mut above) = (state(before), state(beyond));
         let mut progress = self.before.clone()?;
-        let mut rates = Rates::new(progress.direction.load, self.progress.as_ref()?.direction.load);
+        let mut search =
+            FalsePosition::new(progress.direction.load, self.progress.as_ref()?.direction.load);
         let (mut nearest, mut part) = (None, 1.0);
         for _ in 0..TRIED {
             let last = below.iterate(problem);
-            let mut from = From { problem, last, step, progress: &progress, end: self.path.end };
+            let mut from = ArcStep { problem, last, step, progress: &progress, end: self.path.end };
             let across = from.change(&above.iterate(problem)).length(progress.scale);
-            let length = part * across * rates.zero()?;
+            let length = part * across * search.zero()?;
             let shortened = ArcProgress { length, ..progress.clone() };
             from.progress = &shortened;
             let Ok(found) = self.attempt(&from, stepper, workspace) else {
@@ -49,14 +47,12 @@ impl ArcFollower {
             };
             let rate = found.progress.direction.load;
             log::debug!("limit point: dt/ds = {rate:.3e} at load {:.9}", found.step.time);
-            let (u, multipliers) = (found.step.u.clone(), found.step.multipliers.clone());
-            let here =
-                Configuration { rest, time: found.step.time, step: Some(step), u, multipliers };
+            let here = state(&found.step.clone().into_reached());
             nearest = Some(found.step);
-            if rates.is_near(rate) {
+            if search.is_near(rate) {
                 break;
             }
-            if rates.take(rate) {
+            if search.take(rate) {
                 (below, progress) = (here, found.progress);
             } else {
                 above = here;
@@ -68,7 +64,7 @@ impl ArcFollower {
 }
 
 /// dt/ds below and above a limit point.
-struct Rates {
+struct FalsePosition {
     below: f64,
     above: f64,
     /// Their difference at first.
@@ -77,7 +73,7 @@ struct Rates {
     below_moved: Option<bool>,
 }
 
-impl Rates {
+impl FalsePosition {
     fn new(below: f64, above: f64) -> Self {
         Self { below, above, change: (below - above).abs(), below_moved: None }
     }

@@ -1,6 +1,6 @@
 //! The gradient of the load of a limit or of a burst, and of the slope of the pressure.
 //!
-//! All loads of a state are held, and the pressures p of some chambers grow to t p. With t the load of the limit,
+//! All loads of a state are held, and the pressures p of some chambers are scaled to t p. With t the load of the limit,
 //!
 //! dt = Σ λ · ∂R + μ · ∂(V − V*)
 //!
@@ -13,29 +13,26 @@ use mesh::Vec3;
 
 use super::{Gradient, along};
 use crate::energy::{ChamberId, Iterate, ParameterGradients, ParameterId};
-use crate::forward::{
-    Burst, Configuration, Covector, Failure, Limit, PressureSlope, Problem, State, Workspace,
-};
+use crate::forward::{Configuration, Failure, Problem, State, Workspace};
+use crate::stability::{Burst, Covector, Limit, PressureSlope};
 
-/// The state whose pressures grow to the limit.
-pub struct Grown<'a> {
+/// A state of which some pressures are scaled by a factor, the load.
+#[derive(Clone, Copy)]
+pub struct ScaledPressure<'a> {
     /// The problem with its loads over time.
     pub problem: &'a Problem,
-    /// The problem with all loads held, except the pressures that grow ([`Problem::held`]).
+    /// The problem with all loads held, except the pressures that are scaled ([`Problem::with_scaled_pressures`]).
     pub held: &'a Problem,
     /// Rest vertices [m].
     pub rest: &'a [Vec3],
     /// Time at which loads are held [s].
     pub time: f64,
-    /// The chambers whose pressures grow.
-    pub growing: &'a [ChamberId],
+    /// The chambers whose pressures are scaled.
+    pub chambers: &'a [ChamberId],
 }
 
-impl Grown<'_> {
+impl ScaledPressure<'_> {
     /// The derivatives of the load of a limit, as those of a run of one time step.
-    ///
-    /// # Errors
-    /// As [`Limit::covectors`].
     pub fn gradient(&self, workspace: &mut Workspace, limit: &Limit) -> Result<Gradient, Failure> {
         let covectors = limit.covectors(self.held, workspace, self.rest)?;
         Ok(self.along_covectors(&covectors, vec![0.0; 3 * self.rest.len()]))
@@ -48,9 +45,6 @@ impl Grown<'_> {
     }
 
     /// The derivatives of the slope of the pressure, as those of a run of one time step.
-    ///
-    /// # Errors
-    /// As [`PressureSlope::covectors`].
     pub fn gradient_of_slope(
         &self,
         workspace: &mut Workspace,
@@ -58,9 +52,9 @@ impl Grown<'_> {
         slope: &PressureSlope,
     ) -> Result<Gradient, Failure> {
         let covectors = slope.covectors(self.held, workspace, state)?;
-        let by_rest = slope.by_rest(self.held, state, self.growing);
+        let by_rest = slope.by_rest(self.held, state, self.chambers);
         let mut gradient = self.along_covectors(&covectors, by_rest);
-        for (id, by) in slope.by_pressures(self.held, state, self.growing) {
+        for (id, by) in slope.by_pressures(self.held, state, self.chambers) {
             gradient.parameters.add(0, ParameterId::Chamber(id), vec![by]);
         }
         Ok(gradient)
@@ -77,7 +71,7 @@ impl Grown<'_> {
             let at = Iterate { multipliers, ..self.problem.iterate(self.rest, u, self.time) };
             let (_, by) = along(self.problem, &at, lambda, mu);
             for (id, mut by) in by.of_step(0) {
-                if matches!(id, ParameterId::Chamber(id) if self.growing.contains(&id)) {
+                if matches!(id, ParameterId::Chamber(id) if self.chambers.contains(&id)) {
                     by.iter_mut().for_each(|by| *by *= load / self.time);
                 }
                 parameters.add(0, id, by);

@@ -9,8 +9,8 @@
 //!
 //! Source: Golub and Van Loan, "Matrix Computations", section 8.2.
 
-use super::{Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
+use crate::forward::{Problem, Workspace};
 use crate::math::linear::{Factorization, Pivot, Precision, dot, norm};
 use crate::math::random::Random;
 

@@ -23,10 +23,10 @@
 //! Nonlinear Programming", chapter 3.
 
 use super::limit::Covector;
-use super::stability::negative_eigenvalues;
+use super::spectrum::negative_eigenvalues;
 use super::tangent_system::{Direction, Residual, at_held_load, factor};
-use super::{Configuration, Failure, Problem, Workspace};
 use crate::energy::ChamberId;
+use crate::forward::{Configuration, Failure, Problem, Workspace};
 use crate::math::linear::dot;
 
 /// Motion of the difference along the path beside that of differences of tangents.
@@ -46,9 +46,6 @@ pub struct PressureSlope {
 
 impl PressureSlope {
     /// The slope by the pressures of some chambers, which grow in proportion to the load ([`Problem::held`]).
-    ///
-    /// # Errors
-    /// [`Failure`] where the tangent is singular, and [`Failure::NoLoad`] where no pressure acts.
     pub fn of(
         held: &Problem,
         workspace: &mut Workspace,
@@ -77,9 +74,6 @@ impl PressureSlope {
     }
 
     /// What makes changes of the equations one of the slope. The tangent is factored once more.
-    ///
-    /// # Errors
-    /// [`Failure`] where it is singular.
     pub fn covectors(
         &self,
         held: &Problem,

@@ -18,24 +18,23 @@
 //! and Simo 1990, doi:10.1002/nme.1620300110; Govaerts 2000, "Numerical Methods for Bifurcations of Dynamical
 //! Equilibria", chapters 3 and 4.
 
-mod by_load;
 mod derivative;
+mod load_steps;
 mod search;
 
 pub use derivative::Covector;
-pub use search::{First, LimitSearch};
+pub use search::{FirstLimit, LimitSearch};
 
 use nalgebra::DMatrix;
 
 use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
-use crate::forward::bordered::Bordered;
-use crate::forward::newton::Newton;
-use crate::forward::stability::{Kind, negative_eigenvalues, softest};
-use crate::forward::tangent_system::{
+use crate::forward::{Configuration, Failure, Newton, Problem, Singularity, Workspace};
+use crate::math::linear::{Factorization, Precision, dot, norm};
+use crate::stability::bordered::Bordered;
+use crate::stability::spectrum::{negative_eigenvalues, softest};
+use crate::stability::tangent_system::{
     DIFFERENCE, Direction, LoadRate, Residual, Step, across, at_held_load, factor, with_supports,
 };
-use crate::forward::{Configuration, Failure, Problem, Workspace};
-use crate::math::linear::{Factorization, Precision, dot, norm};
 
 /// Newton iterations, at most.
 const ITERATIONS: usize = 25;
@@ -62,16 +61,16 @@ pub struct Limit {
     /// φ · ∂R/∂t of all equations, what a unit of the load does along φ [N].
     pub by_load: f64,
     /// Whether the load turns or a branch leaves.
-    pub kind: Kind,
+    pub kind: Singularity,
     /// Other modes whose stiffness is negative: none at the first limit of a path.
     pub others: usize,
     /// What each iterate left.
-    pub history: Vec<Left>,
+    pub history: Vec<DirectIterate>,
 }
 
 /// What an iterate of the direct method leaves of its equations.
 #[derive(Clone, Copy, Debug)]
-pub struct Left {
+pub struct DirectIterate {
     /// Norm of the unbalanced force [N]; at a bifurcation but for its part along the mode.
     pub residual: f64,
     /// g, the stiffness of the softest mode [N/m].
@@ -96,14 +95,11 @@ impl Null {
 
 impl Limit {
     /// The state of the given kind next to a state.
-    ///
-    /// # Errors
-    /// [`Failure`] where Newton's method does not come to one.
     pub fn near(
         problem: &Problem,
         workspace: &mut Workspace,
         start: &Configuration,
-        kind: Kind,
+        kind: Singularity,
         newton: &Newton,
     ) -> Result<Self, Failure> {
         let mut state = start.clone();
@@ -129,7 +125,7 @@ impl Limit {
             let pin = factor_pinned(problem, workspace, &at, pinned)?;
             let null = null_vector(problem, workspace, &now.constraints, &mode, &pin)?;
             log::debug!("limit {iterations}  |g| {residual:.2e} N  {:.2e} N/m", null.stiffness);
-            history.push(Left { residual, stiffness: null.stiffness, load: state.time });
+            history.push(DirectIterate { residual, stiffness: null.stiffness, load: state.time });
             let settled = changed <= SETTLED * state.time.abs()
                 && now.largest_gap() <= newton.relative
                 && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at));
@@ -160,8 +156,8 @@ impl Limit {
         now: &Residual,
         null: Null,
         rate: &LoadRate,
-        kind: Kind,
-        history: Vec<Left>,
+        kind: Singularity,
+        history: Vec<DirectIterate>,
     ) -> Self {
         let mut mode_pressures = vec![0.0; state.multipliers.len()];
         for (constraint, pressure) in now.constraints.iter().zip(&null.direction.pressures) {
@@ -234,8 +230,8 @@ fn others(problem: &Problem, workspace: &Workspace, constraints: &[Constraint]) 
 }
 
 /// A force without its part along a mode, where that is held.
-fn beside(force: &[f64], mode: &[f64], kind: Kind) -> Vec<f64> {
-    let along = if kind == Kind::Bifurcation { dot(force, mode) } else { 0.0 };
+fn beside(force: &[f64], mode: &[f64], kind: Singularity) -> Vec<f64> {
+    let along = if kind == Singularity::Bifurcation { dot(force, mode) } else { 0.0 };
     force.iter().zip(mode).map(|(f, m)| f - along * m).collect()
 }
 
@@ -301,7 +297,7 @@ fn slopes(
 /// What is sought, and how the last factorisation is to be used.
 struct Sought<'a> {
     mode: &'a [f64],
-    kind: Kind,
+    kind: Singularity,
     pin: &'a Pin,
 }
 
@@ -318,7 +314,7 @@ impl Sought<'_> {
     ) -> Result<Configuration<'a>, Failure> {
         let rate = LoadRate::of(problem, workspace, &state.iterate(problem));
         let volumes = now.constraints.len();
-        let holds = usize::from(self.kind == Kind::Bifurcation);
+        let holds = usize::from(self.kind == Singularity::Bifurcation);
         let mut corner = DMatrix::zeros(volumes + 1 + holds, volumes + 1 + holds);
         for i in 0..volumes {
             corner[(i, volumes)] = -rate.gaps[i];
@@ -356,7 +352,7 @@ impl Sought<'_> {
         let factor = workspace.linear().last().ok_or(Failure::Singular)?;
         let found = self.pin.solve(factor, columns, rows, corner, &upper, lower);
         let (du, rest) = found.ok_or(Failure::Singular)?;
-        let step = Step { constraints: &now.constraints, du: &du, rest: &rest };
+        let step = Step { constraints: &now.constraints, du, rest };
         Ok(step.cut(problem, workspace, state))
     }
 }
