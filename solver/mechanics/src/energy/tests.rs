@@ -165,7 +165,7 @@ fn loads() -> Vec<Sample> {
             Box::new(move |n| {
                 let (wall, [ideal, isobaric]) = (Wall::new(&own.space, &outside), gas(n[0]));
                 let gas = if kind == 0 { ideal } else { isobaric };
-                Box::new(Chamber { wall, gas, multiplier: None, memory: None })
+                Box::new(Chamber::new(wall, gas))
             })
         }));
     }

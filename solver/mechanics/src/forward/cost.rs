@@ -52,7 +52,9 @@ pub fn predicted_iterations(problem: &Problem, steps: Steps) -> f64 {
     match steps {
         Steps::Load(count) => STATIC + LOAD_STEP * count.saturating_sub(1) as f64,
         Steps::Quasistatic(count) => QUASISTATIC_STEP * count as f64,
-        Steps::Dynamic(count) if problem.energies.contact.is_some() => CONTACT_STEP * count as f64,
+        Steps::Dynamic(count) if problem.energies.contact().is_some() => {
+            CONTACT_STEP * count as f64
+        }
         Steps::Dynamic(count) => STEP * count as f64,
     }
 }
@@ -65,7 +67,7 @@ pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) ->
     let points = space.tets().len() * each;
     let pairs = space.nodes_per_element().pow(2);
     let factor = workspace.linear().cost();
-    let others = if problem.energies.contact.is_some() { OTHERS + CONTACT } else { OTHERS };
+    let others = if problem.energies.contact().is_some() { OTHERS + CONTACT } else { OTHERS };
     let work = ASSEMBLY * (points * pairs) as f64
         + FACTORIZATIONS * factor.flops
         + SOLVES * factor.entries as f64

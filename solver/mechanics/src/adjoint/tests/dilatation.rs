@@ -15,13 +15,14 @@ fn runs_with_mean_dilatation_have_their_gradients() {
         let problem = |p: &[f64]| {
             let law = std::array::from_fn(|k| p[k] * firm.law[k]);
             let (mut problem, _, _) = case.problem(&Numbers { law, ..firm });
-            let own = &mut problem.energies.bodies[0];
-            own.elastic = own.elastic.clone().with_mean_dilatation().expect("a law in invariants");
+            problem.energies.change(|_, own: &Elastic| {
+                own.clone().with_mean_dilatation().expect("a law in invariants")
+            });
             let workspace = Workspace::new(&problem);
             (problem, workspace)
         };
         // steps of a hundredth: those of a thousandth end at the residual of Newton's method
-        let by = |g: &Gradient| vec![by_factors(g, ParameterId::Material(0), &firm.law)];
+        let by = |g: &Gradient| vec![by_factors(g, Elastic::owner(0), &firm.law)];
         let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
             case.run(problem, workspace, rest, case.start(problem, rest))
         };

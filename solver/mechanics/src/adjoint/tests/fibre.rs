@@ -73,18 +73,19 @@ impl Reinforced {
         let mut values = self.values();
         values.iter_mut().zip(by).for_each(|(value, by)| *value *= by);
         let stiffness = values.pop().expect("that of the thread");
-        energies.fibres.push(self.family(&values, axis, slack, count));
+        let family = self.family(&values, axis, slack, count);
+        energies.extend([Term::of(Fibres::owner(0), family)]);
         let [_, (angle, k1)] = FAMILIES;
         let law = Fibre { k1, k2: 2.0, dispersion: 0.05, slack };
-        energies.fibres.push(Fibres::new(law, Direction::Helical(axis, angle), 0..count));
+        energies = energies.with(Fibres::new(law, Direction::Helical(axis, angle), 0..count));
         let path = [[0.003, 0.004, 0.02], [0.016, 0.013, 0.02]].map(Vec3::from);
         let pieces = polyline(&top, &Self::mesh().vertices, &path).expect("it lies on the top");
         let numbers = [stiffness, 0.02, 0.1];
-        energies.windings.push(Winding::new(&space, &pieces, numbers));
+        let thread = Winding::new(&space, &pieces, numbers);
+        energies.extend([Term::of(Winding::owner(0), thread)]);
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
-        energies =
-            energies.with_chamber("around", Chamber { wall, gas, multiplier: None, memory: None });
+        energies = energies.with_chamber("around", Chamber::new(wall, gas));
         let problem = Problem::new(space, energies, &fixed);
         let workspace = Workspace::new(&problem);
         (problem, workspace)
@@ -94,8 +95,8 @@ impl Reinforced {
         let values = self.values();
         let (own, thread) = values.split_at(values.len() - 1);
         let by = |gradient: &Gradient| {
-            let mut by = by_factors(gradient, ParameterId::Fibre(0), own);
-            by.push(gradient.parameters.total(ParameterId::Winding(0))[0] * thread[0]);
+            let mut by = by_factors(gradient, Fibres::owner(0), own);
+            by.push(gradient.parameters.total(Winding::owner(0))[0] * thread[0]);
             assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
             vec![by]
         };

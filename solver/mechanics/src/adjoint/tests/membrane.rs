@@ -49,11 +49,11 @@ impl Sheets {
         let angle = 0.5 * factors.last().copied().unwrap_or(1.0);
         let axis = Axis { point: Vec3::new(0.005, -0.01, 0.0), along: Vec3::x() };
         let warp = Direction::Helical(axis, angle);
-        energies.membranes.push(if has_axes { sheet.along(warp) } else { sheet });
+        let sheet = if has_axes { sheet.along(warp) } else { sheet };
+        energies.extend([Term::of(Membrane::owner(0), sheet)]);
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
-        energies =
-            energies.with_chamber("around", Chamber { wall, gas, multiplier: None, memory: None });
+        energies = energies.with_chamber("around", Chamber::new(wall, gas));
         let problem = Problem::new(space, energies, &fixed);
         let workspace = Workspace::new(&problem);
         (problem, workspace)
@@ -70,8 +70,7 @@ impl Sheets {
         let row = &LAWS[self.law];
         let mut values: Vec<f64> = [2e-3].iter().chain(row.sample).copied().collect();
         values.extend((row.build)(row.sample).has_axes().then_some(0.5));
-        let by =
-            |gradient: &Gradient| vec![by_factors(gradient, ParameterId::Membrane(0), &values)];
+        let by = |gradient: &Gradient| vec![by_factors(gradient, Membrane::owner(0), &values)];
         let problem = |factors: &[f64]| self.problem(&factors[..values.len()]);
         let runs = Runs { problem: &problem, run: &at_full_load, forces: false };
         runs.check(&Self::mesh().vertices, &[1e-3], by);
