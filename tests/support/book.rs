@@ -20,13 +20,43 @@ pub struct Chapter {
     pub text: String,
 }
 
-/// All chapters, by their names.
+/// All chapters that people write, by their names.
 ///
 /// # Panics
 /// When one cannot be read.
 pub fn chapters() -> Vec<Chapter> {
-    let folder = repository().join("pipelines/book");
-    let entries = fs::read_dir(folder).expect("the book");
+    let mut chapters = pages(&repository().join("pipelines/book"));
+    // `make book` leaves those that programs print beside them
+    chapters.retain(|chapter| {
+        let name = chapter.path.file_name().expect("a file").to_string_lossy();
+        !name.starts_with("keys-") && name != "python-api.md"
+    });
+    chapters
+}
+
+/// All chapters that programs print, made in the folder, as if they stood in the book.
+///
+/// # Panics
+/// When one cannot be made.
+pub fn printed(folder: &Path) -> Vec<Chapter> {
+    let (book, programs) = (repository().join("pipelines/book"), program("solver"));
+    let made = Command::new("python3")
+        .arg("-B")
+        .arg(book.join("generate.py"))
+        .args([programs.parent().expect("a folder"), folder])
+        .output()
+        .expect("python3");
+    assert!(made.status.success(), "{made:?}");
+    let beside = |page: Chapter| Chapter {
+        path: book.join(page.path.file_name().expect("a file")),
+        ..page
+    };
+    pages(folder).into_iter().map(beside).collect()
+}
+
+/// The Markdown in a folder, by its names.
+fn pages(folder: &Path) -> Vec<Chapter> {
+    let entries = fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());
     let mut paths: Vec<PathBuf> =
         paths.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
