@@ -21,9 +21,6 @@ pub struct Chapter {
 }
 
 /// All chapters that people write, by their names.
-///
-/// # Panics
-/// When one cannot be read.
 pub fn chapters() -> Vec<Chapter> {
     let mut chapters = pages(&repository().join("pipelines/book"));
     // `make book` leaves those that programs print beside them
@@ -35,9 +32,6 @@ pub fn chapters() -> Vec<Chapter> {
 }
 
 /// All chapters that programs print, made in the folder, as if they stood in the book.
-///
-/// # Panics
-/// When one cannot be made.
 pub fn printed(folder: &Path) -> Vec<Chapter> {
     let (book, programs) = (repository().join("pipelines/book"), program("solver"));
     let made = Command::new("python3")
@@ -47,10 +41,8 @@ pub fn printed(folder: &Path) -> Vec<Chapter> {
         .output()
         .expect("python3");
     assert!(made.status.success(), "{made:?}");
-    let beside = |page: Chapter| Chapter {
-        path: book.join(page.path.file_name().expect("a file")),
-        ..page
-    };
+    let beside =
+        |page: Chapter| Chapter { path: book.join(page.path.file_name().expect("a file")), ..page };
     pages(folder).into_iter().map(beside).collect()
 }
 
@@ -69,9 +61,6 @@ fn pages(folder: &Path) -> Vec<Chapter> {
 }
 
 /// The READMEs of the project and of its programs, whose commands are marked as those of chapters.
-///
-/// # Panics
-/// When one cannot be read.
 pub fn readmes() -> Vec<Chapter> {
     let read = |folder: &str| {
         let path = repository().join(folder).join("README.md");
@@ -142,9 +131,6 @@ impl Chapter {
     }
 
     /// Runs its commands with these marks, if there are any; `make` is that of the checkout.
-    ///
-    /// # Panics
-    /// When one fails.
     pub fn run(&self, marks: &[&str]) -> usize {
         let commands = self.commands(marks);
         if commands.is_empty() {

@@ -49,7 +49,7 @@ pub struct Energies {
 pub struct BodyEnergies {
     /// Elastic energy.
     pub elastic: Elastic,
-    /// What its stress is more than elastic, if it is viscoelastic.
+    /// The overstress beside the elastic stress, if the body is viscoelastic.
     pub viscous: Option<Viscous>,
     /// What a first stretch takes from its stress, if it is softened by one.
     pub mullins: Option<Mullins>,
