@@ -8,7 +8,7 @@ use mechanics::forward::TimeStepper;
 use mesh::Vec3;
 use mesh::offset::shifts;
 use scene::Scene;
-use solver::extension::Extension;
+use mechanics::extension::Extension;
 use tests::chamber::{self, PRESSURE};
 use tests::workdir::Workdir;
 

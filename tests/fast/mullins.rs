@@ -8,7 +8,7 @@ use mechanics::forward::TimeStepper;
 use mesh::io::write_tets;
 use scene::Scene;
 use serde_json::Value;
-use solver::number::{Number, Swept, Walls};
+use scene::number::{Number, Swept, Walls};
 use solver::study::sensitivity::sensitivities;
 use tests::meshes::shell_octant;
 use tests::radial::mooney_rivlin;

@@ -5,7 +5,7 @@ use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use mesh::offset::shifts;
 use serde_json::Value;
-use solver::extension::Extension;
+use mechanics::extension::Extension;
 use tests::chamber;
 use tests::workdir::Workdir;
 

@@ -11,7 +11,7 @@ use mesh::io::vtu;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use solver::number::{Number, Swept, Walls};
+use scene::number::{Number, Swept, Walls};
 use solver::report::results;
 use solver::study::nearby;
 use solver::study::sensitivity::sensitivities;

@@ -17,7 +17,6 @@ use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, Simulation};
 use scene::{Scene, log_share};
 
-use crate::number;
 use crate::report::buckling;
 use crate::report::failure::Diagnosis;
 use crate::report::leap::leap;
@@ -139,7 +138,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// The scene with what the arguments change, and its walls as they were measured.
 fn read(arguments: &Arguments) -> Result<(Scene, Option<AsCast>)> {
-    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
+    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     scene.certify = !arguments.no_certify;
     if arguments.curve {

@@ -27,9 +27,9 @@ use scene::Scene;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::number::Walls;
 use crate::study::calibration::least_squares::{Failure, minimise};
 use crate::study::sensitivity::sensitivities;
+use scene::number::Walls;
 
 /// Step of the differences of gauges [m].
 const STEP: f64 = 1e-6;

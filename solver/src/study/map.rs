@@ -17,8 +17,8 @@ use scene::Scene;
 use super::course::Course;
 use super::pose::Tip;
 use super::sensitivity::sensitivities;
-use crate::number::{Number, Swept, Walls};
 use crate::report::simulation::Verdict;
+use scene::number::{Number, Swept, Walls};
 
 /// Values of one number at most.
 const MOST_VALUES: usize = 100_000;

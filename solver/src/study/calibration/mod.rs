@@ -21,9 +21,9 @@ use scene::config::beside;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::number::{self, Group, Number, Swept, Walls};
 use crate::study::sensitivity::sensitivities;
 use crate::study::validation::table::{Table, unit};
+use scene::number::{Group, Number, Swept, Walls};
 pub use sought::Sought;
 
 const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: None };
@@ -147,7 +147,7 @@ impl Calibration {
             let known = paths.iter().position(|known| *known == scene);
             let index = known.unwrap_or(scenes.len());
             if known.is_none() {
-                scenes.push(number::read(&scene, &[], of_scenes)?);
+                scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
             let title = KeyPath::list("experiment").named(&own.name);

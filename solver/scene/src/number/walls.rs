@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 use mesh::offset::shifts;
-use scene::Scene;
+use crate::Scene;
 
 use super::{Kind, Number, Setting, any, nothing_added};
-use crate::extension::Extension;
+use mechanics::extension::Extension;
 
 pub(super) const WALL: Kind = Kind {
     path: "wall.TAG or wall",

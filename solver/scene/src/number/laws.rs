@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use mechanics::energy::ParameterId;
 use mechanics::material::{Law, Specification};
-use scene::SceneLaw;
+use crate::SceneLaw;
 
 use super::{Entry, Kind, Setting, Swept, any};
 
