@@ -11,9 +11,10 @@
 use std::f64::consts::PI;
 
 use mechanics::energy::{Energies, Traction};
-use mechanics::forward::{First, Kind};
+use mechanics::forward::Singularity;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::Field;
+use mechanics::stability::FirstLimit;
 use mesh::Vec3;
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where};
@@ -69,8 +70,8 @@ fn found(slenderness: f64, poisson: f64, degree: usize, along: usize, plane: boo
         [middle, plane || p.y < 1e-9, hinged]
     };
     let mut column = Equilibrium::new(mesh, degree, energies, held);
-    let First::Found(limit, _) = column.first_limit(|_| ()) else { panic!("no limit") };
-    assert!(limit.kind == Kind::Bifurcation && limit.others == 0);
+    let FirstLimit::Found(limit, _) = column.first_limit(|_| ()) else { panic!("no limit") };
+    assert!(limit.kind == Singularity::Bifurcation && limit.others == 0);
     limit.load * full
 }
 

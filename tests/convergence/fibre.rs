@@ -7,7 +7,7 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Profile, Traction, Winding,
+    Along, Axis, Direction, Energies, Fibres, Helix, Isobaric, Lead, Profile, Traction, Winding,
     helix,
 };
 use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
@@ -468,7 +468,7 @@ fn widened(pitch: Option<f64>) -> f64 {
         for hand in [1.0, -1.0] {
             for i in 0..starts {
                 let phase = std::f64::consts::TAU * i as f64 / starts as f64;
-                let climb = Climb::Pitch(Along::Number(hand * climb));
+                let climb = Lead::Pitch(Along::Number(hand * climb));
                 let own = Helix::new(Z, climb, [0.0, height], phase);
                 let pieces = helix(&skin, &vertices, &own).expect("it lies on the skin");
                 energies.windings.push(Winding::new(space, &pieces, [stiffness, 0.0, 1e-4]));

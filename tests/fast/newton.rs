@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use mechanics::energy::{BodyForce, Energies};
-use mechanics::forward::{Failure, Newton, SoftestMode, Workspace};
+use mechanics::forward::{Failure, Newton, Workspace};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
 use mechanics::math::linear::{
     BadPivots, Cost, DirectSolver, Factor, Precision, SparseSolver, Structure, Symmetric, Triangle,
     one_by_one,
 };
 use mechanics::math::tensor::{Mat3, Mat9};
+use mechanics::stability::SoftestMode;
 use mesh::Vec3;
 use tests::block;
 use tests::equilibrium::{Equilibrium, SILICONE};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use mechanics::forward::TimeStepper;
 use scene::Scene;
 use scene::number::{KINDS, Number, Swept, Walls};
-use solver::study::sensitivity::sensitivities;
+use solver::run::sensitivity::sensitivities;
 use tests::chamber;
 use tests::workdir::{Workdir, repository};
 

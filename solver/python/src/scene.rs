@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use scene::config::ScenarioConfig;
 use scene::number::{Number, Walls};
 use solver::optimize::scene_of;
-use solver::study::nearby;
-use solver::study::uncertainty;
+use solver::run::error_bars;
+use solver::run::next_to::is_free_of_history;
 
 use crate::body::{Body, points, vectors};
 use crate::computing::{collect, compute};
@@ -68,7 +68,7 @@ fn check(scene: &scene::Scene) -> anyhow::Result<()> {
     let problem = scene.discretise(&scene.body)?;
     scene.probes(&scene.body, &problem.space)?;
     scene.check_loads()?;
-    uncertainty::check(scene)
+    error_bars::check(scene)
 }
 
 #[pymethods]
@@ -175,7 +175,7 @@ impl Scene {
 
     /// Whether an equilibrium does not depend on the way to it, so that one may be sought from another.
     fn is_free_of_history(&self) -> bool {
-        nearby::is_free_of_history(&self.now())
+        is_free_of_history(&self.now())
     }
 
     /// A scene of its own that is like this one.

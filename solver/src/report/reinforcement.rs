@@ -101,7 +101,7 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
             name: name.clone(),
             on: on.all().join(" and "),
             length,
-            turns: points.is_empty().then(|| thread.course()),
+            turns: points.is_empty().then(|| thread.turns()),
             segments: thread.segments(),
             energy,
             force,

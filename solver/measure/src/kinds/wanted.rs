@@ -7,17 +7,11 @@
 //! s    scale: a difference that counts as 1
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use anyhow::{Result, ensure};
 use mechanics::energy::ParameterId;
 use mechanics::schedule::Schedule;
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 use crate::written::{ScheduleSchema, proposed};
 
 pub(super) const KIND: Kind = Kind {

@@ -4,15 +4,10 @@
 //!
 //! The mean for p = 1; the larger p, the nearer to the largest force. See [`mechanics::energy::Winding::mean_force`].
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::energy::{Iterate, ParameterId, Winding};
-use program::{KeyPath, misfit, unknown};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use program::unknown;
 
-use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 
 /// Powers above which forces of a hundredth of the largest are rounding.
 const MOST_POWER: f64 = 100.0;

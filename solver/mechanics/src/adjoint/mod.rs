@@ -30,7 +30,7 @@
 //! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
 //! 2023. One factorisation per step.
 
-mod limit;
+mod scaled_pressure;
 
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
@@ -45,7 +45,7 @@ use crate::forward::{
 };
 use crate::math::linear::{dot, norm};
 
-pub use limit::Grown;
+pub use scaled_pressure::ScaledPressure;
 
 /// Relative residual of the adjoint system that is too large.
 const TOLERANCE: f64 = 1e-9;
@@ -102,9 +102,6 @@ pub struct Gradient {
 /// Sweeps back through a run on a rest shape. `partials` adds the objective's at
 /// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one
 /// factorisation.
-///
-/// # Errors
-/// [`NoGradient`] when H has no accurate inverse at some step, or the watch breaks off.
 pub fn sweep(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -127,9 +124,6 @@ pub enum Wanted {
 }
 
 /// [`sweep`], for what is wanted of it.
-///
-/// # Errors
-/// As [`sweep`].
 pub fn sweep_for(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -143,7 +137,7 @@ pub fn sweep_for(
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
-        if workspace.tell(&Event::Adjoint { step: n }).is_break() {
+        if workspace.notify(&Event::Adjoint { step: n }).is_break() {
             return Err(NoGradient::Interrupted);
         }
         let State { u, v, a, internal } = states[n].take().unwrap_or_else(|| zeros(len));
@@ -410,7 +404,7 @@ fn add_where_any(to: &mut Vec<f64>, by: &[f64], factor: f64) {
 
 /// H⁻¹ of a vector over the free degrees of freedom, by the last factorisation.
 fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, NoGradient> {
-    let reached = workspace.solve_sharply(&mut x, SOUGHT, TOLERANCE);
+    let reached = workspace.solve_accurately(&mut x, SOUGHT, TOLERANCE);
     let residual = reached.unwrap_or(f64::INFINITY);
     if residual.is_nan() || residual > TOLERANCE {
         return Err(NoGradient::Singular { residual });

@@ -342,7 +342,7 @@ impl Energies {
 
     /// Energies whose loads are held as they are at a time, except the pressures of some chambers, which grow
     /// in proportion to the time from there. Loads that no derivative by numbers asks for become terms without a kind.
-    pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
+    pub fn with_scaled_pressures(&self, time: f64, scaled: &[ChamberId]) -> Self {
         let mut held = self.clone();
         let mut loads: Vec<Arc<dyn Energy>> = Vec::new();
         for body in &mut held.bodies {
@@ -361,7 +361,7 @@ impl Energies {
             loads.into_iter().map(|energy| Arc::new(Held { energy, time }) as _).collect();
         for (place, named) in held.chambers.iter_mut().enumerate() {
             let gas = &mut named.chamber.gas;
-            let grows = gas.pressure().is_some() && grow.contains(&ChamberId(place));
+            let grows = gas.pressure().is_some() && scaled.contains(&ChamberId(place));
             let value = gas.schedule().at(time);
             let then =
                 if grows { Schedule::proportional(value, time) } else { Schedule::held(value) };

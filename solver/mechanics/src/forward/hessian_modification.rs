@@ -164,7 +164,7 @@ fn exact(
     match factor_and_solve(workspace, hessian, force, forcing)? {
         Outcome::Solved(direction) => Some((Modification::Exact, direction)),
         Outcome::Curved => None,
-        Outcome::Inaccurate if sharpen(workspace) => {
+        Outcome::Inaccurate if refactor_double(workspace) => {
             Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)?))
         }
         Outcome::Inaccurate => {
@@ -217,9 +217,9 @@ fn factor_and_solve(
 
 /// Factors the last matrix again in double precision; false where that is not positive
 /// definite.
-fn sharpen(workspace: &mut Workspace) -> bool {
+fn refactor_double(workspace: &mut Workspace) -> bool {
     let positive =
-        workspace.factor(|linear| linear.sharpen().is_some_and(Factorization::is_positive));
+        workspace.factor(|linear| linear.refactor_double().is_some_and(Factorization::is_positive));
     workspace.timings.factorizations += 1;
     positive
 }

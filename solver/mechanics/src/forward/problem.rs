@@ -77,9 +77,10 @@ impl Problem {
     }
 
     /// This problem with all loads and supports held as they are at a time, but for the pressures of some chambers,
-    /// which grow in proportion to the time from there.
-    pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
-        let mut held = Self { energies: self.energies.held(time, grow), ..self.clone() };
+    /// which are scaled in proportion to the time from there.
+    pub fn with_scaled_pressures(&self, time: f64, scaled: &[ChamberId]) -> Self {
+        let mut held =
+            Self { energies: self.energies.with_scaled_pressures(time, scaled), ..self.clone() };
         if self.dirichlet.moves() {
             let there = self.dirichlet.displacement(time);
             held = held.with_motion(move |_| there.clone());

@@ -128,7 +128,7 @@ impl Workspace {
     }
 
     /// Tells the watch of an event, and gives back whether to go on.
-    pub(crate) fn tell(&mut self, event: &Event) -> ControlFlow<()> {
+    pub(crate) fn notify(&mut self, event: &Event) -> ControlFlow<()> {
         self.watch.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event))
     }
 
@@ -308,12 +308,12 @@ impl Workspace {
     /// last.
     pub fn has_factor_of(&mut self, linearization: &Linearization, at: &Iterate) -> bool {
         let is_last = self.linearization == Some(linearization.id);
-        linearization.u == at.u && (is_last || self.take_up(linearization))
+        linearization.u == at.u && (is_last || self.reuse(linearization))
     }
 
     /// Makes the factor that a linearisation has kept the last one; false where it has none, or one of another pattern.
-    pub fn take_up(&mut self, linearization: &Linearization) -> bool {
-        let taken = linearization.kept.as_ref().is_some_and(|kept| self.linear.take_up(kept));
+    pub fn reuse(&mut self, linearization: &Linearization) -> bool {
+        let taken = linearization.kept.as_ref().is_some_and(|kept| self.linear.reuse(kept));
         if taken {
             self.linearization = Some(linearization.id);
         }
@@ -323,12 +323,12 @@ impl Workspace {
     /// Solves with the last factorisation to a relative residual, and returns that
     /// reached; where it is larger than `enough`, again with a factor in double
     /// precision. None without a factorisation.
-    pub fn solve_sharply(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> Option<f64> {
+    pub fn solve_accurately(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> Option<f64> {
         let clock = Clock::start();
         let rhs = x.clone();
         let mut residual = self.linear.last()?.solve_to(x, sought);
         if (residual.is_nan() || residual > enough)
-            && let Some(sharper) = self.linear.sharpen()
+            && let Some(sharper) = self.linear.refactor_double()
         {
             *x = rhs;
             residual = sharper.solve_to(x, sought);

@@ -26,9 +26,6 @@ pub struct Expression {
 
 impl Expression {
     /// Reads an expression without parameters.
-    ///
-    /// # Errors
-    /// [`Malformed`] with what was found and what is known.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         let mut expression = Self::parse_unbound(text)?;
         expression.bind(&BTreeMap::new())?;
@@ -37,9 +34,6 @@ impl Expression {
 
     /// Reads an expression with parameters, whose values are NaN until
     /// [`Self::bind`] sets them. So is a function that nobody knows, which `bind` refuses.
-    ///
-    /// # Errors
-    /// [`Malformed`] with what was found and what is needed.
     pub fn parse_unbound(text: &str) -> Result<Self, Malformed> {
         parse(text).map(|root| Self { text: text.to_owned(), root })
     }
@@ -56,9 +50,6 @@ impl Expression {
     }
 
     /// Gives all parameters their values.
-    ///
-    /// # Errors
-    /// [`Malformed`] with the name that has none, or the function that nobody knows.
     pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
         self.root.bind(parameters).map_err(|(what, name, at)| {
             let known: Vec<&str> = match what {

@@ -62,9 +62,6 @@ impl From<f64> for Schedule {
 
 impl Schedule {
     /// Linear between values at increasing times [s], the first 0.
-    ///
-    /// # Errors
-    /// When times do not increase or a number is not finite.
     pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
         let table = Table::new(times.to_vec(), values.to_vec())?;
         let mut schedule = Self { written: Written::Table(Arc::new(table)), first: 1.0 };
@@ -108,9 +105,6 @@ impl Schedule {
     }
 
     /// Gives the parameters of an expression their values.
-    ///
-    /// # Errors
-    /// [`Malformed`] with the name that has none.
     pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
         match &mut self.written {
             Written::Expression(expression) => Arc::make_mut(expression).bind(parameters),
@@ -119,9 +113,6 @@ impl Schedule {
     }
 
     /// Adds a constant to what is written; `parameters` are those of an expression.
-    ///
-    /// # Errors
-    /// [`Malformed`] with a name that has no value.
     pub fn add(
         &mut self,
         constant: f64,
@@ -202,9 +193,6 @@ impl Schedule {
     }
 
     /// Whether it is defined at all these times [s] and positions [m].
-    ///
-    /// # Errors
-    /// With the value and where it was found.
     pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
         if let Written::Number(value) = self.written {
             return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };

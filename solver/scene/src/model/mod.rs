@@ -30,10 +30,9 @@ use mechanics::element::FunctionSpace;
 use mechanics::energy::{
     BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
 };
-use mechanics::forward::{
-    ArcLength, Growth, Integrator, Newton, Problem, State, Stepping, Workspace,
-};
+use mechanics::forward::{Growth, Integrator, Newton, Problem, State, Stepping, Workspace};
 use mechanics::schedule::Field;
+use mechanics::stability::ArcLength;
 use mechanics::stretch::Limits;
 use mesh::Vec3;
 use program::{KeyPath, Settings, misfit};

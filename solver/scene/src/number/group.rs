@@ -1,8 +1,8 @@
 //! Numbers that change together.
 
-use anyhow::Result;
 use crate::Scene;
 use crate::config::is_pressure;
+use anyhow::Result;
 
 use super::{KINDS, Number, Swept, Walls};
 

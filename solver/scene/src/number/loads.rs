@@ -1,13 +1,13 @@
 //! Numbers of loads and of the state at the start.
 
+use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
+use crate::{Scene, ScenePart, nodes_of};
 use anyhow::ensure;
 use mechanics::body::Body;
 use mechanics::energy::ParameterId;
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
-use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
-use crate::{Scene, ScenePart, nodes_of};
 
 use super::laws::{positive, total};
 use super::{Kind, Place, Setting, any, nothing_added};

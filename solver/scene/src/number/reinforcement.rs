@@ -1,7 +1,7 @@
 //! Numbers of fibres and threads.
 
-use mechanics::energy::ParameterId;
 use crate::config::{Along, FibreConfig, WindingConfig};
+use mechanics::energy::ParameterId;
 
 use super::laws::total;
 use super::{Entry, Kind, Setting};

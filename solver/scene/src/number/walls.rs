@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use crate::Scene;
 use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 use mesh::offset::shifts;
-use crate::Scene;
 
 use super::{Kind, Number, Setting, any, nothing_added};
 use mechanics::extension::Extension;

@@ -1,6 +1,6 @@
 //! Gradients of runs of blocks with fibres and threads.
 
-use super::membrane::to_equilibrium;
+use super::membrane::at_full_load;
 use super::*;
 use crate::energy::Isobaric;
 use crate::energy::{Axis, Direction, Directions, Fibres, Profile, Winding, polyline};
@@ -90,29 +90,18 @@ impl Reinforced {
         (problem, workspace)
     }
 
-    fn run(&self, by: &[f64], rest: &[Vec3]) -> (Problem, Workspace, Trajectory) {
-        to_equilibrium(self.problem(by), rest)
-    }
-
     fn check(&self) {
         let values = self.values();
-        let (same, rest) = (vec![1.0; values.len()], Self::mesh().vertices);
-        let (problem, mut workspace, at) = self.run(&same, &rest);
-        let probe = Probe::new(problem.dofs(), false);
-        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
-        check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| {
-            let rest = points(x);
-            let (problem, _, run) = self.run(&same, &rest);
-            probe.value(&problem, &rest, &run)
-        });
-        let mut by = gradient.parameters.total(ParameterId::Fibre(0));
-        by.push(gradient.parameters.total(ParameterId::Winding(0))[0]);
-        let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
-        assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
-        check_gradient(&same, &by, 1e-2, |by| {
-            let (problem, _, run) = self.run(by, &rest);
-            probe.value(&problem, &rest, &run)
-        });
+        let (own, thread) = values.split_at(values.len() - 1);
+        let by = |gradient: &Gradient| {
+            let mut by = by_factors(gradient, ParameterId::Fibre(0), own);
+            by.push(gradient.parameters.total(ParameterId::Winding(0))[0] * thread[0]);
+            assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
+            vec![by]
+        };
+        let problem = |by: &[f64]| self.problem(by);
+        let runs = Runs { problem: &problem, run: &at_full_load, forces: false };
+        runs.check(&Self::mesh().vertices, &[1e-2], by);
     }
 }
 

@@ -27,12 +27,10 @@ mod fibre;
 mod inside;
 mod internal;
 mod linearizations;
-mod longer;
 mod membrane;
 mod mullins;
 mod neighbours;
 mod rigid;
-mod tangent;
 mod viscous;
 
 use inside::Inside;
@@ -331,6 +329,59 @@ impl Probe {
         problem.space.add_to_vertices(&by_x, &mut gradient.rest);
         gradient
     }
+}
+
+/// A family of runs by numbers that are 1 in the run whose gradient is checked.
+struct Runs<'a> {
+    problem: &'a dyn Fn(&[f64]) -> (Problem, Workspace),
+    run: &'a dyn Fn(&Problem, &mut Workspace, &[Vec3]) -> Trajectory,
+    /// Whether the forces of contact are measured.
+    forces: bool,
+}
+
+impl Runs<'_> {
+    /// What is measured of the run by numbers.
+    fn value(&self, numbers: &[f64], rest: &[Vec3]) -> f64 {
+        let (problem, mut workspace) = (self.problem)(numbers);
+        let run = (self.run)(&problem, &mut workspace, rest);
+        Probe::new(problem.dofs(), self.forces).value(&problem, rest, &run)
+    }
+
+    /// Taylor tests by the rest shape, and by numbers with their first steps; `by` are the derivatives by each group of
+    /// numbers, in their order.
+    fn check(
+        &self,
+        rest: &[Vec3],
+        groups: &[f64],
+        by: impl Fn(&Gradient) -> Vec<Vec<f64>>,
+    ) -> (Problem, Trajectory) {
+        let count = |by: &[Vec<f64>]| by.iter().map(Vec::len).sum::<usize>();
+        let many = [1.0; 32];
+        let (problem, mut workspace) = (self.problem)(&many);
+        let run = (self.run)(&problem, &mut workspace, rest);
+        let probe = Probe::new(problem.dofs(), self.forces);
+        let gradient = probe.gradient(&problem, &mut workspace, rest, &run);
+        let by = by(&gradient);
+        let ones = vec![1.0; count(&by)];
+        check_gradient(&flat(rest), &gradient.rest, 2e-6, |x| self.value(&ones, &points(x)));
+        let mut first = 0;
+        for (by, step) in by.iter().zip(groups) {
+            check_gradient(&vec![1.0; by.len()], by, *step, |x| {
+                let mut numbers = ones.clone();
+                numbers[first..first + x.len()].copy_from_slice(x);
+                self.value(&numbers, rest)
+            });
+            first += by.len();
+        }
+        (problem, run)
+    }
+}
+
+/// Derivatives by numbers as those by factors of them.
+fn by_factors(gradient: &Gradient, id: ParameterId, numbers: &[f64]) -> Vec<f64> {
+    let by = gradient.parameters.total(id);
+    assert_eq!(by.len(), numbers.len());
+    by.iter().zip(numbers).map(|(by, number)| by * number).collect()
 }
 
 fn check(case: &Case, forces: bool) {

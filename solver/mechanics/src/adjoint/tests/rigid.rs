@@ -5,9 +5,9 @@ use mesh::SurfaceMesh;
 use super::*;
 use crate::contact::surface::Obstacle;
 use crate::energy::{IdealGas, MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass};
-use crate::forward::{ArcFollower, ArcLength};
 use crate::material::{Lame, NeoHookean};
 use crate::rigid::{Moves, RigidSet};
+use crate::stability::{ArcLength, Continuation};
 
 /// Edge of the block [m].
 const EDGE: f64 = 0.02;
@@ -156,7 +156,7 @@ fn a_path_carries_a_rigid_top_along() {
     let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
     let mut stepper = TimeStepper::new(TIGHT, integrator);
     let path = ArcLength { first: 0.2, largest: 0.5, smallest: 1e-3, end: 1.0 };
-    let mut follower = ArcFollower::new(path);
+    let mut follower = Continuation::new(path);
     let mut workspace = Workspace::new(&problem);
     let end = loop {
         let step = follower.next(&mut stepper, &problem, &mut workspace, &rest).expect("a state");
@@ -180,7 +180,7 @@ fn the_load_of_a_held_part_does_not_grow() {
     let at = |problem: &Problem, time: f64| problem.gradient(&problem.iterate(&rest, &u, time)).0;
     let mut grows = problem.clone();
     grows.energies.rigid[0].load.force.0[0] = "3*t".parse().expect("an expression");
-    let held = grows.held(1.0, &[]);
+    let held = grows.with_scaled_pressures(1.0, &[]);
     assert_eq!(at(&held, 1.0), at(&grows, 1.0));
     assert_eq!(at(&held, 2.5), at(&held, 1.0));
     assert_ne!(at(&grows, 2.5), at(&grows, 1.0));

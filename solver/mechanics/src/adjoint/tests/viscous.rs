@@ -24,35 +24,27 @@ pub(super) fn problem(
 }
 
 fn check_viscous(case: &Case) {
-    let (own, mut workspace, rest) = problem(case, &NUMBERS, &BRANCHES);
-    let start = case.start(&own, &rest);
-    let run = case.run(&own, &mut workspace, &rest, start.clone());
-    let probe = Probe::new(own.dofs(), case.hits());
-    let gradient = probe.gradient(&own, &mut workspace, &rest, &run);
-    let value = |numbers: &Numbers, branches: &[Branch], rest: &[Vec3]| {
-        let (problem, mut workspace, _) = problem(case, numbers, branches);
-        let run = case.run(&problem, &mut workspace, rest, start.clone());
-        probe.value(&problem, rest, &run)
-    };
-    check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| value(&NUMBERS, &BRANCHES, &points(x)));
-    let by = gradient.parameters.total(ParameterId::Material(0));
-    let by: Vec<f64> = by.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
-    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
+    let with = |p: &[f64]| {
         let law = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
-        value(&Numbers { law, ..NUMBERS }, &BRANCHES, &rest)
-    });
-    let by = gradient.parameters.total(ParameterId::Relaxation(0));
-    let numbers = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]);
-    let by: Vec<f64> = by.iter().zip(numbers).map(|(g, c)| g * c).collect();
-    assert!(by.len() == 4 && by.iter().all(|by| *by != 0.0), "{by:?}");
-    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
         let scaled = |(i, b): (usize, &Branch)| Branch {
-            overstress: p[2 * i] * b.overstress,
-            time: p[2 * i + 1] * b.time,
+            overstress: p[4 + 2 * i] * b.overstress,
+            time: p[5 + 2 * i] * b.time,
         };
         let branches: Vec<Branch> = BRANCHES.iter().enumerate().map(scaled).collect();
-        value(&NUMBERS, &branches, &rest)
-    });
+        let (problem, workspace, _) = problem(case, &Numbers { law, ..NUMBERS }, &branches);
+        (problem, workspace)
+    };
+    let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
+        case.run(problem, workspace, rest, case.start(problem, rest))
+    };
+    let by = |g: &Gradient| {
+        let numbers: Vec<f64> = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]).collect();
+        let of_branches = by_factors(g, ParameterId::Relaxation(0), &numbers);
+        assert!(of_branches.iter().all(|by| *by != 0.0), "{of_branches:?}");
+        vec![by_factors(g, ParameterId::Material(0), &NUMBERS.law), of_branches]
+    };
+    let rest = case.bodies().0.vertices;
+    Runs { problem: &with, run: &run, forces: case.hits() }.check(&rest, &[1e-3, 1e-3], by);
 }
 
 #[test]
@@ -68,22 +60,6 @@ fn viscous_runs_have_their_gradients_with_any_formula() {
     ] {
         check_viscous(&Case { method, degree, steps, dt: 0.02, body, inside });
     }
-}
-
-#[test]
-#[ignore = "half a minute: runs in make test-all; one element with each formula stays"]
-fn viscous_bodies_of_many_elements_have_their_gradients() {
-    let (method, body, inside) = (Method::Quasistatic, Shape::Hollow, Inside::Pressure);
-    check_viscous(&Case { method, degree: 2, steps: 2, dt: 0.02, body, inside });
-    let blocks = Case {
-        method: Method::ImplicitEuler,
-        degree: 1,
-        steps: 3,
-        dt: 2e-3,
-        body: Shape::Blocks,
-        inside: Inside::Pressure,
-    };
-    check_viscous(&blocks);
 }
 
 /// A unit cube sheared by a given displacement of all its nodes: forces of its law and overstress.

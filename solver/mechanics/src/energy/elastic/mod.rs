@@ -166,4 +166,4 @@ impl Elastic {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -28,7 +28,6 @@
 
 mod batch;
 mod direction;
-mod harmonic;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,10 +42,9 @@ use crate::material::fibre::{Fibre, Response};
 use crate::math::tensor::Mat3;
 
 pub use direction::{Axis, Direction};
-pub use harmonic::gradients_of_potential;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Where the fibres of a family lead.
 #[derive(Clone, Debug, PartialEq)]

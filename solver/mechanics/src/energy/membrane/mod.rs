@@ -46,7 +46,7 @@ use crate::math::tensor::{Mat3, project_positive};
 use crate::parallel::map_merge;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Nodes of a facet, at most.
 const MOST_NODES: usize = 10;

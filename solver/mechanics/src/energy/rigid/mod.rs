@@ -368,4 +368,4 @@ impl Energy for RigidLoad {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -114,9 +114,6 @@ fn across(columns: &DMatrix<f64>, axis: Vec3) -> Vec<Vec3> {
 
 impl RigidMoment {
     /// Moments [N m] on a part, with the positions of all nodes at rest [m].
-    ///
-    /// # Errors
-    /// When the part cannot be turned about an axis about which there is a moment.
     pub fn new(part: &RigidSet, positions: &[Vec3], moment: Field) -> Result<Self, NoLever> {
         let turn = |axis: usize| {
             let turns = !moment.0[axis].is_zero();
