@@ -8,8 +8,8 @@
 //! R  operations per second of a matrix product in single precision, measured in some
 //!    milliseconds, so that the machine and the number of threads count
 //!
-//! The numbers were fitted to the runs in the chapter "Speed" of the book, where predicted
-//! times stand beside measured ones. Iterations are what it knows least of: a time step takes 2 to 30 of them.
+//! The numbers were fitted to the scenes in `pipelines`; the chapter "Speed" of the book says how far predictions are off.
+//! Iterations are what it knows least of: a time step takes 2 to 30 of them.
 
 use super::{Problem, Workspace};
 use crate::math::linear::product_speed;
