@@ -7,10 +7,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use mesh::io::remove_litter;
 use program::{Change, FolderLock, Unusable};
 
-use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
-use crate::labelled::{Facts, LabelledSurface, remove_stamp};
 use crate::mesher::gmsh::Kind;
+use crate::model::cad::{self, CadOptions, parse_number};
+use crate::model::{Facts, LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 

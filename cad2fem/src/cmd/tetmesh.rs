@@ -11,12 +11,12 @@ use mesh::{SurfaceMesh, Tags};
 use program::Changes;
 use serde::Serialize;
 
-use crate::cache::Cache;
-use crate::config::{Config, Tetmesh};
-use crate::layers::{Layers, append};
+use crate::mesher::layers::{Layers, append};
 use crate::mesher::python::Python;
 use crate::report::{Input, read_in};
-use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
+use crate::tetmesh::cache::Cache;
+use crate::tetmesh::config::{Config, Tetmesh};
+use crate::tetmesh::{Outcome, Request, prepare, tetrahedralize};
 use crate::units::Unit;
 
 /// Edges wanted, over the longest of a surface that stays, from which on a user expects a coarser mesh.

@@ -24,8 +24,8 @@ use mesh::{SurfaceMesh, Vec3, check};
 use nalgebra::Matrix3;
 use program::Unusable;
 
-use crate::labelled::{Facts, LabelledSurface};
-use crate::record::Record;
+use crate::model::record::Record;
+use crate::model::{Facts, LabelledSurface};
 use crate::report::findings;
 use repair::Repair;
 use source::Reader;

@@ -1,6 +1,10 @@
-//! A closed surface whose triangles carry the name of a region, and its files:
+//! A closed surface whose triangles carry the name of a region, made of CAD by [`cad`], and its files:
 //! `model.stl`, `patches/<region>.stl`, of surfaces inside the body as well, `volumes/<volume>.stl`
 //! and the report `model.json`, written last.
+
+pub mod cad;
+pub mod record;
+pub mod solids;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +20,7 @@ use serde::Serialize;
 
 use crate::implicit::{Thin, draw_thin};
 use crate::mesher::gmsh::Faces;
-use crate::record::Record;
+use crate::model::record::Record;
 use crate::report::{Input, findings};
 
 /// The report, written last.

@@ -8,10 +8,10 @@ use anyhow::{Context, Result, bail};
 use mesh::check::orient_by_nesting;
 use mesh::topology::submesh;
 
-use crate::labelled::{Facts, LabelledSurface};
 use crate::mesher::gmsh::{FaceOptions, Faces, Kind, mesh_faces};
 use crate::mesher::python::Python;
-use crate::solids::Solids;
+use crate::model::solids::Solids;
+use crate::model::{Facts, LabelledSurface};
 use crate::units::Unit;
 
 /// How a CAD file is read.

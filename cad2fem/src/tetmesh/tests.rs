@@ -90,7 +90,7 @@ fn made(spoiled: usize, spoil: fn(&mut TetMesh)) -> (Result<Outcome>, Vec<(f64, 
     make_positive(&mut surface);
     let surface = boundary(&surface).surface(&surface).0;
     let stub = Stub { spoiled, spoil, asked: Vec::new().into(), body: &body };
-    let settings = crate::config::Tetmesh { envelope: Some(1e-4), ..Default::default() };
+    let settings = crate::tetmesh::config::Tetmesh { envelope: Some(1e-4), ..Default::default() };
     let request = Request {
         python: Python { path: "none".into() },
         meshers: Vec::new(),

@@ -1,4 +1,14 @@
 //! Closed surface → tetrahedra: checks before and after the mesher.
+//!
+//! - [`config`]: `cad2fem.toml`
+//! - [`fragments`]: removes small components that a mesher has cut off, and spikes
+//! - [`planar`]: planar faces of the input stay planar, and keep their rims
+//! - [`cache`]: meshes kept from earlier runs
+
+pub mod cache;
+pub mod config;
+pub mod fragments;
+pub mod planar;
 
 use std::time::{Duration, Instant};
 
@@ -12,13 +22,13 @@ use mesh::{SurfaceMesh, TetMesh, Vec3};
 use program::Unusable;
 use serde::Serialize;
 
-use crate::cache::{Cache, key};
-use crate::fragments::{open_pinches, remove_fragments, remove_spikes};
-use crate::layers::{Layers, exact_facets};
+use crate::mesher::layers::{Layers, exact_facets};
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
-use crate::planar::flatten;
 use crate::report::findings;
+use crate::tetmesh::cache::{Cache, key};
+use crate::tetmesh::fragments::{open_pinches, remove_fragments, remove_spikes};
+use crate::tetmesh::planar::flatten;
 
 /// Points at which distances between surfaces are measured.
 const SAMPLES: usize = 60_000;
