@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomic;
 pub use inputs::{remove_output, remove_output_folder};
 pub use msh::{MshFile, read_tets, read_tets_of_any_unit, tagged_mesh, write_tets};
-pub use open::{create_new, make_results, note_results, open_input, open_own, open_to_append};
+pub use open::{create_new, make_folder, open_input, open_to_append};
 pub use standard::{extension, is_standard, read_standard};
 pub use text::{read_own_text, read_text};
 pub use unfinished::{Unfinished, remove_litter, remove_unfinished, remove_unfinished_files};
@@ -198,20 +198,13 @@ const LARGEST: u64 = 4 << 30;
 /// # Errors
 /// If the file cannot be read or has more than 4 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    let bytes = read_whole(path, open_input)?;
+    let bytes = read_own_bytes(path)?;
     inputs::note_read(path);
     Ok(bytes)
 }
 
 /// Reads a file that a program of ours wrote, in an earlier run perhaps, and that this one may write again.
 fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    read_whole(path, open_own)
-}
-
-fn read_whole(
-    path: &Path,
-    open: fn(&Path) -> Result<std::fs::File, IoError>,
-) -> Result<Vec<u8>, IoError> {
     let fail = |cause| IoError::system(path, "read", cause);
     let too_large = |size: String| {
         IoError::content(path, format!("it has {size} bytes; up to {LARGEST} are read"))
@@ -219,7 +212,7 @@ fn read_whole(
     if is_standard(path)? {
         return Ok(read_standard().map_err(fail)?.to_vec());
     }
-    let file = open(path)?;
+    let file = open_input(path)?;
     let announced = file.metadata().map_err(fail)?.len();
     if announced > LARGEST {
         return Err(too_large(announced.to_string()));

@@ -27,18 +27,3 @@ fn decoded(path: &Path, bytes: Vec<u8>) -> Result<String, IoError> {
         IoError::content(path, format!("byte {at} is not UTF-8; a text file is needed"))
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn text_must_be_utf8_and_exist() {
-        let file = tempfile::NamedTempFile::new().expect("a temporary file");
-        std::fs::write(file.path(), b"ab\xffc").expect("it is writable");
-        let message = read_text(file.path()).expect_err("not UTF-8").to_string();
-        assert!(message.contains("byte 2"), "{message}");
-        let message = read_text(Path::new("/no/such")).expect_err("missing").to_string();
-        assert!(message.contains("/no/such"), "{message}");
-    }
-}

@@ -5,8 +5,6 @@
 //! the thirds of these edges from their first end to their second, then the
 //! centres of the faces 013, 123, 023, 012.
 
-mod array;
-mod encoded;
 mod lower;
 mod read;
 mod write;
