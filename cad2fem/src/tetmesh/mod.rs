@@ -16,7 +16,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use mesh::check::{check_surface, check_tets, coincident, orient_by_nesting, run};
 use mesh::improve::{improve_around, improve_interior};
 use mesh::measure::{Quality, area, enclosed_volume, farthest, quality, tet_volume, volume};
-use mesh::topology::{boundary, components, submesh};
+use mesh::topology::{boundary, components};
 use mesh::walls::thinner;
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 use program::Unusable;
@@ -121,15 +121,11 @@ pub fn prepare(surface: &mut SurfaceMesh, orient: bool) -> Result<()> {
     let given = surface.clone();
     orient_by_nesting(surface);
     for shell in components(&given.triangles) {
-        let volume = |s: &SurfaceMesh| {
-            let triangles: Vec<_> = shell.iter().map(|&t| s.triangles[t]).collect();
-            enclosed_volume(&submesh(&s.vertices, &triangles).0)
-        };
         let turned = shell.iter().filter(|&&t| given.triangles[t] != surface.triangles[t]).count();
         if turned == 0 {
             continue;
         }
-        let (volume, triangles) = (volume(surface), shell.len());
+        let (volume, triangles) = (enclosed_volume(&surface.part(&shell)), shell.len());
         let kind = if volume > 0.0 { "outer surface" } else { "cavity" };
         let what = format!(
             "{turned} of {triangles} triangles of the {kind} of {:.4} cm3 face the wrong way",

@@ -13,10 +13,6 @@ use super::unfinished::{PREFIX, Unfinished};
 /// a temporary file beside it is filled, flushed to the disk and renamed. If
 /// anything fails, the temporary file is removed and `path` is untouched.
 /// Missing parent directories are created. A link is replaced, not followed. Devices and pipes below `/dev` and standard output as `stl:-` are written to directly.
-///
-/// # Errors
-/// If `path` was read as an input of this process; if a directory or file cannot be created, or `fill` or the disk
-/// fails.
 pub fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,

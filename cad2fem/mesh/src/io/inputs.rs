@@ -53,18 +53,12 @@ pub(super) fn refuse_input(path: &Path) -> Result<(), IoError> {
 }
 
 /// Removes a file of an earlier run, if there is one.
-///
-/// # Errors
-/// If it is an input of this run or cannot be removed.
 pub fn remove_output(path: &Path) -> Result<(), IoError> {
     refuse_input(path)?;
     missing_is_fine(std::fs::remove_file(path), path)
 }
 
 /// Removes a folder of an earlier run with all that it holds, if there is one.
-///
-/// # Errors
-/// If it holds an input of this run or cannot be removed.
 pub fn remove_output_folder(path: &Path) -> Result<(), IoError> {
     refuse_input(path)?;
     missing_is_fine(std::fs::remove_dir_all(path), path)

@@ -103,9 +103,6 @@ pub const FORMATS: &[Format] = &[
 ];
 
 /// The surface format of a file name.
-///
-/// # Errors
-/// If the extension is not in [`FORMATS`]; the message lists those that are.
 fn format_of(path: &Path) -> Result<&'static Format, IoError> {
     is_standard(path)?;
     let extension = extension(path);
@@ -119,10 +116,6 @@ fn format_of(path: &Path) -> Result<&'static Format, IoError> {
 /// Reads a surface; the format follows from the extension, see [`FORMATS`].
 ///
 /// STL repeats the corners of every triangle: bit-equal corners become one vertex.
-///
-/// # Errors
-/// If the file cannot be read, is malformed, has coordinates that are not
-/// finite, indices out of range, or no triangles.
 pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
     let format = format_of(path)?;
     let bytes = read_bytes(path)?;
@@ -132,9 +125,6 @@ pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
 }
 
 /// Reads a surface whose lengths are metres, and warns where their size hints at another unit.
-///
-/// # Errors
-/// As [`read_surface`].
 pub fn read_surface_in_metres(path: &Path) -> Result<SurfaceMesh, IoError> {
     let surface = read_surface(path)?;
     if let Some(remark) = crate::measure::unlikely_size(&surface.vertices) {
@@ -144,10 +134,6 @@ pub fn read_surface_in_metres(path: &Path) -> Result<SurfaceMesh, IoError> {
 }
 
 /// Writes a surface; the format follows from the extension, see [`FORMATS`].
-///
-/// # Errors
-/// If the surface is empty or has coordinates that are not finite, if the
-/// extension is unknown or the file cannot be written.
 pub fn write_surface(path: &Path, surface: &SurfaceMesh) -> Result<(), IoError> {
     let format = format_of(path)?;
     require_sound(surface).map_err(|m| IoError::content(path, format!("not written: {m}")))?;
@@ -194,9 +180,6 @@ fn refuse_points(points: &[crate::Vec3], what: &str, is_bad: impl Fn(f64) -> boo
 const LARGEST: u64 = 4 << 30;
 
 /// Reads an input of the program, which is then never overwritten by it.
-///
-/// # Errors
-/// If the file cannot be read or has more than 4 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     let bytes = read_own_bytes(path)?;
     inputs::note_read(path);

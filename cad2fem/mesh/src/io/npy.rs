@@ -16,10 +16,6 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 const LONGEST_HEADER: u64 = 1 << 16;
 
 /// Writes `values` as an array of `shape`, the last axis running fastest.
-///
-/// # Errors
-/// If the product of `shape` is not the number of values, or the file cannot be
-/// written.
 pub fn write_f64(path: &Path, values: &[f64], shape: &[usize]) -> Result<(), IoError> {
     let size: usize = shape.iter().product();
     if size != values.len() {
@@ -34,10 +30,6 @@ pub fn write_f64(path: &Path, values: &[f64], shape: &[usize]) -> Result<(), IoE
 }
 
 /// Writes an array of two axes row by row, so that it never is in memory as a whole.
-///
-/// # Errors
-/// If there are other than `shape[0]` rows of `shape[1]` values, or the file cannot be
-/// written.
 pub fn write_rows<R: AsRef<[f64]>>(
     path: &Path,
     shape: [usize; 2],
@@ -75,10 +67,6 @@ fn write_header(out: &mut dyn Write, shape: &[usize]) -> std::io::Result<()> {
 }
 
 /// Reads an array: its values and shape.
-///
-/// # Errors
-/// If the file cannot be read, is no array of little-endian 64-bit floats in C
-/// order, or its size does not fit its shape.
 pub fn read_f64(path: &Path) -> Result<(Vec<f64>, Vec<usize>), IoError> {
     let bytes = read_bytes(path)?;
     parse(&bytes).map_err(|m| IoError::content(path, m))
@@ -95,9 +83,6 @@ pub struct Rows {
 }
 
 /// Opens an array of two axes that a program of ours has written.
-///
-/// # Errors
-/// As [`read_f64`], and if it has another number of axes.
 pub fn read_rows(path: &Path) -> Result<Rows, IoError> {
     let fail = |cause| IoError::system(path, "read", cause);
     let mut file = open_input(path)?;

@@ -9,18 +9,12 @@ use std::path::Path;
 use super::IoError;
 
 /// Makes a folder, and those above that are missing.
-///
-/// # Errors
-/// If it cannot be made.
 pub fn make_folder(folder: &Path) -> Result<(), IoError> {
     let made = DirBuilder::new().recursive(true).create(folder);
     made.map_err(|cause| IoError::system(folder, "create the folder", cause))
 }
 
 /// Opens a file to be read.
-///
-/// # Errors
-/// If it is no file, or cannot be opened.
 pub fn open_input(path: &Path) -> Result<File, IoError> {
     if !is_device(path) {
         require_file(path)?;
@@ -30,9 +24,6 @@ pub fn open_input(path: &Path) -> Result<File, IoError> {
 }
 
 /// Opens a file to be read and written at its end; makes it if it is missing.
-///
-/// # Errors
-/// If it is no file, or cannot be opened.
 pub fn open_to_append(path: &Path) -> Result<File, IoError> {
     require_file(path)?;
     let opened = OpenOptions::new().read(true).append(true).create(true).open(path);
@@ -40,9 +31,6 @@ pub fn open_to_append(path: &Path) -> Result<File, IoError> {
 }
 
 /// Makes a file that was not there.
-///
-/// # Errors
-/// If there is one, or it cannot be made.
 pub fn create_new(path: &Path) -> Result<File, IoError> {
     let made = OpenOptions::new().write(true).create_new(true).open(path);
     made.map_err(|cause| IoError::system(path, "create", cause))

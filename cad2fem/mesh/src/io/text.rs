@@ -5,18 +5,12 @@ use std::path::Path;
 use super::{IoError, read_bytes, read_own_bytes};
 
 /// Reads a text file, an input of the program.
-///
-/// # Errors
-/// If the file cannot be read or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, IoError> {
     decoded(path, read_bytes(path)?)
 }
 
 /// Reads a text file that the program itself wrote, in an earlier run perhaps, and may write
 /// again.
-///
-/// # Errors
-/// If the file cannot be read or is not UTF-8.
 pub fn read_own_text(path: &Path) -> Result<String, IoError> {
     decoded(path, read_own_bytes(path)?)
 }

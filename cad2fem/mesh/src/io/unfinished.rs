@@ -19,9 +19,6 @@ pub struct Unfinished(PathBuf);
 
 impl Unfinished {
     /// Makes a file or folder, and from then on it is known.
-    ///
-    /// # Errors
-    /// When it cannot be made.
     pub fn new<T, E>(
         make: impl FnOnce() -> Result<T, E>,
         path: impl FnOnce(&T) -> PathBuf,

@@ -8,10 +8,6 @@ use crate::io::bytes::Cursor;
 use crate::io::{IoError, Parsed, read_bytes};
 
 /// Reads a grid of one piece and one kind of cells. Numbers are of any type, and appended to the XML as they are.
-///
-/// # Errors
-/// If the file cannot be read, is truncated, keeps its numbers otherwise, has several pieces or kinds of cells, or its
-/// counts disagree.
 pub fn read_vtu(path: &Path) -> Result<Grid, IoError> {
     let bytes = read_bytes(path)?;
     parse(&bytes).map_err(|m| IoError::content(path, m))
