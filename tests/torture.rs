@@ -17,8 +17,6 @@ mod job;
 mod makes;
 #[path = "torture/mesher.rs"]
 mod mesher;
-#[path = "torture/planted.rs"]
-mod planted;
 #[path = "torture/trial.rs"]
 mod trial;
 
@@ -105,23 +103,6 @@ fn from_environment(seconds: f64) {
 #[test]
 fn five_seconds() {
     campaign(5.0, 1, None);
-}
-
-/// Of the job that is quickest.
-#[test]
-fn links_and_pipes_in_a_folder_of_results() {
-    let tag = JOBS.iter().find(|job| job.name == "tag").expect("a job of tagger");
-    planted::each(tag).unwrap_or_else(|what| panic!("{what}"));
-}
-
-/// Of all programs; those that continue read their own files again, and refuse some.
-#[test]
-#[ignore = "minutes: runs in make test-all"]
-fn links_and_pipes_in_all_folders_of_results() {
-    for job in JOBS {
-        let refused = planted::each(job).unwrap_or_else(|what| panic!("{}: {what}", job.name));
-        assert!(!job.continues || refused > 0, "{}", job.name);
-    }
 }
 
 /// Whatever the system grants, a program ends by itself and says why.

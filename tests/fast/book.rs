@@ -103,7 +103,8 @@ fn targets(text: &str) -> Vec<&str> {
 fn numbers_of_the_paper_are_those_of_the_book() {
     let root = repository();
     let read = |name: &str| fs::read_to_string(root.join(name)).unwrap();
-    let (paper, sources, mut count) = (read("pipelines/paper/paper.md"), read("pipelines/paper/paper.bib"), 0);
+    let (paper, sources, mut count) =
+        (read("pipelines/paper/paper.md"), read("pipelines/paper/paper.bib"), 0);
     for from in paper.split("<!-- from ").skip(1) {
         let (page, texts) = from.split_once(" -->").unwrap().0.split_once(": ").unwrap();
         let text = read(&format!("pipelines/book/{page}")).replace('\n', " ");

@@ -8,7 +8,7 @@ use tests::workdir::Workdir;
 
 use crate::child::{self, Running};
 use crate::job::Sound;
-use crate::{any, cad, clock, mesher, part, planted};
+use crate::{any, cad, clock, mesher, part};
 
 /// Most kills in one folder.
 const KILLS: usize = 12;
@@ -36,7 +36,6 @@ pub const TRIALS: &[(&str, Trial)] = &[
     ("bad meshers", mesher::bad),
     ("damaged CAD", cad::damaged),
     ("clocks", clock::jumps),
-    ("planted", planted::one),
 ];
 
 /// A moment of a run.

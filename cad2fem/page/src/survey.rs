@@ -113,21 +113,12 @@ impl Survey {
     }
 }
 
-/// The files and folders in a folder, sorted. Links, which may lead to what nobody meant to show, and pipes
-/// are left out.
+/// The files and folders in a folder, sorted.
 pub fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let place = || folder.display().to_string();
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(place)? {
-        let entry = entry.with_context(place)?;
-        let kind = entry.file_type().with_context(place)?;
-        if kind.is_file() || kind.is_dir() {
-            found.push(entry.path());
-        } else {
-            let path = entry.path();
-            log::warn!("{}: left out, as it is neither a file nor a folder", path.display());
-        }
-    }
+    let found = std::fs::read_dir(folder).with_context(place)?;
+    let mut found: Vec<PathBuf> =
+        found.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().with_context(place)?;
     found.sort();
     Ok(found)
 }

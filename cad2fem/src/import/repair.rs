@@ -26,13 +26,13 @@ use program::Unusable;
 use super::fill::fill;
 use super::weld::weld;
 use super::{Patched, Patches, THIN};
-use crate::layers::Layers;
 use crate::mesher::ftetwild::FTetWild;
+use crate::mesher::layers::Layers;
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher as _};
-use crate::record::Record;
+use crate::model::record::Record;
 use crate::report::findings;
-use crate::tetrahedralize::{settle, tidy};
+use crate::tetmesh::{settle, tidy};
 
 /// Vertices of a shell by which it is said to lie inside another.
 const PROBES: usize = 200;

@@ -17,7 +17,7 @@ use serde_json::json;
 use super::job::Job;
 use super::python::Python;
 use super::{Options, TetMesher};
-use crate::layers::Layers;
+use crate::mesher::layers::Layers;
 
 /// The mesher.
 pub struct FTetWild;

@@ -5,8 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::checkout::{checkout, unchanged};
-use crate::installed;
+use crate::installation;
 
 /// Environment variable that names the Python to use.
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
@@ -27,7 +26,7 @@ impl Python {
         let path = match named.map(PathBuf::from) {
             Some(path) if path.is_file() => path,
             Some(path) => bail!("{PYTHON_VARIABLE} is {}, which is not a file", path.display()),
-            None => installed::python().map_or_else(of_checkout, Ok)?,
+            None => installation::python().map_or_else(of_checkout, Ok)?,
         };
         log::info!("Python of the meshers: {}", path.display());
         Ok(Self { path })
@@ -77,7 +76,6 @@ fn of_checkout() -> Result<PathBuf> {
              or of `make setup`, or set {PYTHON_VARIABLE}"
         )
     };
-    let folder = checkout().filter(|folder| folder.join(PYTHON).is_file()).with_context(remedy)?;
-    ensure!(unchanged(&folder, &[".venv", ".venv/bin", PYTHON]), "{}", remedy());
-    Ok(folder.join(PYTHON))
+    let python = installation::checkout().map(|folder| folder.join(PYTHON));
+    python.filter(|python| python.is_file()).with_context(remedy)
 }

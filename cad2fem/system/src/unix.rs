@@ -1,39 +1,13 @@
 //! Linux and macOS.
 
-use std::fs::{File, Metadata, OpenOptions, Permissions};
-use std::io;
-use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::fs::{Metadata, Permissions};
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use nix::fcntl::OFlag;
 use nix::sys::signal::{SigSet, Signal};
 
 use crate::Interruption;
-
-/// Options with which a pipe that was put in place of a file does not make the program wait, and, unless `follow`, a
-/// link is not followed.
-pub fn opening(options: &mut OpenOptions, follow: bool) -> &mut OpenOptions {
-    let links = if follow { OFlag::empty() } else { OFlag::O_NOFOLLOW };
-    options.custom_flags((OFlag::O_NONBLOCK | OFlag::O_NOCTTY | links).bits())
-}
-
-/// Number of names that a file has: more than one with hard links.
-pub fn names(file: &File) -> io::Result<u64> {
-    Ok(file.metadata()?.nlink())
-}
-
-/// A pipe or a socket, by its name.
-pub fn special(found: &Metadata) -> Option<&'static str> {
-    let kind = found.file_type();
-    if kind.is_fifo() {
-        Some("a pipe")
-    } else if kind.is_socket() {
-        Some("a socket")
-    } else {
-        None
-    }
-}
 
 /// Permissions of a new file, of which the mask of the user is still taken away; nothing where files have none.
 pub fn permissions(mode: u32) -> Option<Permissions> {

@@ -2,8 +2,7 @@
 
 #![allow(unsafe_code, reason = "functions of the system")]
 
-use std::fs::{File, Metadata, OpenOptions, Permissions};
-use std::io;
+use std::fs::{Metadata, Permissions};
 use std::mem::size_of;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
@@ -16,22 +15,6 @@ use windows_sys::Win32::System::SystemInformation::{GlobalMemoryStatusEx, MEMORY
 use windows_sys::Win32::System::Threading::GetCurrentProcess;
 
 use crate::Interruption;
-
-/// Options with which a file is opened. Pipes have no names among files here, and making a link needs a right that
-/// few have.
-pub fn opening(options: &mut OpenOptions, _follow: bool) -> &mut OpenOptions {
-    options
-}
-
-/// Number of names that a file has.
-pub fn names(_file: &File) -> io::Result<u64> {
-    Ok(1)
-}
-
-/// A pipe or a socket, by its name: neither is among files.
-pub fn special(_found: &Metadata) -> Option<&'static str> {
-    None
-}
 
 /// Permissions of a new file: those of its folder.
 pub fn permissions(_mode: u32) -> Option<Permissions> {

@@ -55,7 +55,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "geo",
-        read: |b| drop(cad2fem::geo::without_reach(b)),
+        read: |b| drop(cad2fem::mesher::script::without_reach(b)),
         corpus: || corpus::pipelines("model.geo"),
     },
     Target {
@@ -66,7 +66,9 @@ pub const TARGETS: &[Target] = &[
     Target {
         name: "cad2fem.toml",
         read: |b| {
-            read(b, "cad2fem.toml", |p| cad2fem::config::Config::read(Some(p), &[]).map(drop))
+            read(b, "cad2fem.toml", |p| {
+                cad2fem::tetmesh::config::Config::read(Some(p), &[]).map(drop)
+            })
         },
         corpus: || corpus::pipelines("cad2fem.toml"),
     },

@@ -108,7 +108,7 @@ fn folder_of(arguments: &Arguments, number: usize) -> PathBuf {
 /// The program with one start, its messages in a file.
 fn spawn(arguments: &Arguments, number: usize, threads: usize) -> Result<Process> {
     let folder = folder_of(arguments, number);
-    mesh::io::make_results(&folder)?;
+    mesh::io::make_folder(&folder)?;
     let path = folder.join("log.txt");
     mesh::io::remove_output(&path)?;
     let messages = mesh::io::create_new(&path)?;

@@ -8,7 +8,6 @@ use mesh::SurfaceMesh;
 use mesh::check::{orient_by_nesting, self_intersections};
 use mesh::inside::WindingNumber;
 use mesh::measure::{bounds, enclosed_volume};
-use mesh::topology::submesh;
 
 use crate::mesher::gmsh::Faces;
 
@@ -32,8 +31,7 @@ impl Solids {
     /// The solids of a file whose faces have been meshed.
     pub fn of(faces: &Faces) -> Self {
         let solid = |(name, triangles): &(String, Vec<usize>)| {
-            let triangles: Vec<_> = triangles.iter().map(|&t| faces.surface.triangles[t]).collect();
-            let mut surface = submesh(&faces.surface.vertices, &triangles).0;
+            let mut surface = faces.surface.part(triangles);
             orient_by_nesting(&mut surface);
             let volume = enclosed_volume(&surface);
             Solid { name: name.clone(), surface, volume }
@@ -95,11 +93,7 @@ impl Solids {
 
     fn meet(&self) -> bool {
         let mut together = SurfaceMesh::default();
-        for Solid { surface, .. } in &self.all {
-            let offset = together.vertices.len();
-            together.vertices.extend(&surface.vertices);
-            together.triangles.extend(surface.triangles.iter().map(|t| t.map(|v| v + offset)));
-        }
+        self.all.iter().for_each(|solid| together.append(&solid.surface));
         !self_intersections(&together).is_empty()
     }
 

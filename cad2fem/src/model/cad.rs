@@ -6,12 +6,11 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use mesh::check::orient_by_nesting;
-use mesh::topology::submesh;
 
-use crate::labelled::{Facts, LabelledSurface};
 use crate::mesher::gmsh::{FaceOptions, Faces, Kind, mesh_faces};
 use crate::mesher::python::Python;
-use crate::solids::Solids;
+use crate::model::solids::Solids;
+use crate::model::{Facts, LabelledSurface};
 use crate::units::Unit;
 
 /// How a CAD file is read.
@@ -65,10 +64,6 @@ pub fn read_faces(path: &Path, options: &CadOptions) -> Result<Faces> {
 
 /// The boundary of the body in its regions, the surfaces inside, and the volumes.
 fn labelled(faces: &Faces) -> LabelledSurface {
-    let part = |triangles: &[usize]| {
-        let triangles: Vec<_> = triangles.iter().map(|&t| faces.surface.triangles[t]).collect();
-        submesh(&faces.surface.vertices, &triangles).0
-    };
     let all = 0..faces.patch.len();
     let skin: Vec<usize> = all.clone().filter(|&t| !faces.inside[t]).collect();
     let mut names = Vec::new();
@@ -81,14 +76,14 @@ fn labelled(faces: &Faces) -> LabelledSurface {
             place[i] = Some(names.len());
             names.push(name.clone());
         } else {
-            inside.push((name.clone(), part(&triangles)));
+            inside.push((name.clone(), faces.surface.part(&triangles)));
         }
     }
-    let mut surface = part(&skin);
+    let mut surface = faces.surface.part(&skin);
     orient_by_nesting(&mut surface);
     let region = skin.iter().map(|&t| faces.patch[t].and_then(|patch| place[patch])).collect();
     let volumes = faces.volumes.iter().map(|(name, triangles)| {
-        let mut volume = part(triangles);
+        let mut volume = faces.surface.part(triangles);
         orient_by_nesting(&mut volume);
         (name.clone(), volume)
     });
@@ -98,9 +93,8 @@ fn labelled(faces: &Faces) -> LabelledSurface {
         region,
         inside,
         volumes: volumes.collect(),
-        thin: Vec::new(),
-        import: None,
         facts: Facts::of(faces, |name| name.to_owned()),
+        ..LabelledSurface::default()
     }
 }
 

@@ -1,4 +1,14 @@
 //! Closed surface → tetrahedra: checks before and after the mesher.
+//!
+//! - [`config`]: `cad2fem.toml`
+//! - [`fragments`]: removes small components that a mesher has cut off, and spikes
+//! - [`planar`]: planar faces of the input stay planar, and keep their rims
+//! - [`cache`]: meshes kept from earlier runs
+
+pub mod cache;
+pub mod config;
+pub mod fragments;
+pub mod planar;
 
 use std::time::{Duration, Instant};
 
@@ -6,19 +16,19 @@ use anyhow::{Context as _, Result, bail, ensure};
 use mesh::check::{check_surface, check_tets, coincident, orient_by_nesting, run};
 use mesh::improve::{improve_around, improve_interior};
 use mesh::measure::{Quality, area, enclosed_volume, farthest, quality, tet_volume, volume};
-use mesh::topology::{boundary, components, submesh};
+use mesh::topology::{boundary, components};
 use mesh::walls::thinner;
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 use program::Unusable;
 use serde::Serialize;
 
-use crate::cache::{Cache, key};
-use crate::fragments::{open_pinches, remove_fragments, remove_spikes};
-use crate::layers::{Layers, exact_facets};
+use crate::mesher::layers::{Layers, exact_facets};
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher};
-use crate::planar::flatten;
 use crate::report::findings;
+use crate::tetmesh::cache::{Cache, key};
+use crate::tetmesh::fragments::{open_pinches, remove_fragments, remove_spikes};
+use crate::tetmesh::planar::flatten;
 
 /// Points at which distances between surfaces are measured.
 const SAMPLES: usize = 60_000;
@@ -111,15 +121,11 @@ pub fn prepare(surface: &mut SurfaceMesh, orient: bool) -> Result<()> {
     let given = surface.clone();
     orient_by_nesting(surface);
     for shell in components(&given.triangles) {
-        let volume = |s: &SurfaceMesh| {
-            let triangles: Vec<_> = shell.iter().map(|&t| s.triangles[t]).collect();
-            enclosed_volume(&submesh(&s.vertices, &triangles).0)
-        };
         let turned = shell.iter().filter(|&&t| given.triangles[t] != surface.triangles[t]).count();
         if turned == 0 {
             continue;
         }
-        let (volume, triangles) = (volume(surface), shell.len());
+        let (volume, triangles) = (enclosed_volume(&surface.part(&shell)), shell.len());
         let kind = if volume > 0.0 { "outer surface" } else { "cavity" };
         let what = format!(
             "{turned} of {triangles} triangles of the {kind} of {:.4} cm3 face the wrong way",

@@ -1,6 +1,10 @@
-//! A closed surface whose triangles carry the name of a region, and its files:
+//! A closed surface whose triangles carry the name of a region, made of CAD by [`cad`], and its files:
 //! `model.stl`, `patches/<region>.stl`, of surfaces inside the body as well, `volumes/<volume>.stl`
 //! and the report `model.json`, written last.
+
+pub mod cad;
+pub mod record;
+pub mod solids;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,20 +13,21 @@ use std::time::Instant;
 use anyhow::Result;
 use mesh::io::{read_surface, remove_output, remove_output_folder, write_surface};
 use mesh::measure::{area, bounds, enclosed_volume, triangle_area};
-use mesh::topology::{boundary_loops, components, submesh};
+use mesh::topology::{boundary_loops, components};
 use mesh::{SurfaceMesh, Vec3, check};
 use program::Unusable;
 use serde::Serialize;
 
 use crate::implicit::{Thin, draw_thin};
 use crate::mesher::gmsh::Faces;
-use crate::record::Record;
+use crate::model::record::Record;
 use crate::report::{Input, findings};
 
 /// The report, written last.
 const STAMP: &str = "model.json";
 
 /// A closed surface [m] in named regions.
+#[derive(Default)]
 pub struct LabelledSurface {
     /// The surface [m].
     pub surface: SurfaceMesh,
@@ -160,9 +165,9 @@ fn centroid(patch: &SurfaceMesh) -> Vec3 {
 impl LabelledSurface {
     /// Triangles of a region, or those without, as an open surface.
     fn patch(&self, region: Option<usize>) -> SurfaceMesh {
-        let triangles = self.surface.triangles.iter().zip(&self.region);
-        let chosen: Vec<_> = triangles.filter(|(_, r)| **r == region).map(|(&t, _)| t).collect();
-        submesh(&self.surface.vertices, &chosen).0
+        let chosen: Vec<usize> =
+            (0..self.region.len()).filter(|&t| self.region[t] == region).collect();
+        self.surface.part(&chosen)
     }
 
     /// Writes the folder. `model.json` disappears first and comes back last, so that
@@ -173,13 +178,17 @@ impl LabelledSurface {
         write_surface(&model, &self.surface)?;
         self.require_sound(&model)?;
         let patches = folder.join("patches");
-        let regions = self.write_patches(&patches)?;
-        let write_inside = |(name, patch): &(String, SurfaceMesh)| -> Result<RegionReport> {
+        remove_output_folder(&patches)?;
+        let write = |name: &str, patch: &SurfaceMesh| -> Result<RegionReport> {
             write_surface(&patches.join(format!("{name}.stl")), patch)?;
             let kind = self.facts.kinds.get(name).cloned();
-            Ok(RegionReport { name: name.clone(), kind, patch: PatchReport::of(patch) })
+            Ok(RegionReport { name: name.to_owned(), kind, patch: PatchReport::of(patch) })
         };
-        let inside = self.inside.iter().map(write_inside).collect::<Result<_>>()?;
+        let regions = self.regions()?;
+        let regions =
+            regions.iter().map(|(name, patch)| write(name, patch)).collect::<Result<_>>()?;
+        let inside =
+            self.inside.iter().map(|(name, patch)| write(name, patch)).collect::<Result<_>>()?;
         let volumes = self.write_volumes(&folder.join("volumes"))?;
         let picture = folder.join("thin.png");
         remove_output(&picture)?;
@@ -236,20 +245,18 @@ impl LabelledSurface {
         self.volumes.iter().map(one).collect()
     }
 
-    fn write_patches(&self, folder: &Path) -> Result<Vec<RegionReport>> {
-        remove_output_folder(folder)?;
-        let mut reports = Vec::new();
+    /// The triangles of each region, of which none may be empty.
+    fn regions(&self) -> Result<Vec<(&str, SurfaceMesh)>> {
+        let mut regions = Vec::with_capacity(self.names.len());
         for (index, name) in self.names.iter().enumerate() {
             let patch = self.patch(Some(index));
             if patch.triangles.is_empty() {
                 let message = format!("region {name:?} is empty: its conditions take no triangle");
                 return Err(Unusable(message).into());
             }
-            write_surface(&folder.join(format!("{name}.stl")), &patch)?;
-            let kind = self.facts.kinds.get(name).cloned();
-            reports.push(RegionReport { name: name.clone(), kind, patch: PatchReport::of(&patch) });
+            regions.push((name.as_str(), patch));
         }
-        Ok(reports)
+        Ok(regions)
     }
 }
 

@@ -9,7 +9,7 @@
 //! fTetWild left one 0.05 mm high in a chamber; to a mold it is a wall of 0.02 mm.
 
 use mesh::measure::{tet_volume, triangle_area};
-use mesh::topology::{TET_FACETS, boundary, edge_facets, pinched_vertices, submesh};
+use mesh::topology::{DisjointSets, TET_FACETS, boundary, edge_facets, pinched_vertices, submesh};
 use mesh::{TetMesh, Vec3, first_at_place};
 
 /// Largest volume of a fragment, relative to that of the mesh [1].
@@ -125,23 +125,11 @@ fn pieces(tets: &[[usize; 4]]) -> Vec<usize> {
         .flat_map(|t| TET_FACETS.map(|f| (mesh::facet_key(f.map(|c| tets[t][c])), t)))
         .collect();
     sides.sort_unstable();
-    let mut parent: Vec<usize> = (0..tets.len()).collect();
-    for pair in sides.chunk_by(|a, b| a.0 == b.0) {
-        for side in &pair[1..] {
-            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, side.1));
-            parent[a.max(b)] = a.min(b);
-        }
+    let mut pieces = DisjointSets::new(tets.len());
+    for pair in sides.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        pieces.join(pair[0].1, pair[1].1);
     }
-    (0..tets.len()).map(|t| root(&mut parent, t)).collect()
-}
-
-/// Representative of `t`; halves the path to it.
-fn root(parent: &mut [usize], mut t: usize) -> usize {
-    while parent[t] != t {
-        parent[t] = parent[parent[t]];
-        t = parent[t];
-    }
-    t
+    (0..tets.len()).map(|t| pieces.representative(t)).collect()
 }
 
 fn without_unused_vertices(mesh: &TetMesh, tets: &[[usize; 4]]) -> TetMesh {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use mesh::check::run;
 use mesh::topology::TET_FACETS;
-use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key, place_key};
+use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key, place_key, triangle_key};
 
 use crate::report::{findings, read_in};
 use crate::units::Unit;
@@ -22,7 +22,7 @@ impl Layers {
     /// Reads the files, in metres or the unit that is said.
     pub fn read(files: &[PathBuf], unit: Option<Unit>, boundary: &SurfaceMesh) -> Result<Self> {
         let mut known: BTreeSet<_> =
-            (0..boundary.triangles.len()).map(|t| key(boundary, t)).collect();
+            (0..boundary.triangles.len()).map(|t| triangle_key(&boundary.corners(t))).collect();
         let mut surfaces = Vec::new();
         for file in files {
             let surface = read_in(file, unit)?;
@@ -101,22 +101,14 @@ fn new_triangles(
 ) -> Result<Option<SurfaceMesh>> {
     let found = run(surface, &["degenerate"]);
     ensure!(found.is_empty(), "{}: it is not usable:{}", file.display(), findings(&found));
-    let new: Vec<_> =
-        (0..surface.triangles.len()).filter(|&t| known.insert(key(surface, t))).collect();
-    let triangles: Vec<_> = new.into_iter().map(|t| surface.triangles[t]).collect();
+    let triangles: Vec<usize> = (0..surface.triangles.len())
+        .filter(|&t| known.insert(triangle_key(&surface.corners(t))))
+        .collect();
     log::info!(
         "{}: {} of {} triangles inside, the others are on the boundary or in other surfaces",
         file.display(),
         triangles.len(),
         surface.triangles.len()
     );
-    let part = mesh::topology::submesh(&surface.vertices, &triangles).0;
-    Ok((!triangles.is_empty()).then_some(part))
-}
-
-/// A triangle by its places, in any order of its corners.
-fn key(surface: &SurfaceMesh, t: usize) -> [[u64; 3]; 3] {
-    let mut places = surface.corners(t).map(|p| place_key(&p));
-    places.sort_unstable();
-    places
+    Ok((!triangles.is_empty()).then(|| surface.part(&triangles)))
 }

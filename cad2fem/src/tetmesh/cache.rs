@@ -12,8 +12,7 @@ use mesh::{SurfaceMesh, Tags, TetMesh};
 use program::{sha256, sha256_file};
 use serde::Serialize;
 
-use crate::checkout::checkout;
-use crate::installed;
+use crate::installation::{checkout, share};
 
 /// Environment variable that names the folder of caches.
 pub const CACHE_VARIABLE: &str = "PUFFER_CACHE";
@@ -29,7 +28,7 @@ impl Cache {
     /// with its rules for make; else `None`.
     pub fn open() -> Option<Self> {
         let named = std::env::var_os(CACHE_VARIABLE).map(PathBuf::from);
-        let installed = || installed::share().and_then(|_| users());
+        let installed = || share().and_then(|_| users());
         let root =
             named.or_else(|| checkout().map(|folder| folder.join(".cache"))).or_else(installed)?;
         Some(Self { folder: root.join("meshes") })
