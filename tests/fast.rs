@@ -150,8 +150,6 @@ mod symmetry;
 mod terminal;
 #[path = "fast/thin_walls.rs"]
 mod thin_walls;
-#[path = "fast/thread_depth.rs"]
-mod thread_depth;
 #[path = "fast/thread_profile.rs"]
 mod thread_profile;
 #[path = "fast/threads.rs"]

@@ -7,10 +7,9 @@
 
 pub mod plot; // curves as pictures
 pub mod fit; // tensile tests to laws
-pub mod extension; // how the interior of a body follows its surface
-pub mod number; // the numbers of a scene, one row for each kind
 pub mod design; // design variables to rest shape and loads, with transposed derivative
 pub mod report; // what programs write of states, runs, failures and comparisons
+pub mod run; // simulates a scene: states, verdict, derivatives, report
 pub mod export; // scenes as decks of other programs
 pub mod study; // runs of a scene with other numbers: error bars, calibration, validation
 pub mod optimize; // outer loop: steps of quadratic programs to a better shape

@@ -3,7 +3,8 @@
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use mesh::measure::volume;
-use solver::number::{self, Walls};
+use scene::Scene;
+use scene::number::Walls;
 use tests::chamber;
 use tests::workdir::Workdir;
 
@@ -23,7 +24,7 @@ fn workdir() -> Workdir {
 /// Writes the body with walls moved by distances [m], and gives its mass [kg].
 fn cast(dir: &Workdir, off: &[(&str, f64)]) -> f64 {
     let file = read_tets(&dir.path("body.msh")).unwrap();
-    let scene = number::read(&dir.path("sim.toml"), &[], &[]).unwrap();
+    let scene = Scene::read(&dir.path("sim.toml")).unwrap();
     let walls = Walls::new(&scene).unwrap();
     let mut mesh = file.mesh;
     for (tag, d) in off {

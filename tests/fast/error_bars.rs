@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use measure::probe::measure;
+use mechanics::extension::Extension;
 use mechanics::forward::TimeStepper;
 use mesh::Vec3;
 use mesh::offset::shifts;
 use scene::Scene;
-use solver::extension::Extension;
 use tests::chamber::{self, PRESSURE};
 use tests::workdir::Workdir;
 

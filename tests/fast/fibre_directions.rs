@@ -1,9 +1,7 @@
-//! Directions of fibres from curves, potentials and files.
+//! Directions of fibres from files.
 
-use mesh::Vec3;
 use mesh::io::npy::write_f64;
 use mesh::io::read_tets;
-use mesh::io::vtu::{Field, read_vtu};
 use tests::chamber;
 use tests::workdir::Workdir;
 
@@ -33,18 +31,11 @@ fn counts(dir: &Workdir) -> [usize; 2] {
     [body.tets.len(), body.vertices.len()]
 }
 
-fn directions(dir: &Workdir) -> Field {
-    let fields = read_vtu(&dir.path("out/result.vtu")).unwrap().cell_fields;
-    fields.into_iter().find(|field| field.name == "fibre_weave_direction").unwrap()
-}
-
 /// The same bits, however one direction is said.
 #[test]
-fn one_direction_is_the_same_from_a_formula_a_curve_and_a_file() {
+fn one_direction_is_the_same_from_a_formula_and_a_file() {
     let formula = workdir("direction = [1, 0, 0]");
     let expected = air(&formula).to_bits();
-    let curve = workdir("along = [[-1, 0, 0.02], [0.02, 0, 0.02], [1, 0, 0.02]]");
-    assert_eq!(air(&curve).to_bits(), expected);
     let table = workdir("file = \"a.npy\"");
     let [elements, vertices] = counts(&table);
     write_vectors(&table, elements, |_| [4.0, 0.0, 0.0]);
@@ -57,35 +48,14 @@ fn one_direction_is_the_same_from_a_formula_a_curve_and_a_file() {
     assert_eq!(air(&grid).to_bits(), expected);
 }
 
-/// From the seat to the face above, and around a corner by a curve.
-#[test]
-fn potentials_and_curves_lead_through_the_body() {
-    let dir = workdir("between = [\"seat\", \"top\"]");
-    let held = air(&dir);
-    let bare = workdir("");
-    bare.write("p1.toml", bare.text("p1.toml").split("[[fibre]]").next().unwrap());
-    assert!(held < air(&bare), "{held}");
-    let vectors = directions(&dir).values;
-    let vectors: Vec<Vec3> = vectors.chunks_exact(3).map(Vec3::from_column_slice).collect();
-    assert!(vectors.iter().all(|v| (v.norm() - 1.0).abs() < 1e-12));
-    // forwards and up, and to no side
-    let mean = vectors.iter().sum::<Vec3>() / vectors.len() as f64;
-    assert!(mean.x > 0.2 && mean.z > 0.2 && mean.y.abs() < 0.1, "{mean}");
-    let corner = workdir("along = [[-1, 0.02, 0.02], [0.025, 0.02, 0.02], [0.025, 0.02, 1]]");
-    air(&corner);
-    let turned = directions(&corner).values;
-    let kinds = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    assert!(turned.chunks_exact(3).all(|v| kinds.iter().any(|kind| v == kind)));
-    assert!(kinds.iter().all(|kind| turned.chunks_exact(3).any(|v| v == kind)));
-}
-
 /// The direction of an element stays while a designed shape moves.
 #[test]
 fn gradients_by_shape_pass_their_test() {
     // numbers of the family change little: states are as accurate as their remainders need
     let dir = workdir(
-        "between = [\"seat\", \"top\"]\n[solver]\nrelative_tolerance = 1e-12\nabsolute_tolerance = 1e-14",
+        "file = \"a.npy\"\n[solver]\nrelative_tolerance = 1e-12\nabsolute_tolerance = 1e-14",
     );
+    write_vectors(&dir, counts(&dir)[0], |_| [0.6, 0.0, 0.8]);
     dir.write(
         "design.toml",
         "scene = \"p1.toml\"\n[shape]\non = \"cavity\"\n[[shape.level]]\nhandles = 1\niterations = 1\n\
@@ -104,13 +74,10 @@ fn directions_that_cannot_be_used_are_refused() {
         write_vectors(&dir, 7, |_| [1.0, 0.0, 0.0]);
         dir.solver("simulate p1.toml -o out").assert_refused(2, words);
     };
-    refuse("", &["[[fibre]] \"weave\" has no direction", "between = [", "file = "]);
+    refuse("", &["[[fibre]] \"weave\" has no direction", "around = {", "file = "]);
     refuse("direction = [1, 0, 0]\nfile = \"a.npy\"", &["direction beside file"]);
-    refuse("along = [[0, 0, 0]]", &["along: 1 points"]);
-    refuse("along = [[0, 0, 0], [1, 0, 0]]\nangle = 4", &["angle without an axis"]);
-    refuse("along = [[0, 0, 0], [1, 0, 0]]\nfield = \"a\"", &["field without a file"]);
-    refuse("between = [\"seat\", \"roof\"]", &["between", "unknown tag \"roof\""]);
-    refuse("between = [\"seat\", \"seat\"]", &["from a tag to itself", "expected two tags"]);
+    refuse("direction = [1, 0, 0]\nangle = 4", &["angle without an axis"]);
+    refuse("direction = [1, 0, 0]\nfield = \"a\"", &["field without a file"]);
     refuse("file = \"b.npy\"", &["b.npy"]);
     refuse("file = \"a.npy\"", &["a.npy: 7 vectors", "tetrahedra of the mesh"]);
     let dir = workdir("file = \"a.npy\"");

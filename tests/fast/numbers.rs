@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use mechanics::forward::TimeStepper;
 use scene::Scene;
-use solver::number::{KINDS, Number, Swept, Walls};
-use solver::study::sensitivity::sensitivities;
+use scene::number::{KINDS, Number, Swept, Walls};
+use solver::run::sensitivity::sensitivities;
 use tests::chamber;
 use tests::workdir::{Workdir, repository};
 
@@ -230,7 +230,7 @@ fn a_path_that_is_none_is_refused_with_those_there_are() {
 /// The table in the book is made from the rows.
 #[test]
 fn the_book_has_all_kinds() {
-    let row = |kind: &solver::number::Kind| format!("| `{}` | {} |\n", kind.path, kind.meaning);
+    let row = |kind: &scene::number::Kind| format!("| `{}` | {} |\n", kind.path, kind.meaning);
     let rows: String = KINDS.iter().map(row).collect();
     let chapter = std::fs::read_to_string(repository().join("pipelines/book/numbers.md")).unwrap();
     assert!(chapter.contains(&rows), "expected in pipelines/book/numbers.md:\n{rows}");

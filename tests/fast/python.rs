@@ -1,7 +1,10 @@
 //! The Python package on a small body: `tests/python/package.py`, with the module as it was compiled.
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use serde_json::Value;
 
 use tests::reported::check_simulation;
 use tests::skip::skip;
@@ -144,4 +147,84 @@ fn small_notebooks_of_the_book_run() {
     let said = String::from_utf8_lossy(&done.stdout);
     assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
     assert!(!said.contains("SKIPPED"), "{said}");
+}
+
+/// Values of a report that differ from run to run, or by where it lies.
+const OF_A_RUN: [&str; 6] =
+    ["timings", "peak_rss_mb", "memory_estimate_mb", "inputs", "wall_s", "equilibrium_s"];
+
+/// What the reports of program and package differ in, by JSON pointers.
+fn differences(at: &str, made: Option<&Value>, saved: Option<&Value>, found: &mut Vec<String>) {
+    match (made, saved) {
+        (Some(Value::Object(made)), Some(Value::Object(saved))) => {
+            let keys: BTreeSet<&String> = made.keys().chain(saved.keys()).collect();
+            for key in keys.into_iter().filter(|key| !OF_A_RUN.contains(&&key[..])) {
+                differences(&format!("{at}/{key}"), made.get(key), saved.get(key), found);
+            }
+        }
+        (Some(Value::Array(made)), Some(Value::Array(saved))) if made.len() == saved.len() => {
+            for (i, (made, saved)) in made.iter().zip(saved).enumerate() {
+                differences(&format!("{at}/{i}"), Some(made), Some(saved), found);
+            }
+        }
+        _ if made == saved => {}
+        _ => found.push(format!("{at}: {made:?} of the program, {saved:?} of the package")),
+    }
+}
+
+/// Scenes of `pipelines` whose meshes are made, of degree 1 and with two time steps.
+#[test]
+#[ignore = "it simulates all bodies twice, in minutes: make test-all"]
+fn program_and_package_report_the_same_of_every_body() {
+    let Some(python) = python_with("autograd") else { return };
+    let dir = package();
+    let mut compared = 0;
+    for scene in scenes(&repository().join("pipelines")) {
+        let mut changes = vec!["degree=1"];
+        if std::fs::read_to_string(&scene).unwrap().contains("\n[time]") {
+            changes.extend(["time.end=0.02", "time.steps=2"]);
+        }
+        let set = changes.iter().flat_map(|change| ["--set", change]);
+        let mut simulate = Command::new(program("solver"));
+        simulate.args(["-q", "simulate"]).arg(&scene).args(["--output", "made"]).args(set);
+        let done = simulate.current_dir(dir.path("")).output().unwrap();
+        // 2: refused, as its meshes are not made, or a time step is not one that it can make
+        if !done.status.code().is_some_and(|code| code < 2) {
+            let why = String::from_utf8_lossy(&done.stderr).into_owned();
+            skip(&format!("{}: {}", scene.display(), why.lines().next().unwrap_or_default()));
+            continue;
+        }
+        let mut package = Command::new(&python);
+        package.arg("-B").arg(repository().join("tests/python/reports.py")).arg(&scene);
+        package.arg("saved").args(&changes).env("PYTHONPATH", dir.path(""));
+        let saved = package.current_dir(dir.path("")).output().unwrap();
+        let made = dir.json("made/report.json");
+        if made["status"] != "no-equilibrium" {
+            assert!(saved.status.success(), "{}", String::from_utf8_lossy(&saved.stderr));
+            let (mut found, saved) = (Vec::new(), dir.json("saved/report.json"));
+            differences("", Some(&made), Some(&saved), &mut found);
+            assert!(found.is_empty(), "{}:\n{}", scene.display(), found.join("\n"));
+            compared += 1;
+        }
+        for folder in ["made", "saved"] {
+            let _ = std::fs::remove_dir_all(dir.path(folder));
+        }
+    }
+    assert!(compared > 0, "no body is made: make beam");
+}
+
+/// Files of scenes in a folder and those in it.
+fn scenes(folder: &Path) -> Vec<PathBuf> {
+    let mut entries: Vec<PathBuf> =
+        folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    let is_scene = |path: &Path| {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        name.starts_with("sim.") && name.ends_with(".toml")
+    };
+    let of = |path: PathBuf| match path.is_dir() {
+        true => scenes(&path),
+        false => Vec::from_iter(Some(path).filter(|path| is_scene(path))),
+    };
+    entries.into_iter().flat_map(of).collect()
 }

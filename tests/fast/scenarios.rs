@@ -1,11 +1,11 @@
 //! One design under several scenarios: what each comes to, gradients, and interrupted runs.
 
 use mechanics::body::Body;
+use mechanics::extension::Extension;
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
 use mesh::offset::shifts;
 use serde_json::Value;
-use solver::extension::Extension;
 use tests::chamber;
 use tests::workdir::Workdir;
 

@@ -19,6 +19,7 @@ mod progress;
 pub mod schema;
 mod settings;
 mod shell;
+pub mod table;
 mod terminal;
 
 pub use allocator::OrEnd;

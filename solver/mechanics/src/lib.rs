@@ -12,6 +12,7 @@ pub mod memory; // what a factorisation takes
 pub mod math; // small dense and sparse algebra
 pub mod symmetry; // planes through which a part of a body is mirrored
 pub mod body; // a tagged mesh
+pub mod extension; // how the interior of a body follows its surface
 pub mod element; // discretisation
 pub mod material; // constitutive (hyperelastic) laws ψ(F)
 pub mod stretch; // how far a state strains its material

@@ -1,27 +1,28 @@
 //! What Python sees of a run: its states, what is measured of them, and derivatives.
 
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 use anyhow::{Context, Result};
 use measure::probe::{Probe, measure};
-use mechanics::adjoint::{self, Gradient};
-use mechanics::forward::{Linearizations, LoadStep, Workspace};
+use mechanics::adjoint::Gradient;
+use mechanics::forward::{Linearizations, LoadStep};
 use mesh::io::vtu;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use solver::number::{Number, Swept, Walls};
+use reports::Status;
+use scene::number::{Number, Swept, Walls};
 use solver::report::results;
-use solver::study::nearby;
-use solver::study::sensitivity::sensitivities;
-use solver::study::uncertainty;
+use solver::report::simulation::{self, Verdict};
+use solver::run::error_bars;
+use solver::run::next_to::is_free_of_history;
+use solver::run::{self, Start};
 
 use crate::body::{by_rows, vectors};
 use crate::computing::{Break, collect, compute};
 use crate::error::{NoEquilibrium, refused, refused_as};
 use crate::saved::Saved;
-use crate::solved::Solved;
 
 /// The name of the derivative by rest positions.
 const SHAPE: &str = "shape";
@@ -29,7 +30,11 @@ const SHAPE: &str = "shape";
 /// A run that has come to its end.
 #[pyclass(frozen, module = "softpuffer._native")]
 pub struct Run {
-    own: Solved,
+    own: run::Run,
+    /// What the result is.
+    status: Status,
+    /// Why it must not be used, if it must not.
+    refusal: Option<String>,
     /// What a user should know of it ...
     warnings: Vec<String>,
     /// ... and of what its elements hold back, once that is asked for.
@@ -43,13 +48,21 @@ impl Run {
         py: Python<'_>,
         scene: Arc<scene::Scene>,
         progress: Option<Py<PyAny>>,
-        (start, estimates): (Option<Vec<f64>>, bool),
+        (near, estimates): (Option<Vec<f64>>, bool),
     ) -> PyResult<Self> {
         let broken_off = Break::default();
-        let watch = |own| broken_off.watch(own, progress);
         let outcome = compute(py, || {
-            let (solved, warnings) = collect(|| Solved::solve(scene, start.as_deref(), watch));
-            let run = solved?.map(|own| Self { own, warnings, locking: OnceLock::new() });
+            let watch = |own| broken_off.watch(own, progress);
+            let start = Start { near: near.as_deref(), watch: Some(Box::new(watch)) };
+            let (found, warnings) = collect(|| {
+                scene.check_loads()?;
+                simulation::foresee(&scene);
+                match run::Run::new(scene, start)? {
+                    Ok(own) => Ok(Ok((own.verdict()?, own))),
+                    Err(none) => anyhow::Ok(Err(none.message())),
+                }
+            });
+            let run = found?.map(|(verdict, own)| Self::judged(own, &verdict, warnings));
             if let (Ok(run), true) = (&run, estimates) {
                 run.locking();
             }
@@ -63,9 +76,18 @@ impl Run {
 
     /// A run of a scene by its bytes.
     pub fn of_bytes(py: Python<'_>, scene: Arc<scene::Scene>, bytes: &[u8]) -> PyResult<Self> {
-        let read = || Solved::of_saved(scene, Saved::of_bytes(bytes)?);
-        let (run, warnings) = compute(py, || collect(read))?;
-        Ok(Self { own: run.map_err(refused)?, warnings, locking: OnceLock::new() })
+        let read = || {
+            let own = Saved::of_bytes(bytes)?.run(scene)?;
+            anyhow::Ok((own.verdict()?, own))
+        };
+        let (found, warnings) = compute(py, || collect(read))?;
+        let (verdict, own) = found.map_err(refused)?;
+        Ok(Self::judged(own, &verdict, warnings))
+    }
+
+    fn judged(own: run::Run, verdict: &Verdict, warnings: Vec<String>) -> Self {
+        let (status, refusal) = (verdict.status(), verdict.refusal());
+        Self { own, status, refusal, warnings, locking: OnceLock::new() }
     }
 
     /// Warnings of what the elements hold back.
@@ -80,7 +102,7 @@ impl Run {
             let why = "the scene goes through time, which begins at rest";
             return Err(refused_as(format!("start: {why}; {leave_out}")));
         }
-        if !nearby::is_free_of_history(scene) {
+        if !is_free_of_history(scene) {
             let why = "with friction an equilibrium depends on the way to it";
             return Err(refused_as(format!("start: {why}; {leave_out}")));
         }
@@ -93,21 +115,20 @@ impl Run {
                 "start: it is a run on another mesh: {own}, and the scene has {other}; {leave_out}"
             )));
         }
-        Ok(self.own.course.trajectory.last().into_owned())
+        Ok(self.own.states.last().into_owned())
     }
 
-    /// Lends the workspace to a computation, which ends where Ctrl-C is pressed.
-    fn with_workspace<T: Send>(
+    /// A computation on the run, which ends where Ctrl-C is pressed.
+    fn interruptible<T: Send>(
         &self,
         py: Python<'_>,
-        work: impl FnOnce(&mut Workspace) -> T + Send,
+        work: impl FnOnce(&run::Run) -> T + Send,
     ) -> PyResult<T> {
         let broken_off = Break::default();
         let found = compute(py, || {
-            let mut workspace = self.own.workspace.lock().unwrap_or_else(PoisonError::into_inner);
-            workspace.watch = Some(broken_off.watch(None, None));
-            let found = work(&mut workspace);
-            workspace.watch = None;
+            self.own.workspace().watch = Some(broken_off.watch(None, None));
+            let found = work(&self.own);
+            self.own.workspace().watch = None;
             found
         })?;
         broken_off.take().map_or(Ok(found), Err)
@@ -115,7 +136,7 @@ impl Run {
 
     /// A step, the last by −1 as in Python.
     fn step(&self, step: i64) -> PyResult<&LoadStep> {
-        let steps: Vec<&LoadStep> = self.own.steps().collect();
+        let steps: Vec<&LoadStep> = self.own.reported().collect();
         let count = steps.len();
         let place = if step < 0 { step + count as i64 } else { step };
         let found = usize::try_from(place).ok().and_then(|place| steps.get(place));
@@ -152,31 +173,31 @@ impl Run {
     /// The times of the steps [s]; in a static scene parts of the load.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, self.own.steps().map(|step| step.time).collect())
+        PyArray1::from_vec(py, self.own.reported().map(|step| step.time).collect())
     }
 
     /// Number of time steps, of which a static scene has one.
     fn ends(&self) -> usize {
-        self.own.course.trajectory.steps()
+        self.own.states.steps()
     }
 
     /// Iterations of Newton's method, those of rejected steps included.
     #[getter]
     fn newton_iterations(&self) -> usize {
-        self.own.course.newton_iterations
+        self.own.newton_iterations
     }
 
     /// Whether there is an equilibrium that may be used, as in report.json.
     #[getter]
     fn status(&self) -> PyResult<String> {
-        let word = serde_json::to_value(self.own.status).map_err(refused)?;
+        let word = serde_json::to_value(self.status).map_err(refused)?;
         Ok(word.as_str().unwrap_or_default().to_owned())
     }
 
     /// Why the result must not be used; none where it may be.
     #[getter]
     fn refusal(&self) -> Option<&str> {
-        self.own.refusal.as_deref()
+        self.refusal.as_deref()
     }
 
     /// What a user should know of it.
@@ -191,7 +212,7 @@ impl Run {
 
     /// The run as bytes, without its scene.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = compute(py, || self.own.to_saved().to_bytes())?.map_err(refused)?;
+        let bytes = compute(py, || Saved::new(&self.own).to_bytes())?.map_err(refused)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -232,7 +253,7 @@ impl Run {
         let values = compute(py, || {
             let one =
                 |step: &LoadStep| measure(&self.own.probes, &self.own.problem, &self.own.at(step));
-            self.own.steps().map(one).collect::<Vec<_>>()
+            self.own.reported().map(one).collect::<Vec<_>>()
         })?;
         let found = PyDict::new(py);
         for probe in &self.own.probes {
@@ -285,14 +306,9 @@ impl Run {
 
     /// Error bars of the probes, as `[uncertainty]` of the scene asks for them, in JSON; none without.
     fn error_bars(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        let found = self.with_workspace(py, |workspace| {
-            let solver = (&self.own.problem, workspace);
-            uncertainty::report(
-                &self.own.scene,
-                solver,
-                &self.own.probes,
-                &self.own.course.trajectory,
-            )
+        let found = self.interruptible(py, |run| {
+            let solver = (&run.problem, &mut *run.workspace());
+            error_bars::report(&run.scene, solver, &run.probes, &run.states)
         })?;
         found.map(|bars| serde_json::to_string(&bars)).transpose().map_err(refused)
     }
@@ -329,7 +345,7 @@ impl Run {
         by_displacements: Vec<(usize, PyReadonlyArray2<'_, f64>)>,
         names: Vec<String>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (count, dofs) = (self.own.course.trajectory.steps(), self.own.problem.dofs());
+        let (count, dofs) = (self.own.states.steps(), self.own.problem.dofs());
         let mut by_u: Vec<Option<Vec<f64>>> = vec![None; count + 1];
         for (moment, by) in &by_displacements {
             let (shape, nodes) = (by.shape(), dofs / 3);
@@ -343,10 +359,8 @@ impl Run {
             }
             by_u[*moment] = Some(by.as_array().iter().copied().collect());
         }
-        let swept = self.with_workspace(py, |workspace| {
-            let on = (&self.own.scene.body.mesh.vertices[..], &self.own.course.trajectory);
-            let known = Linearizations::default();
-            adjoint::sweep(&self.own.problem, workspace, on, &known, |_, moment, out| {
+        let swept = self.interruptible(py, |run| {
+            run.gradient(&Linearizations::default(), |_, moment, out| {
                 let own = by_u[moment].iter().flatten();
                 out.by_u.iter_mut().zip(own).for_each(|(to, by)| *to += by);
             })
@@ -367,11 +381,8 @@ impl Run {
             format!("unknown probe \"{name}\"; the scene has: {}", known.join(", "))
         });
         let probe = probe.map_err(refused)?;
-        let found = self.with_workspace(py, |workspace| {
-            let trajectory = &self.own.course.trajectory;
-            let on = (&[probe][..], trajectory, trajectory.steps());
-            sensitivities(&self.own.scene, (&self.own.problem, workspace), on)
-        })?;
+        let last = self.own.states.steps();
+        let found = self.interruptible(py, |run| run.sensitivities(&[probe], last))?;
         let found = found.map_err(|error| NoEquilibrium::new_err(format!("{error:#}")))?;
         let (value, by) = &found[0];
         Ok((*value, self.derivatives(py, by, &names)?))

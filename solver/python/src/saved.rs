@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use mechanics::forward::{LoadStep, Problem, State, Trajectory};
+use mechanics::forward::{LoadStep, State};
 use serde::{Deserialize, Serialize};
-use solver::study::course::{Course, STATE_MEMORY};
+use solver::run::Run;
 
 /// What is kept of a run beside its scene.
 #[derive(Serialize, Deserialize)]
@@ -21,16 +21,14 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// The states of a course that took some seconds.
-    pub fn new(course: &Course, seconds: f64) -> Self {
-        let Course { trajectory, load_steps, newton_iterations } = course;
-        let state = |n| trajectory.state(n).into_owned();
+    /// What is to be kept of a run.
+    pub fn new(run: &Run) -> Self {
         Self {
-            load_steps: load_steps.clone(),
-            times: trajectory.times[1..].to_vec(),
-            states: (1..=trajectory.steps()).map(state).collect(),
-            newton_iterations: *newton_iterations,
-            seconds,
+            load_steps: run.load_steps.clone(),
+            times: run.states.times[1..].to_vec(),
+            states: (1..=run.states.steps()).map(|n| run.states.state(n).into_owned()).collect(),
+            newton_iterations: run.newton_iterations,
+            seconds: run.seconds,
         }
     }
 
@@ -46,21 +44,9 @@ impl Saved {
         ciborium::from_reader(bytes).context("no run of softpuffer")
     }
 
-    /// The course of a scene with its problem, and the seconds that it took.
-    pub fn course(self, scene: &scene::Scene, problem: &Problem) -> (Course, f64) {
-        let rest = &scene.body.mesh.vertices[..];
-        let integrator = scene.integrator(&scene.body, problem);
-        let mut trajectory = Trajectory::begin(&integrator, STATE_MEMORY);
-        for (time, state) in self.times.into_iter().zip(self.states) {
-            trajectory.push(time, state);
-        }
-        let mut load_steps = self.load_steps;
-        let of_time_steps = load_steps.chunk_by_mut(|step, _| !step.ends_time_step);
-        for (n, steps) in (1..).zip(of_time_steps) {
-            let made = Arc::new(trajectory.step(problem, rest, n));
-            steps.iter_mut().for_each(|step| step.step = Some(Arc::clone(&made)));
-        }
-        let newton_iterations = self.newton_iterations;
-        (Course { trajectory, load_steps, newton_iterations }, self.seconds)
+    /// The run of a scene.
+    pub fn run(self, scene: Arc<scene::Scene>) -> Result<Run> {
+        let ends = self.times.into_iter().zip(self.states);
+        Run::of_states(scene, ends, self.load_steps, (self.newton_iterations, self.seconds))
     }
 }

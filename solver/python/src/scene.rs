@@ -1,6 +1,5 @@
 //! A scene: bodies, materials, supports and loads.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -10,10 +9,10 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use program::{Change, Settings};
 use pyo3::prelude::*;
 use scene::config::ScenarioConfig;
-use solver::number::{self, Number, Walls};
+use scene::number::{Number, Walls};
 use solver::optimize::scene_of;
-use solver::study::nearby;
-use solver::study::uncertainty;
+use solver::run::error_bars;
+use solver::run::next_to::is_free_of_history;
 
 use crate::body::{Body, points, vectors};
 use crate::computing::{collect, compute};
@@ -23,47 +22,41 @@ use crate::run::Run;
 /// A scene. It may be used by several threads: each run has a copy of its own.
 #[pyclass(frozen, module = "softpuffer._native")]
 pub struct Scene {
-    state: Mutex<State>,
-}
-
-/// What a scene is now.
-#[derive(Clone)]
-struct State {
-    scene: Arc<scene::Scene>,
-    /// Numbers that were set and are not in its tables, by their paths.
-    set: BTreeMap<String, f64>,
+    state: Mutex<Arc<scene::Scene>>,
 }
 
 impl Scene {
-    /// Gives the numbers of a scene that was read their values, and refuses what cannot be simulated.
+    /// A scene that was read, if it can be simulated.
     fn new(scene: scene::Scene) -> anyhow::Result<Self> {
-        let set = scene.config.numbers.clone();
-        let scene = Arc::new(number::apply(scene)?);
         // what it warns of is said where the scene is simulated
         collect(|| check(&scene)).0?;
-        Ok(Self { state: Mutex::new(State { scene, set }) })
+        Ok(Self::of(scene.into()))
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn of(scene: Arc<scene::Scene>) -> Self {
+        Self { state: Mutex::new(scene) }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Arc<scene::Scene>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The scene as it is now.
     fn now(&self) -> Arc<scene::Scene> {
-        Arc::clone(&self.lock().scene)
+        Arc::clone(&self.lock())
     }
 
     /// Changes the scene, or leaves it as it is where that fails.
     fn change(
         &self,
         py: Python<'_>,
-        change: impl FnOnce(&mut scene::Scene, &mut BTreeMap<String, f64>) -> anyhow::Result<()> + Send,
+        change: impl FnOnce(&mut scene::Scene) -> anyhow::Result<()> + Send,
     ) -> PyResult<()> {
         let changed = compute(py, || {
             let mut now = self.lock();
-            let (mut scene, mut set) = ((*now.scene).clone(), now.set.clone());
-            change(&mut scene, &mut set)?;
-            *now = State { scene: Arc::new(scene), set };
+            let mut scene = scene::Scene::clone(&now);
+            change(&mut scene)?;
+            *now = Arc::new(scene);
             anyhow::Ok(())
         });
         changed?.map_err(refused)
@@ -75,7 +68,7 @@ fn check(scene: &scene::Scene) -> anyhow::Result<()> {
     let problem = scene.discretise(&scene.body)?;
     scene.probes(&scene.body, &problem.space)?;
     scene.check_loads()?;
-    uncertainty::check(scene)
+    error_bars::check(scene)
 }
 
 #[pymethods]
@@ -128,9 +121,9 @@ impl Scene {
     /// hold the walls as they are now; without them, what walls were moved by is written.
     #[pyo3(signature = (meshes=Vec::new()))]
     fn to_toml(&self, meshes: Vec<PathBuf>) -> PyResult<String> {
-        let State { scene, set } = self.lock().clone();
+        let scene = self.now();
         let mut config = scene.config.clone();
-        config.numbers = set;
+        config.numbers = scene.given.clone();
         if !meshes.is_empty() {
             config.numbers.retain(|path, _| path.split('.').next() != Some("wall"));
             config.set_meshes(meshes).map_err(refused)?;
@@ -168,63 +161,51 @@ impl Scene {
 
     /// A scene of its own, as a scenario of a design has it, by its table in JSON.
     fn scenario(&self, py: Python<'_>, table: &str) -> PyResult<Self> {
-        let State { scene: before, mut set } = self.lock().clone();
+        let before = self.now();
         let table: serde_json::Value = serde_json::from_str(table).map_err(refused)?;
         let text = toml::to_string(&table).map_err(refused)?;
         let config: ScenarioConfig = Settings::made(&text).parse().map_err(refused)?;
-        let scene = compute(py, || scene_of(&before, &config))?.map_err(refused)?;
-        for number in Number::all(&scene).iter().filter(|number| number.word() != "wall") {
-            let is_new = number.value(&scene) != number.value(&before);
-            if is_new && number.added_to(&mut scene.clone()).is_none() {
-                set.insert(number.path.clone(), number.value(&scene));
-            }
-        }
+        let mut scene = compute(py, || scene_of(&before, &config))?.map_err(refused)?;
         for (tag, distance) in config.walls() {
             let path = tag.map_or_else(|| "wall".to_owned(), |tag| format!("wall.{tag}"));
-            *set.entry(path).or_default() += distance;
+            *scene.given.entry(path).or_default() += distance;
         }
-        Ok(Self { state: Mutex::new(State { scene: Arc::new(scene), set }) })
+        Ok(Self::of(scene.into()))
     }
 
     /// Whether an equilibrium does not depend on the way to it, so that one may be sought from another.
     fn is_free_of_history(&self) -> bool {
-        nearby::is_free_of_history(&self.now())
+        is_free_of_history(&self.now())
     }
 
     /// A scene of its own that is like this one.
     fn copy(&self) -> Self {
-        Self { state: Mutex::new(self.lock().clone()) }
+        Self::of(self.now())
     }
 
     /// The numbers of the scene: path, SI unit and value.
     fn numbers(&self) -> Vec<(String, &'static str, Option<f64>)> {
-        let mut scene = (*self.now()).clone();
+        let scene = self.now();
         let all = Number::all(&scene);
-        all.into_iter().map(|n| (n.path.clone(), n.unit, value(&mut scene, &n))).collect()
+        all.into_iter().map(|n| (n.path.clone(), n.unit, n.constant(&scene))).collect()
     }
 
     /// The value of a number.
     fn get(&self, path: &str) -> PyResult<f64> {
-        let mut scene = (*self.now()).clone();
+        let scene = self.now();
         let number = Number::find(&scene, path).map_err(refused)?;
-        let found = value(&mut scene, &number).with_context(|| format!("{path} {NOT_CONSTANT}"));
+        let found = number.constant(&scene).with_context(|| format!("{path} {NOT_CONSTANT}"));
         found.map_err(refused)
     }
 
     /// Gives numbers their values, all or none. A wall is moved by its value from where it is.
     fn set(&self, py: Python<'_>, values: Vec<(String, f64)>) -> PyResult<()> {
-        self.change(py, |scene, set| {
+        self.change(py, |scene| {
             let find = |(path, _): &(String, f64)| Number::find(scene, path);
             let numbers = values.iter().map(find).collect::<anyhow::Result<Vec<_>>>()?;
             let walls = Walls::of(&numbers, scene)?;
-            for (number, (path, value)) in numbers.iter().zip(&values) {
+            for (number, (_, value)) in numbers.iter().zip(&values) {
                 number.replace(scene, walls.as_ref(), *value)?;
-                if number.added_to(scene).is_none() {
-                    match number.word() {
-                        "wall" => *set.entry(path.clone()).or_default() += value,
-                        _ => drop(set.insert(path.clone(), *value)),
-                    }
-                }
             }
             numbers.iter().try_for_each(|number| number.check(scene))
         })
@@ -239,7 +220,7 @@ impl Scene {
     /// Gives the vertices other rest positions (n, 3) [m].
     fn move_to(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
         let vertices = points(&vertices)?;
-        self.change(py, |scene, _| {
+        self.change(py, |scene| {
             let mesh = &mut scene.body.mesh;
             let (found, needed) = (vertices.len(), mesh.vertices.len());
             ensure!(found == needed, "{found} vertices, but the scene has {needed}");
@@ -284,11 +265,3 @@ impl Scene {
 
 /// What is said of a number that a function of time stands for.
 const NOT_CONSTANT: &str = "is a function of time or place: write it in the table of the scene";
-
-/// The value of a number; none of a function of time.
-fn value(scene: &mut scene::Scene, number: &Number) -> Option<f64> {
-    match number.added_to(scene) {
-        Some(schedule) => schedule.number(),
-        None => Some(number.value(scene)),
-    }
-}

@@ -8,7 +8,9 @@ pub mod silicone; // known materials
 pub mod meaning; // what errors of the mechanics mean for it
 pub mod config; // what people write
 pub mod supports; // Dirichlet conditions: fixed degrees of freedom
-pub mod model; // config and files to objects
+pub mod model; // config and meshes to objects
+pub mod number; // the numbers of a scene, one row for each kind
+mod read; // files to scenes with the values of their numbers
 
 /// Name and version of the program, in reports and checkpoints.
 pub const PROGRAM: &str = concat!("solver ", env!("CARGO_PKG_VERSION"));

@@ -11,8 +11,6 @@ use mechanics::forward::{about, newton_step};
 use scene::Scene;
 use scene::config::{ProbeConfig, beside};
 
-use crate::number;
-
 /// Part of a wanted value that counts as 1 in the objective.
 const SCALE: f64 = 0.05;
 
@@ -78,7 +76,7 @@ fn target(text: &str) -> Result<Target, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let scene = number::read(&arguments.scene, &[], &[])?;
+    let scene = Scene::read(&arguments.scene)?;
     let place = || arguments.scene.display().to_string();
     let casting = Casting::of(arguments)?;
     let moved = moved(arguments, &scene).with_context(place)?;

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use program::Changes;
+use scene::Scene;
 
 use crate::export::{Deck, format_of};
-use crate::number;
 
 /// Write a scene and its mesh as an input deck for CalculiX or FEBio
 ///
@@ -33,7 +33,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = format_of(&arguments.output)?;
-    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
+    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     let deck = Deck::new(&scene)?;
     let text = scene.file.checked(|_| deck.text(format))?;

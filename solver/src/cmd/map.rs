@@ -7,10 +7,10 @@ use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use program::{Changes, Unusable, read_checkpoint, write_checkpoint};
 use reports::Status;
+use scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::number;
 use crate::report::table;
 use crate::study::map::{Grid, Map, Row};
 
@@ -66,7 +66,7 @@ const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
 const FOUND: &str = "ok";
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mut scene = number::read(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
+    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
     scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
     let grid = &arguments.grid;
     let map = Map::new(&scene, grid, &arguments.by, arguments.tip.as_deref())?;

@@ -17,7 +17,7 @@ use mesh::measure::{mean_edge, triangle_area};
 use mesh::topology::boundary;
 use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
-use crate::extension::Extension;
+use mechanics::extension::Extension;
 
 /// Steps of the motion, at most.
 const STEPS: usize = 64;

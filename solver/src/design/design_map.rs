@@ -19,7 +19,7 @@ use super::Patch;
 use super::held::{Flat, Held};
 use super::isometry::Isometry;
 use super::load_map::{LoadMap, LoadVariable};
-use crate::extension::Extension;
+use mechanics::extension::Extension;
 
 /// The map of one level.
 pub struct DesignMap {

@@ -16,7 +16,7 @@ use scene::Scene;
 use scene::config::{ChamberConfig, ChamberDesign, ParameterDesign};
 
 use super::{PressureCurve, Scalar};
-use crate::number::{Number, Swept};
+use scene::number::{Number, Swept};
 
 /// What a design does to the loads.
 pub struct LoadMap {

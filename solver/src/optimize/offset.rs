@@ -13,7 +13,7 @@ use mesh::Vec3;
 use mesh::offset::{add_shifts_vjp, shifts};
 use scene::config::ScenarioConfig;
 
-use crate::extension::Extension;
+use mechanics::extension::Extension;
 
 /// The map of one scenario.
 pub struct Offset {

@@ -9,7 +9,7 @@ use scene::{ObjectiveBuilder, Scene};
 use serde::Serialize;
 
 use super::{Evaluation, Level, Rejected, Scenario};
-use crate::number::{KINDS, Number, Swept};
+use scene::number::{KINDS, Number, Swept};
 
 /// A group of numbers.
 #[derive(Clone)]

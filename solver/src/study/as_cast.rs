@@ -15,7 +15,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use mechanics::forward::TimeStepper;
+use measure::probe::Probe;
 use mechanics::math::least_squares::Residuals;
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{diagonal, tet_volume, tet_volume_gradient, triangle_area, triangle_normal};
@@ -27,16 +27,14 @@ use scene::Scene;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::number::Walls;
+use crate::run::{Run, Start};
 use crate::study::calibration::least_squares::{Failure, minimise};
-use crate::study::sensitivity::sensitivities;
+use scene::number::Walls;
 
 /// Step of the differences of gauges [m].
 const STEP: f64 = 1e-6;
 /// How far from the surface a gauge may be placed, as a part of the body's diagonal.
 const NEAR: f64 = 0.02;
-/// Memory for the states of a run [B]; the others lie on disk.
-const STATE_MEMORY: f64 = 1e9;
 
 const KEYS: Keys = Keys { paths: &[], named: &[], meaning: None };
 
@@ -256,31 +254,27 @@ impl<'a> Model<'a> {
     }
 
     /// The probes that are measured; none where there is no equilibrium.
-    fn probes(&self, scene: &Scene) -> Result<Option<Vec<Value>>> {
+    fn probes(&self, scene: Scene) -> Result<Option<Vec<Value>>> {
         if self.measured.probe.is_empty() {
             return Ok(Some(Vec::new()));
         }
-        let (problem, mut workspace) = scene.problem(&scene.body)?;
-        let all = scene.probes(&scene.body, &problem.space)?;
-        let find = |probed: &Probed| {
-            all.iter().find(|probe| probe.name == probed.name).with_context(|| {
-                let known: Vec<_> = all.iter().map(|probe| &probe.name[..]).collect();
-                format!("unknown probe \"{}\"; the scene has: {}", probed.name, known.join(", "))
+        let known: Vec<_> = scene.config.probe.iter().map(|probe| probe.name()).collect();
+        let place = |probed: &Probed| {
+            known.iter().position(|name| *name == probed.name).with_context(|| {
+                let name = &probed.name;
+                format!("unknown probe \"{name}\"; the scene has: {}", known.join(", "))
             })
         };
-        let own = self.measured.probe.iter().map(find).collect::<Result<Vec<_>>>()?;
-        let integrator = scene.integrator(&scene.body, &problem);
-        let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-        let (rest, times) = (&scene.body.mesh.vertices, scene.times());
-        let run = stepper.run(&problem, &mut workspace, rest, &times, STATE_MEMORY, |_| ());
-        let run = match run {
+        let places = self.measured.probe.iter().map(place).collect::<Result<Vec<_>>>()?;
+        let run = match Run::new(scene, Start::default())? {
             Ok(run) => run,
             Err(why) => {
-                log::info!("as cast: {why}");
+                log::info!("as cast: {}", why.unreached);
                 return Ok(None);
             }
         };
-        let found = sensitivities(scene, (&problem, &mut workspace), (&own, &run, run.steps()))?;
+        let own: Vec<&Probe> = places.into_iter().map(|place| &run.probes[place]).collect();
+        let found = run.sensitivities(&own, run.states.steps())?;
         let along = |by: &[f64], moves: &Vec<Vec3>| -> f64 {
             by.chunks_exact(3).zip(moves).map(|(b, m)| m.dot(&Vec3::from_column_slice(b))).sum()
         };
@@ -298,7 +292,7 @@ impl<'a> Model<'a> {
         for spot in &self.spots {
             values.push(self.gauge(spot, offsets)?);
         }
-        let Some(probes) = self.probes(&scene)? else { return Ok(None) };
+        let Some(probes) = self.probes(scene)? else { return Ok(None) };
         values.extend(probes);
         Ok(Some(values))
     }

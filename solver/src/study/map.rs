@@ -9,16 +9,14 @@ use anyhow::{Result, ensure};
 use measure::probe::Probe;
 use mechanics::adjoint;
 use mechanics::energy::Iterate;
-use mechanics::forward::{Linearizations, Problem, Trajectory, Workspace};
+use mechanics::forward::Linearizations;
 use nalgebra::Matrix6;
 use reports::Status;
 use scene::Scene;
 
-use super::course::Course;
 use super::pose::Tip;
-use super::sensitivity::sensitivities;
-use crate::number::{Number, Swept, Walls};
-use crate::report::simulation::Verdict;
+use crate::run::{Run, Start};
+use scene::number::{Number, Swept, Walls};
 
 /// Values of one number at most.
 const MOST_VALUES: usize = 100_000;
@@ -172,49 +170,39 @@ impl<'a> Map<'a> {
             number.replace(&mut scene, walls.as_ref(), *value)?;
         }
         self.of_grid().try_for_each(|number| number.check(&scene))?;
-        let (problem, mut workspace) = scene.problem(&scene.body)?;
         let none = |status| Row { at: at.clone(), status, values: None, u: Vec::new() };
-        let Ok(course) = Course::new(&scene, (&problem, &mut workspace), Some(before)) else {
-            return Ok(none(Status::NoEquilibrium));
-        };
-        let run = &course.trajectory;
-        let u = run.state(1).into_owned().u;
-        let end = problem.iterate(&scene.body.mesh.vertices, &u, run.times[1]);
-        let on_path = (course.load_steps.len(), course.load_steps.last());
-        let status = Verdict::new(&scene, &problem, &end, on_path, None).status();
+        let start = Start { near: Some(before), ..Start::default() };
+        let Ok(run) = Run::new(scene, start)? else { return Ok(none(Status::NoEquilibrium)) };
+        let status = run.verdict()?.status();
         if status != Status::Ok {
             return Ok(none(status));
         }
-        let values = self.values(&scene, (&problem, &mut workspace), run)?;
+        let (values, u) = (self.values(&run)?, run.states.last().into_owned());
         Ok(Row { at, status, values: Some(values), u })
     }
 
     /// Values of the columns at the end of a run.
-    fn values(
-        &self,
-        scene: &Scene,
-        (problem, workspace): (&Problem, &mut Workspace),
-        run: &Trajectory,
-    ) -> Result<Vec<f64>> {
-        let probes = scene.probes(&scene.body, &problem.space)?;
+    fn values(&self, run: &Run) -> Result<Vec<f64>> {
+        let (scene, problem) = (&*run.scene, &run.problem);
         let walls = Walls::of(self.by.iter(), scene)?;
         let slopes = |gradient: &adjoint::Gradient| {
             let swept = Swept::new(scene, problem, walls.as_ref(), gradient);
             self.by.iter().map(|number| number.derivative(&swept)).collect::<Vec<_>>()
         };
-        let all: Vec<&Probe> = probes.iter().collect();
-        let found = sensitivities(scene, (problem, workspace), (&all, run, 1))?;
+        let all: Vec<&Probe> = run.probes.iter().collect();
+        let found = run.sensitivities(&all, 1)?;
         let mut values: Vec<f64> = found.iter().map(|(value, _)| *value).collect();
         let mut by: Vec<f64> = found.iter().flat_map(|(_, gradient)| slopes(gradient)).collect();
         let Some(tag) = self.tip else {
             values.extend(by);
             return Ok(values);
         };
-        let (rest, state) = (&scene.body.mesh.vertices[..], run.state(1));
+        let (rest, state) = (run.rest(), run.states.state(1));
         let pose = Tip::new(&scene.body, &problem.space, tag)?.pose(&state.u)?;
-        let step = run.step(problem, rest, 1);
-        let at = Iterate { step: Some(&step), ..problem.iterate(rest, &state.u, run.times[1]) };
-        let (linearization, stiffness) = pose.stiffness(problem, workspace, &at)?;
+        let step = run.states.step(problem, rest, 1);
+        let at = problem.iterate(rest, &state.u, run.states.times[1]);
+        let at = Iterate { step: Some(&step), ..at };
+        let (linearization, stiffness) = pose.stiffness(problem, &mut run.workspace(), &at)?;
         let known = Linearizations::at_step(1, linearization);
         values.extend(pose.position.iter().chain(pose.rotation.iter()));
         for row in pose.by_displacement() {
@@ -223,8 +211,7 @@ impl<'a> Map<'a> {
                     out.by_u.iter_mut().zip(&row).for_each(|(u, by)| *u += by);
                 }
             };
-            let swept = adjoint::sweep(problem, workspace, (rest, run), &known, partials)?;
-            by.extend(slopes(&swept));
+            by.extend(slopes(&run.gradient(&known, partials)?));
         }
         values.extend(by);
         let stiffness = stiffness.unwrap_or_else(|| Matrix6::from_element(f64::NAN));

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::finish::{self, reference};
+use crate::table::DEFAULT_IN_WORDS;
 
 /// A table of keys for each table of a file, with type, default and meaning of each key; of a report
 /// without defaults.
@@ -129,8 +130,10 @@ impl<'a> Chapter<'a> {
             false => "| key | value | default | meaning |\n|-|-|-|-|\n",
         };
         for (key, value) in sorted(table, needed) {
+            let words = value[DEFAULT_IN_WORDS].as_str();
             let default = match &value["default"] {
                 _ if needed.contains(key.as_str()) => "needed".to_owned(),
+                Value::Null if words.is_some() => words.unwrap_or_default().to_owned(),
                 Value::Null | Value::Object(_) => String::new(),
                 Value::Array(items) if items.is_empty() => String::new(),
                 default => format!("`{default}`"),

@@ -54,6 +54,14 @@ impl KeyPath {
         self.then(Step::Key(key.to_owned()))
     }
 
+    /// The table that is the value of this key: at the top of the file it is written `[key]`.
+    pub fn as_table(self) -> Self {
+        match &self.0[..] {
+            [Step::Key(name)] => Self::table(name),
+            _ => self,
+        }
+    }
+
     /// The one of these tables with this name.
     pub fn named(self, name: &str) -> Self {
         self.then(Step::Named(name.to_owned()))

@@ -37,9 +37,7 @@ pub use energies::{
     BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId,
     RigidEnergies, Term,
 };
-pub use fibres::{
-    Axis, Direction, Directions, FibreMean, FibreSummary, Fibres, gradients_of_potential,
-};
+pub use fibres::{Axis, Direction, Directions, FibreMean, FibreSummary, Fibres};
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolume};
 pub use held::Held;
@@ -54,7 +52,7 @@ pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
 pub use winding::{
-    Along, Helix, LayError, Layer, Lead, Piece, Strand, Winding, WindingSummary, helix, polyline,
+    Along, Helix, LayError, Lead, Piece, Strand, Winding, WindingSummary, helix, polyline,
 };
 
 use mesh::Vec3;

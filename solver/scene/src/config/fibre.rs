@@ -6,7 +6,6 @@ use anyhow::{Result, ensure};
 use mechanics::energy::{Axis, Direction, Profile};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
-use mesh::Vec3;
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,7 +27,7 @@ pub struct FibreConfig {
     /// The body or volume, which has a law of its own; all of them if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
-    /// The same direction everywhere, a vector of any length; or `around`, `along`, `between` or `file`.
+    /// The same direction everywhere, a vector of any length; or `around` or `file`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// An axis, with `angle` or `radial`.
@@ -41,13 +40,6 @@ pub struct FibreConfig {
     /// Whether fibres lead away from the axis.
     #[serde(default)]
     pub radial: bool,
-    /// Points of a curve [m]: an element has the direction of the leg that is nearest to its centre.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub along: Vec<[f64; 3]>,
-    /// Two tags: fibres lead from the first to the second along the gradient of the harmonic function that is 0 on the one
-    /// and 1 on the other.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub between: Option<[String; 2]>,
     /// A file of vectors of any length: a `.npy` with three columns and a row for each tetrahedron or each vertex, in the
     /// order of the mesh, or a `.vtu` with `field`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,10 +72,6 @@ pub enum Source {
     Formula(Direction),
     /// Around an axis, at an angle [rad] that changes along it.
     Twisting(Profile),
-    /// Along the gradient of a harmonic function between two tags.
-    Between([String; 2]),
-    /// Along the nearest leg of a line through points [m].
-    Curve(Vec<Vec3>),
     /// As a file says.
     File(PathBuf),
 }
@@ -98,15 +86,13 @@ impl FibreConfig {
     pub fn in_words(&self) -> String {
         let Self { name, on, angle, k1, k2, dispersion, .. } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
-        let leads = match (self.direction, angle, &self.between, &self.file) {
+        let leads = match (self.direction, angle, &self.file) {
             (Some([x, y, z]), ..) => format!("along ({x}, {y}, {z})"),
-            (None, Some(angle), ..) => {
+            (None, Some(angle), _) => {
                 format!("at {}° to an axis", angle.in_words(|angle| angle.to_string()))
             }
-            (None, None, Some([from, to]), _) => format!("from {from} to {to}"),
-            (None, None, None, Some(file)) => format!("as {} says", file.display()),
-            (None, None, None, None) if !self.along.is_empty() => "along a curve".to_owned(),
-            (None, None, None, None) => "away from an axis".to_owned(),
+            (None, None, Some(file)) => format!("as {} says", file.display()),
+            (None, None, None) => "away from an axis".to_owned(),
         };
         let k1 = k1.in_words(|k1| format!("{k1:.3e}"));
         let senses = if self.compression { ", in both senses" } else { ", in tension only" };
@@ -158,8 +144,6 @@ impl FibreConfig {
         let ways = [
             ("direction", self.direction.is_some()),
             ("around", self.around.is_some()),
-            ("along", !self.along.is_empty()),
-            ("between", self.between.is_some()),
             ("file", self.file.is_some()),
         ];
         let mut given = ways.into_iter().filter(|(_, has)| *has).map(|(name, _)| name);
@@ -178,31 +162,15 @@ impl FibreConfig {
             let leads = Leads { direction, around, angle, radial: *radial };
             return Ok(Source::Formula(leads.field(&self.title())?));
         }
-        if let Some(tags) = &self.between {
-            return Ok(Source::Between(tags.clone()));
-        }
-        if let Some(file) = &self.file {
-            return Ok(Source::File(file.clone()));
-        }
-        ensure!(
-            way.is_some(),
-            misfit!(
+        match &self.file {
+            Some(file) => Ok(Source::File(file.clone())),
+            None => Err(misfit!(
                 self.title(),
                 " has no direction: expected direction = [x, y, z], around = {{ point = …, axis = … }} with angle, \
-                 along = [points], between = [\"TAG\", \"TAG\"] or file = \"directions.npy\""
+                 or file = \"directions.npy\""
             )
-        );
-        let points: Vec<Vec3> = self.along.iter().map(|&point| point.into()).collect();
-        let good = points.len() > 1 && points.windows(2).all(|leg| leg[0] != leg[1]);
-        ensure!(
-            good && self.along.iter().flatten().all(|x| x.is_finite()),
-            misfit!(
-                key("along"),
-                ": {} points; expected two or more, finite, each other than the one before",
-                points.len()
-            )
-        );
-        Ok(Source::Curve(points))
+            .into()),
+        }
     }
 
     /// Refuses keys that belong to another way to give the direction.

@@ -26,10 +26,6 @@ pub struct WindingConfig {
     /// Tag of the facets, on the boundary or inside, in one layer around the axis; or a list, such as that of a
     /// wall and of the sheet below the thread.
     pub on: Names,
-    /// How far below the tag the thread lies inside the body [m]; the tag is on the boundary then. On the tag itself if
-    /// not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth: Option<f64>,
     /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread. It may change along the
     /// axis, as `pitch` and `angle` may.
     pub stiffness: Along,
@@ -105,12 +101,8 @@ impl WindingConfig {
         };
         let double = if *double { ", double" } else { "" };
         let on = on.all().join(" and ");
-        let where_it_is = match self.depth {
-            None => format!("on {on}"),
-            Some(depth) => format!("{:.3} mm below {on}", 1e3 * depth),
-        };
         format!(
-            "winding {name} {where_it_is}: {course}{double}, EA {} N",
+            "winding {name} on {on}: {course}{double}, EA {} N",
             stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
         )
     }
@@ -213,14 +205,6 @@ impl WindingConfig {
                 )
             );
         }
-        ensure!(
-            self.depth.is_none_or(|depth| depth > 0.0 && depth.is_finite()),
-            misfit!(
-                key("depth"),
-                " = {} m: must be positive and finite; without depth the thread lies on the tag",
-                self.depth.unwrap_or_default()
-            )
-        );
         ensure!(
             pretension >= 0.0 && pretension.is_finite(),
             misfit!(

@@ -1,11 +1,11 @@
-//! Directions of fibres that are not a formula: from a curve, a potential or a file, a unit vector for each element.
+//! Directions of fibres that are not a formula: from a file, a unit vector for each element.
 
 use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
-use mechanics::energy::{Directions, gradients_of_potential};
+use mechanics::energy::Directions;
 use mesh::Vec3;
 use mesh::io::npy::read_f64;
 use mesh::io::vtu::{Field, Grid, read_vtu};
@@ -13,9 +13,6 @@ use program::misfit;
 
 use super::Scene;
 use crate::config::{FibreConfig, Source, beside};
-
-/// Gradient of a potential, relative to one over the size of the volume, that is none.
-const NO_GRADIENT: f64 = 1e-9;
 
 impl Scene {
     /// Where the fibres of a family lead, in the elements that it is in.
@@ -30,11 +27,6 @@ impl Scene {
         let (vectors, key) = match fibre.leads()? {
             Source::Formula(direction) => return Ok(direction.into()),
             Source::Twisting(angle) => return Ok(Directions::Twisting(angle)),
-            Source::Curve(points) => {
-                let along = |tet: &[usize; 4]| nearest_leg(&points, centre(body, tet));
-                (tets.iter().map(along).collect(), key("along"))
-            }
-            Source::Between(tags) => (between(fibre, body, tets, &tags)?, key("between")),
             Source::File(file) => {
                 let path = beside(&self.path, &file);
                 let vectors = read(&path, fibre.field.as_deref(), body, elements.clone());
@@ -66,56 +58,6 @@ impl Scene {
 
 fn centre(body: &Body, tet: &[usize; 4]) -> Vec3 {
     tet.iter().map(|&v| body.mesh.vertices[v]).sum::<Vec3>() / 4.0
-}
-
-/// The leg of a line through points that is nearest to a place.
-fn nearest_leg(points: &[Vec3], x: Vec3) -> Vec3 {
-    let distance = |leg: &&[Vec3]| {
-        let (from, by) = (leg[0], leg[1] - leg[0]);
-        let part = ((x - from).dot(&by) / by.norm_squared()).clamp(0.0, 1.0);
-        (from + part * by - x).norm_squared()
-    };
-    let legs = points.windows(2);
-    let nearest = legs.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or_else(Vec3::zeros, |leg| leg[1] - leg[0])
-}
-
-/// The gradient in each element of the potential between two tags, zero where there is none.
-fn between(
-    fibre: &FibreConfig,
-    body: &Body,
-    tets: &[[usize; 4]],
-    tags: &[String; 2],
-) -> Result<Vec<Vec3>> {
-    ensure!(
-        tags[0] != tags[1],
-        misfit!(
-            fibre.title().key("between"),
-            " = [\"{0}\", \"{0}\"]: fibres from a tag to itself have no direction; expected two tags",
-            tags[0]
-        )
-    );
-    let vertices = |tag: &String| -> Result<Vec<usize>> {
-        let facets = body.tagged(tag).with_context(|| fibre.title().key("between"))?;
-        Ok(facets.concat())
-    };
-    let ends = [vertices(&tags[0])?, vertices(&tags[1])?];
-    let found = gradients_of_potential(tets, &body.mesh.vertices, [&ends[0], &ends[1]]);
-    let gradients = found.map_err(|_| {
-        misfit!(
-            fibre.title().key("between"),
-            " = [\"{}\", \"{}\"]: a part of the volume is connected with neither",
-            tags[0],
-            tags[1]
-        )
-    })?;
-    let used = tets.iter().flatten().map(|&v| body.mesh.vertices[v]);
-    let (low, high) = used
-        .fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(-f64::INFINITY)), |b, x| {
-            (b.0.inf(&x), b.1.sup(&x))
-        });
-    let least = NO_GRADIENT / (high - low).norm();
-    Ok(gradients.into_iter().map(|g| if g.norm() > least { g } else { Vec3::zeros() }).collect())
 }
 
 /// The vectors of some elements in a file.

@@ -2,6 +2,7 @@
 //! meshes, energies and objectives.
 
 mod apart;
+mod assembly;
 mod afloat;
 mod chambers;
 mod contact;
@@ -11,7 +12,6 @@ mod membranes;
 mod objectives;
 mod probes;
 mod progress;
-mod read;
 mod rigid;
 mod reinforcement;
 mod symmetry;
@@ -20,6 +20,7 @@ pub use laws::SceneLaw;
 pub use membranes::SceneMembrane;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -64,6 +65,8 @@ pub struct Scene {
     pub membranes: Vec<SceneMembrane>,
     /// The bodies.
     pub body: Body,
+    /// Numbers that were given values which are not in the settings, by their paths; of a wall the sum of its moves [m].
+    pub given: BTreeMap<String, f64>,
     /// Whether to prove of every step that no surfaces intersect.
     pub certify: bool,
 }
@@ -143,8 +146,6 @@ impl Scene {
 
     /// The discrete problem of [`Self::problem`] alone.
     pub fn discretise(&self, body: &Body) -> Result<Problem> {
-        let path = self.path.display();
-        ensure!(self.config.numbers.is_empty(), "{path}: its [numbers] have not been applied");
         self.file.checked(|_| self.discretised(body))
     }
 

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
-use mechanics::body::{Body, Part};
+use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    self, Axis, Direction, Directions, Fibres, Helix, LayError, Layer, Piece, Profile, Winding,
+    self, Axis, Direction, Directions, Fibres, Helix, LayError, Piece, Profile, Winding,
 };
 use mechanics::material::fibre::Fibre;
 use mechanics::symmetry::Plane;
@@ -81,15 +81,15 @@ impl Scene {
 
     /// The helix of a thread on the body; none of a line through points.
     pub fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
-        Ground::new(winding, &self.body)?.helix(winding)
+        Support::new(winding, &self.body)?.helix(winding)
     }
 
     /// The point of a line that is farthest from its tag, by its place, and that distance [m]; none where all points are
     /// nearer than half the mean edge of the tag's facets, as those on a curved surface are.
     pub fn farthest_point(&self, winding: &WindingConfig) -> Option<(usize, f64)> {
-        let ground = Ground::new(winding, &self.body).ok()?;
-        let (facets, x) = ground.surface();
-        let surface = SurfaceMesh { vertices: x.to_vec(), triangles: facets.to_vec() };
+        let support = Support::new(winding, &self.body).ok()?;
+        let vertices = support.vertices.to_vec();
+        let surface = SurfaceMesh { vertices, triangles: support.facets };
         let edges = (0..surface.triangles.len()).flat_map(|t| {
             let [a, b, c] = surface.corners(t);
             [(a - b).norm(), (b - c).norm(), (c - a).norm()]
@@ -105,17 +105,9 @@ impl Scene {
     pub(super) fn windings(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Winding>> {
         let one = |winding: &WindingConfig| {
             let WindingConfig { stiffness, pretension, slack, .. } = winding;
-            let ground = Ground::new(winding, body)?;
-            let pieces = ground.lay(winding)?;
+            let pieces = Support::new(winding, body)?.lay(winding)?;
             let numbers = [stiffness.values()[0], *pretension, *slack];
-            let thread = match &ground.layer {
-                None => Winding::new(space, &pieces, numbers),
-                Some(layer) => {
-                    let inside: Vec<Piece<4>> =
-                        pieces.iter().map(|piece| layer.inside(piece)).collect();
-                    Winding::new(space, &inside, numbers)
-                }
-            };
+            let thread = Winding::new(space, &pieces, numbers);
             Ok(match winding.stiffness_profile()? {
                 None => thread,
                 Some(profile) => thread.with_stiffness(&profile, &body.mesh.vertices),
@@ -206,70 +198,19 @@ fn is_image(own: &Direction, other: &Direction, plane: &Plane, x: Vec3) -> bool 
     along.cross(&other.at(image(plane, x))).norm() < PARALLEL
 }
 
-/// What a thread lies on: facets of the body, or a layer below them.
-struct Ground<'a> {
+/// What a thread lies on.
+struct Support<'a> {
     /// The facets of its tags.
-    tagged: Vec<[usize; 3]>,
+    facets: Vec<[usize; 3]>,
     /// Vertices of the body at rest [m].
     vertices: &'a [Vec3],
-    layer: Option<Layer>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> Support<'a> {
     fn new(winding: &WindingConfig, body: &'a Body) -> Result<Self> {
-        let vertices = &body.mesh.vertices;
-        let facets = |tag: &str| match winding.depth {
-            None => body.tagged(tag),
-            Some(_) => body.facets(tag),
-        };
-        let all = winding.on.all().iter().map(|tag| facets(tag));
+        let all = winding.on.all().iter().map(|tag| body.tagged(tag));
         let all = all.collect::<Result<Vec<_>, _>>().with_context(|| winding.title())?;
-        let mut ground = Self { tagged: all.concat(), vertices, layer: None };
-        if let Some(depth) = winding.depth {
-            ground.layer = Some(ground.below(winding, depth, body)?);
-        }
-        Ok(ground)
-    }
-
-    /// The layer at a depth, in the bodies that the facets bound.
-    fn below(&self, winding: &WindingConfig, depth: f64, body: &Body) -> Result<Layer> {
-        let has_facets = |part: &&Part| self.tagged.iter().any(|f| part.vertices.contains(&f[0]));
-        let parts = body.parts.iter().filter(has_facets);
-        let tets: Vec<[usize; 4]> =
-            parts.flat_map(|part| body.mesh.tets[part.tets.clone()].to_vec()).collect();
-        let layer = Layer::below(&self.tagged, &tets, self.vertices, depth);
-        ensure!(
-            !layer.facets.is_empty(),
-            misfit!(
-                winding.title().key("depth"),
-                " = {depth} m: no point of the body is so far below \"{}\", the deepest vertex is {:.4e} m below it; \
-                 expected a smaller depth",
-                winding.on.all().join("\" and \""),
-                layer.deepest
-            )
-        );
-        if let Some((at, middle)) = layer.missed {
-            return Err(misfit!(
-                winding.title().key("depth"),
-                " = {depth} m: the mesh is too coarse for a layer there: the element at ({:.6}, {:.6}, {:.6}) m has all \
-                 corners nearer to \"{}\" than that, and its middle is {middle:.2e} m below it, so that the thread would \
-                 cut a corner; expected a depth above {middle:.2e} m, a finer mesh, or no depth for a thread on the tag",
-                at.x,
-                at.y,
-                at.z,
-                winding.on.all().join("\" and \"")
-            )
-            .into());
-        }
-        Ok(layer)
-    }
-
-    /// Triangles and their corners at rest [m].
-    fn surface(&self) -> (&[[usize; 3]], &[Vec3]) {
-        match &self.layer {
-            None => (&self.tagged, self.vertices),
-            Some(layer) => (&layer.facets, &layer.points),
-        }
+        Ok(Self { facets: all.concat(), vertices: &body.mesh.vertices })
     }
 
     /// The helix of a thread; none of a line through points.
@@ -277,7 +218,7 @@ impl<'a> Ground<'a> {
         let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else {
             return Ok(None);
         };
-        let (facets, x) = self.surface();
+        let (facets, x) = (&self.facets, self.vertices);
         let axis = around.line(&winding.title())?;
         let climb = match climb {
             Climb::Pitch(pitch) => {
@@ -288,25 +229,20 @@ impl<'a> Ground<'a> {
                 axis.mean_distance(facets, x),
             ),
         };
-        // beyond the ends of a tag inside a face, a layer leads up to the surface
-        let ([low, high], own) =
-            (axis.heights(facets, x), axis.heights(&self.tagged, self.vertices));
-        let heights = winding.heights([low.max(own[0]), high.min(own[1])])?;
+        let heights = winding.heights(axis.heights(facets, x))?;
         let helix = Helix::new(axis, climb, heights, winding.phase.to_radians());
         winding.check_turns(helix.turns())?;
         Ok(Some(helix))
     }
 
     /// The pieces of a thread on the triangles.
-    fn lay(&self, winding: &WindingConfig) -> Result<Vec<Piece<3>>> {
-        let ((facets, x), helix) = (self.surface(), self.helix(winding)?);
+    fn lay(&self, winding: &WindingConfig) -> Result<Vec<Piece>> {
+        let (facets, x, helix) = (&self.facets, self.vertices, self.helix(winding)?);
         let reach = helix.as_ref().map(|helix| reach(helix, facets, x));
         let cannot = |error: LayError| {
-            let below = winding.depth.map_or(String::new(), |depth| format!("{depth} m below "));
             misfit!(
                 winding.title(),
-                ": the thread cannot be laid {}\"{}\": {error}{}\n  {}",
-                if below.is_empty() { "on " } else { &below },
+                ": the thread cannot be laid on \"{}\": {error}{}\n  {}",
                 winding.on.all().join("\" and \""),
                 reach.as_deref().filter(|_| misses_or_leaves(&error)).unwrap_or_default(),
                 advice(&error)

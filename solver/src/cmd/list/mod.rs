@@ -14,7 +14,7 @@ use scene::config::{ObjectiveConfig, ProbeConfig};
 use scene::silicone;
 use serde_json::{Value, json};
 
-use crate::number;
+use scene::number;
 
 /// Characters in a line.
 const WIDTH: usize = 96;

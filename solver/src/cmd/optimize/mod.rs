@@ -19,7 +19,6 @@ use self::folder::{
     failed, forget, forget_failure, forget_start, is_kept_before_a_level, outdated, remove,
 };
 use self::found::Found;
-use crate::number;
 use crate::optimize::{
     CASTABLE, Cascade, Finished, History, LATEST, Meshes, Molding, mesh_file, write_bodies,
 };
@@ -217,7 +216,7 @@ pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Resu
     let (own, of_scene) = changes.own_and_scene();
     let file = DesignConfig::settings(path, &own)?;
     let design = DesignConfig::of(&file)?;
-    let scene = number::read(&beside(path, &design.scene), others, &of_scene)?;
+    let scene = Scene::read_with(&beside(path, &design.scene), others, &of_scene)?;
     scene.warn_of_growth();
     Ok(Problem { file, design, scene })
 }
@@ -230,7 +229,7 @@ fn meshes(arguments: &Arguments, design: &DesignConfig, scene: &Scene) -> Result
         check_body(level, &KeyPath::list(levels), scene)?;
         let path = level.mesh.iter().map(|path| beside(&arguments.design, path));
         let others: Vec<_> = path.map(|path| (level.body.clone(), path)).collect();
-        Ok(number::read(&scene.path, &others, &of_scene)?.body)
+        Ok(Scene::read_with(&scene.path, &others, &of_scene)?.body)
     })
 }
 

@@ -4,8 +4,8 @@ use anyhow::{Context, Result, ensure};
 use scene::config::{FactorConfig, ScenarioConfig};
 use scene::{Scene, SceneLaw};
 
-use crate::number::{self, Group, Number};
 use crate::optimize::offset::Offset;
+use scene::number::{self, Group, Number};
 
 /// The scene of a scenario, walls included.
 pub fn scene_of(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {

@@ -32,10 +32,10 @@ pub use self::run::Run;
 use super::offset::Offset;
 use super::validity;
 use crate::design::LoadMap;
-use crate::number::Swept;
 use crate::report::crossing::Crossing;
 use crate::report::failure::Diagnosis;
 use crate::report::results::{displacements, grid_with_fields};
+use scene::number::Swept;
 
 /// Part of the memory that states leave which factors of tangents may take.
 const FOR_TANGENTS: f64 = 0.25;

@@ -11,7 +11,7 @@ use mechanics::stability::PressureSlope;
 use mesh::Vec3;
 
 use super::{Bound, Rejected, Run, Scenario};
-use crate::study::limit::growing;
+use crate::run::limit::growing;
 
 /// The equilibrium whose pressures grow.
 struct Growing<'a> {

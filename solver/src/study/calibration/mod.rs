@@ -2,7 +2,7 @@
 //!
 //! Each `[[experiment]]` names a scene, one of its probes, and a measured table of that probe.
 //! The numbers minimise the sum of the squared differences over their standard uncertainties
-//! ([`least_squares`]), with derivatives by the adjoint method ([`crate::study::sensitivity`]).
+//! ([`least_squares`]), with derivatives by the adjoint method ([`crate::run::sensitivity`]).
 
 pub mod least_squares;
 mod sought;
@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use measure::probe::Probe;
-use mechanics::forward::TimeStepper;
 use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
 use program::{Change, Changes, KeyPath, Keys, Settings, misfit};
@@ -21,15 +20,13 @@ use scene::config::beside;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::number::{self, Group, Number, Swept, Walls};
-use crate::study::sensitivity::sensitivities;
+use crate::run::{Run, Start};
 use crate::study::validation::table::{Table, unit};
+use scene::number::{Group, Number, Swept, Walls};
 pub use sought::Sought;
 
 const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: None };
 
-/// Memory for the states of a run; others lie on disk [B].
-const STATE_MEMORY: f64 = 4e9;
 /// Two times are the same when they differ by less than this part of the last.
 const SAME: f64 = 1e-6;
 
@@ -147,7 +144,7 @@ impl Calibration {
             let known = paths.iter().position(|known| *known == scene);
             let index = known.unwrap_or(scenes.len());
             if known.is_none() {
-                scenes.push(number::read(&scene, &[], of_scenes)?);
+                scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
             let title = KeyPath::list("experiment").named(&own.name);
@@ -211,7 +208,7 @@ impl Calibration {
                 .zip(&self.experiments)
                 .filter(|(_, e)| e.scene == index)
                 .collect();
-            let Some(rows) = simulate(&scene, &own, groups, walls, values)? else {
+            let Some(rows) = simulate(scene, &own, groups, walls, values)? else {
                 return Ok(None);
             };
             for Row { place, value, derivatives } in rows {
@@ -400,27 +397,22 @@ struct Row {
 /// The measured points of one scene, where it has an equilibrium at all steps. Experiments are
 /// given with the place of their first point.
 fn simulate(
-    scene: &Scene,
+    scene: Scene,
     experiments: &[(usize, &Experiment)],
     groups: &[Option<Group>],
     walls: Option<&Walls>,
     values: &[f64],
 ) -> Result<Option<Vec<Row>>> {
-    let (problem, mut workspace) = scene.problem(&scene.body)?;
-    let probes = scene.probes(&scene.body, &problem.space)?;
-    let integrator = scene.integrator(&scene.body, &problem);
-    let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-    let (rest, times) = (&scene.body.mesh.vertices, scene.times());
-    let run = stepper.run(&problem, &mut workspace, rest, &times, STATE_MEMORY, |_| ());
-    let run = match run {
+    let path = scene.path.display().to_string();
+    let run = match Run::new(scene, Start::default())? {
         Ok(run) => run,
         Err(why) => {
-            log::info!("{}: {why}", scene.path.display());
+            log::info!("{path}: {}", why.unreached);
             return Ok(None);
         }
     };
     let mut rows = Vec::new();
-    for n in (1..=run.steps()).rev() {
+    for n in (1..=run.states.steps()).rev() {
         let at_step = |&(first, e): &(usize, &Experiment)| {
             let own = e.points.iter().enumerate().filter(|(_, point)| point.step == n);
             own.map(|(i, _)| (first + i, e.probe)).collect::<Vec<_>>()
@@ -429,10 +421,10 @@ fn simulate(
         if wanted.is_empty() {
             continue;
         }
-        let own: Vec<&Probe> = wanted.iter().map(|&(_, probe)| &probes[probe]).collect();
-        let found = sensitivities(scene, (&problem, &mut workspace), (&own, &run, n))?;
+        let own: Vec<&Probe> = wanted.iter().map(|&(_, probe)| &run.probes[probe]).collect();
+        let found = run.sensitivities(&own, n)?;
         for ((place, _), (value, by)) in wanted.into_iter().zip(found) {
-            let swept = Swept::new(scene, &problem, walls, &by);
+            let swept = Swept::new(&run.scene, &run.problem, walls, &by);
             let one = |(group, &value): (&Option<Group>, &f64)| {
                 group.as_ref().map_or(0.0, |group| group.derivative(&swept, value))
             };

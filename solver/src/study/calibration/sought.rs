@@ -6,7 +6,7 @@ use scene::Scene;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::number::Group;
+use scene::number::Group;
 
 /// `[[number]]`: what is sought.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]

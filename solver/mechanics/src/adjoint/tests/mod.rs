@@ -22,12 +22,8 @@ use crate::math::random::Random;
 use crate::schedule::{Field, Schedule};
 use crate::testing::{check_gradient, cube, flat, points};
 
-mod dilatation;
-mod fibre;
 mod inside;
-mod internal;
 mod linearizations;
-mod membrane;
 mod mullins;
 mod neighbours;
 mod rigid;

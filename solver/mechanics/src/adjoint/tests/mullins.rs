@@ -1,97 +1,9 @@
-//! Runs of bodies that soften: their gradients through loading, unloading and loading again, and closed forms.
+//! Bodies that soften, beside closed forms.
 
 use super::*;
-use crate::energy::{Isobaric, Mullins};
+use crate::energy::Mullins;
 use crate::material::{Material, OgdenRoxburgh};
 use crate::testing::cube;
-
-/// Where a run of five steps is pressed, in parts of the number of the case: it grows beyond what was before in
-/// the first and the fourth step.
-const PRESSED: [f64; 6] = [0.0, 4.0, 1.4, 3.0, 6.4, 2.0];
-const SOFTENING: OgdenRoxburgh = OgdenRoxburgh { r: 1.5, m: 5.0, beta: 0.3 };
-
-/// What else a body has.
-#[derive(Clone, Copy, PartialEq)]
-enum Beside {
-    Nothing,
-    Overstress,
-    MeanDilatation,
-}
-
-fn law(numbers: &Numbers) -> MooneyRivlin {
-    let [c1, c2, c3, d1] = numbers.law;
-    MooneyRivlin { c1, c2, c3, d1 }
-}
-
-/// The problem of a case with softening, pressed as [`PRESSED`] says.
-fn problem(
-    case: &Case,
-    beside: Beside,
-    numbers: &Numbers,
-    softening: OgdenRoxburgh,
-) -> (Problem, Workspace, Vec<Vec3>) {
-    let (mut problem, _, rest) = match beside {
-        Beside::Overstress => viscous::problem(case, numbers, &viscous::BRANCHES),
-        _ => case.problem(numbers),
-    };
-    let first = problem.energies.internal_count(&problem.space);
-    let count = problem.space.tets().len();
-    let own = &mut problem.energies.bodies[0];
-    if beside == Beside::MeanDilatation {
-        own.elastic = own.elastic.clone().with_mean_dilatation().expect("a split law");
-    }
-    let isochoric = law(numbers).isochoric().expect("in invariants");
-    own.mullins = Some(Mullins::new(isochoric, softening, 0..count, first));
-    let chambers: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
-    for id in chambers {
-        let times: Vec<f64> = (0..PRESSED.len()).map(|n| case.dt * n as f64).collect();
-        let values = PRESSED.map(|part| part * numbers.pressure);
-        let pressure = Schedule::table(&times, &values).expect("a table");
-        problem.energies.set_gas_law(id, Box::new(Isobaric { pressure }));
-    }
-    let workspace = Workspace::new(&problem);
-    (problem, workspace, rest)
-}
-
-fn check_softening(case: &Case, beside: Beside) {
-    let OgdenRoxburgh { r, m, beta } = SOFTENING;
-    let with = |p: &[f64]| {
-        let law = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
-        let softening = OgdenRoxburgh { r: p[4] * r, m: p[5] * m, beta: p[6] * beta };
-        let numbers = Numbers { law, ..NUMBERS };
-        let (problem, workspace, _) = problem(case, beside, &numbers, softening);
-        (problem, workspace)
-    };
-    let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
-        case.run(problem, workspace, rest, case.start(problem, rest))
-    };
-    let by = |g: &Gradient| {
-        let of_softening = by_factors(g, ParameterId::Mullins(0), &[r, m, beta]);
-        assert!(of_softening.iter().all(|by| *by != 0.0), "{of_softening:?}");
-        vec![by_factors(g, ParameterId::Material(0), &NUMBERS.law), of_softening]
-    };
-    let rest = case.bodies().0.vertices;
-    let runs = Runs { problem: &with, run: &run, forces: case.hits() };
-    let (own, run) = runs.check(&rest, &[1e-3, 1e-2], by);
-    let (state, step) = (run.state(case.steps), run.step(&own, &rest, case.steps));
-    let at = own.iterate(&rest, &state.u, run.times[case.steps]);
-    let mullins = own.energies.bodies[0].mullins.as_ref().expect("set above");
-    let summary = mullins.summary(&Iterate { step: Some(&step), ..at });
-    assert!(summary.factor < 0.98, "{summary:?}");
-}
-
-#[test]
-fn softened_runs_have_their_gradients() {
-    for (method, degree, beside) in [
-        (Method::Quasistatic, 1, Beside::Nothing),
-        (Method::Quasistatic, 2, Beside::Nothing),
-        (Method::ImplicitEuler, 1, Beside::Overstress),
-        (Method::Quasistatic, 2, Beside::MeanDilatation),
-    ] {
-        let (body, inside) = (Shape::Tet, Inside::Pressure);
-        check_softening(&Case { method, degree, steps: 5, dt: 0.02, body, inside }, beside);
-    }
-}
 
 /// erf by Simpson's rule.
 fn erf(x: f64) -> f64 {

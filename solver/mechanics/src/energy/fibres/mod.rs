@@ -28,7 +28,6 @@
 
 mod batch;
 mod direction;
-mod harmonic;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,7 +42,6 @@ use crate::material::fibre::{Fibre, Response};
 use crate::math::tensor::Mat3;
 
 pub use direction::{Axis, Direction};
-pub use harmonic::gradients_of_potential;
 
 #[cfg(test)]
 pub(super) mod tests;

@@ -49,18 +49,18 @@ pub struct Helix {
     pub phase: f64,
 }
 
-/// A straight piece of a thread in a facet, with three corners, or in a tetrahedron, with four.
+/// A straight piece of a thread in a facet.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece<const N: usize> {
-    /// The corners of the facet or tetrahedron.
-    pub simplex: [usize; N],
+pub struct Piece {
+    /// The corners of the facet.
+    pub facet: [usize; 3],
     /// Barycentric coordinates of its ends.
-    pub ends: [[f64; N]; 2],
+    pub ends: [[f64; 3]; 2],
     /// How far along the thread its ends are: turns of a helix, legs of a polyline.
     pub range: [f64; 2],
     /// Derivatives of `ends` by each value of the lead of a helix, and at last by its phase [1/rad]; none of a
     /// polyline.
-    pub rates: Vec<[[f64; N]; 2]>,
+    pub rates: Vec<[[f64; 3]; 2]>,
 }
 
 /// Why a thread cannot be laid.
@@ -95,10 +95,10 @@ pub enum LayError {
     },
 }
 
-impl<const N: usize> Piece<N> {
+impl Piece {
     /// Where its first (0) or other (1) end is [m].
     pub fn place(&self, x: &[Vec3], end: usize) -> Vec3 {
-        self.simplex.iter().zip(self.ends[end]).map(|(&v, l)| l * x[v]).sum()
+        self.facet.iter().zip(self.ends[end]).map(|(&v, l)| l * x[v]).sum()
     }
 
     /// Where it is at t.
@@ -110,7 +110,7 @@ impl<const N: usize> Piece<N> {
 }
 
 /// The segment c = 0 of a facet by c and t of its corners, from a range of t.
-fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Piece<3>> {
+fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Piece> {
     // facets that are far higher than the pitch have c of many turns
     let most = corners.iter().fold(0.0_f64, |most, [c, _]| most.max(c.abs())).min(1.0);
     let c = corners.map(|[c, _]| if c.abs() < ROUNDING * most { 0.0 } else { c });
@@ -134,11 +134,11 @@ fn cut(facet: [usize; 3], corners: [[f64; 2]; 3], range: [f64; 2]) -> Option<Pie
         ends.swap(0, 1);
         own.swap(0, 1);
     }
-    clipped(Piece { simplex: facet, ends, range: own, rates: Vec::new() }, range)
+    clipped(Piece { facet, ends, range: own, rates: Vec::new() }, range)
 }
 
 /// The part of a piece in a range of t; none where nothing is left.
-fn clipped(piece: Piece<3>, [first, last]: [f64; 2]) -> Option<Piece<3>> {
+fn clipped(piece: Piece, [first, last]: [f64; 2]) -> Option<Piece> {
     let ([from, to], [a, b]) = (piece.range, piece.ends);
     let own = [from.max(first), to.min(last)];
     if own[1] - own[0] <= ROUNDING * (last - first) {
@@ -186,7 +186,7 @@ impl Helix {
         facet: [usize; 3],
         corners: [[f64; 2]; 3],
         turns: &[Turns; 3],
-    ) -> Option<Piece<3>> {
+    ) -> Option<Piece> {
         let rise = self.heights[1] - self.heights[0];
         let mut piece = cut(facet, corners, [0.0, rise])?;
         let values = self.lead.number().values().len();
@@ -207,7 +207,7 @@ impl Helix {
 }
 
 /// Whether a piece is elsewhere than the chain is at the same t.
-fn apart(chain: &[Piece<3>], piece: &Piece<3>, x: &[Vec3]) -> bool {
+fn apart(chain: &[Piece], piece: &Piece, x: &[Vec3]) -> bool {
     let middle = f64::midpoint(piece.range[0], piece.range[1]);
     let size = (piece.place(x, 1) - piece.place(x, 0)).norm();
     let own = chain.iter().rev().find(|p| p.range[0] <= middle);
@@ -215,20 +215,16 @@ fn apart(chain: &[Piece<3>], piece: &Piece<3>, x: &[Vec3]) -> bool {
 }
 
 /// Pieces one after the other from one end of a range to the other.
-fn chained(
-    mut pieces: Vec<Piece<3>>,
-    x: &[Vec3],
-    range: [f64; 2],
-) -> Result<Vec<Piece<3>>, LayError> {
+fn chained(mut pieces: Vec<Piece>, x: &[Vec3], range: [f64; 2]) -> Result<Vec<Piece>, LayError> {
     pieces
         .sort_by(|a, b| a.range[0].total_cmp(&b.range[0]).then(a.range[1].total_cmp(&b.range[1])));
     if pieces.is_empty() {
         return Err(LayError::Misses);
     }
     let mean = pieces.iter().map(|p| p.range[1] - p.range[0]).sum::<f64>() / pieces.len() as f64;
-    let (tolerance, mut chain): (f64, Vec<Piece<3>>) = (GAP * mean, Vec::new());
+    let (tolerance, mut chain): (f64, Vec<Piece>) = (GAP * mean, Vec::new());
     let mut reached = range[0];
-    let leaves = |chain: &[Piece<3>], reached: f64| {
+    let leaves = |chain: &[Piece], reached: f64| {
         let Some(last) = chain.last() else { return LayError::Misses };
         let part = 100.0 * (reached - range[0]) / (range[1] - range[0]);
         LayError::Leaves { at: last.place(x, 1).into(), part }
@@ -310,7 +306,7 @@ fn range_between(heights: [f64; 3], values: [f64; 3], [start, end]: [f64; 2]) ->
 }
 
 /// Lays a helix on facets at rest positions: pieces of up to one facet, in the order of its turns.
-pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece<3>>, LayError> {
+pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece>, LayError> {
     let [start, end] = own.heights;
     let turns_by_height = TurnsByHeight::new(&own.lead, start);
     let mut pieces = Vec::new();
@@ -361,7 +357,7 @@ pub fn polyline(
     facets: &[[usize; 3]],
     x: &[Vec3],
     points: &[Vec3],
-) -> Result<Vec<Piece<3>>, LayError> {
+) -> Result<Vec<Piece>, LayError> {
     let on = |&point: &Vec3| nearest(facets, x, point).ok_or(LayError::Misses);
     let places = points.iter().map(on).collect::<Result<Vec<_>, _>>()?;
     let mut pieces = Vec::new();
@@ -378,7 +374,7 @@ pub fn polyline(
                 let from = x[v] - a;
                 [from.dot(&beside), i as f64 + from.dot(&along) / (long * long)]
             });
-            let near = |piece: &Piece<3>| {
+            let near = |piece: &Piece| {
                 let middle = 0.5 * (piece.place(x, 0) + piece.place(x, 1));
                 (middle - a).dot(&up).abs() <= 0.5 * long
             };

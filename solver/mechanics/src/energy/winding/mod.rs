@@ -9,10 +9,10 @@
 //! N₀  pretension [N]: the force of a thread that is as long as at rest
 //! q   the square of a strain that counts in tension only, [`square`]
 //!
-//! A segment lies in a facet, or in a tetrahedron below one ([`Layer`]). Its ends have fixed barycentric
+//! A segment lies in a facet. Its ends have fixed barycentric
 //! coordinates there: they are points of the material, which move with the body and with a designed rest shape,
 //! and the length of the thread without force is that of the rest shape. ′ is the derivative along a segment from
-//! its first end to its other, which for the basis is a number of the reference of that simplex, so that D and φ′
+//! its first end to its other, which for the basis is a number of the reference of that facet, so that D and φ′
 //! are all that is known of the rest shape. As N ≥ 0 and q″ ≥ 0, the Hessian is positive semidefinite at any state.
 //!
 //! Derivative by the rest shape: λ · ∂W/∂u = Σ w N t·m, by D
@@ -30,7 +30,6 @@
 mod lead;
 mod force;
 mod lay;
-mod layer;
 mod measures;
 
 use mesh::Vec3;
@@ -44,14 +43,13 @@ use crate::math::tensor::Mat3;
 use crate::parallel::map_merge;
 
 pub use lay::{Helix, LayError, Piece, helix, polyline};
-pub use layer::Layer;
 pub use lead::{Along, Lead};
 pub use measures::{Strand, WindingSummary};
 
 #[cfg(test)]
 pub(super) mod tests;
 
-/// Threads of one kind on the facets of a tag, or below them.
+/// Threads of one kind on the facets of a tag.
 #[derive(Clone)]
 pub struct Winding {
     /// Values of EA [N].
@@ -133,18 +131,18 @@ fn rule(points: usize) -> Vec<(f64, f64)> {
 }
 
 /// From one end to the other.
-fn between<const N: usize>(ends: &[[f64; N]; 2]) -> [f64; N] {
+fn between(ends: &[[f64; 3]; 2]) -> [f64; 3] {
     std::array::from_fn(|k| ends[1][k] - ends[0][k])
 }
 
 /// The place at a part of the way between two ends.
-fn part<const N: usize>(ends: &[[f64; N]; 2], s: f64) -> [f64; N] {
+fn part(ends: &[[f64; 3]; 2], s: f64) -> [f64; 3] {
     let by = between(ends);
     std::array::from_fn(|k| ends[0][k] + s * by[k])
 }
 
 /// Derivatives of a basis at barycentric coordinates along a difference of such.
-fn along<const N: usize>(degree: usize, at: &[f64; N], by: &[f64; N]) -> Vec<f64> {
+fn along(degree: usize, at: &[f64; 3], by: &[f64; 3]) -> Vec<f64> {
     let table = tabulate(degree, &Rule { weights: vec![1.0], points: vec![at.to_vec()] });
     let slope = |g: &[f64; 3]| g.iter().zip(&by[1..]).map(|(g, by)| g * by).sum();
     table.gradients[0].iter().map(slope).collect()
@@ -152,12 +150,7 @@ fn along<const N: usize>(degree: usize, at: &[f64; N], by: &[f64; N]) -> Vec<f64
 
 /// φ̇′ at a part of the way, for rates of the ends. Gradients are quadratic at most, so that their central
 /// difference along λ̇ is exact.
-fn slope_rates<const N: usize>(
-    degree: usize,
-    piece: &Piece<N>,
-    rates: &[[f64; N]; 2],
-    s: f64,
-) -> Vec<f64> {
+fn slope_rates(degree: usize, piece: &Piece, rates: &[[f64; 3]; 2], s: f64) -> Vec<f64> {
     let (at, moves, by) = (part(&piece.ends, s), part(rates, s), between(&piece.ends));
     let size = moves.iter().fold(0.0_f64, |size, m| size.max(m.abs()));
     let own = along(degree, &at, &between(rates));
@@ -171,8 +164,8 @@ fn slope_rates<const N: usize>(
 }
 
 impl Segment {
-    fn new<const N: usize>(space: &FunctionSpace, piece: &Piece<N>) -> Self {
-        let Piece { simplex, ends, rates, .. } = piece;
+    fn new(space: &FunctionSpace, piece: &Piece) -> Self {
+        let Piece { facet, ends, rates, .. } = piece;
         let (degree, by) = (space.degree(), between(ends));
         let place = |(s, weight): (f64, f64)| Place {
             weight,
@@ -184,8 +177,8 @@ impl Segment {
         };
         let points = rule(degree).into_iter().map(place).collect();
         Self {
-            vertices: simplex.to_vec(),
-            nodes: space.simplex_nodes(simplex),
+            vertices: facet.to_vec(),
+            nodes: space.facet_nodes(*facet),
             ends: [0, 1].map(|end| ends[end].to_vec()),
             across: by.to_vec(),
             points,
@@ -250,14 +243,13 @@ impl Point<'_> {
 }
 
 impl Winding {
-    /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them, or in its tetrahedra, as
-    /// a [`Layer`] has them.
+    /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them.
     ///
     /// # Panics
-    /// When one is in no facet or tetrahedron of the mesh and the degree is above 1.
-    pub fn new<const N: usize>(
+    /// When one is in no facet of the mesh and the degree is above 1.
+    pub fn new(
         space: &FunctionSpace,
-        pieces: &[Piece<N>],
+        pieces: &[Piece],
         [stiffness, pretension, slack]: [f64; 3],
     ) -> Self {
         let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();

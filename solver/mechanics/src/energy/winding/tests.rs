@@ -9,81 +9,50 @@ use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::testing::{check_gradient, cube};
 
-/// A cube of a degree with random displacements, and a thread across its top, or at a depth below it.
+/// A cube of a degree with random displacements, and a thread across its top.
 struct Wound {
     case: Arc<Case>,
-    layer: Option<Layer>,
-    pieces: Vec<Piece<3>>,
-}
-
-/// A thread on facets, or in the layer below them.
-fn thread_in(
-    space: &FunctionSpace,
-    layer: Option<&Layer>,
-    pieces: &[Piece<3>],
-    numbers: [f64; 3],
-) -> Winding {
-    let Some(layer) = layer else { return Winding::new(space, pieces, numbers) };
-    let inside: Vec<_> = pieces.iter().map(|piece| layer.inside(piece)).collect();
-    Winding::new(space, &inside, numbers)
-}
-
-/// The layer at a depth below some facets, and its triangles and their corners; else the facets themselves.
-fn ground(
-    mesh: &mesh::TetMesh,
-    facets: Vec<[usize; 3]>,
-    depth: Option<f64>,
-) -> (Option<Layer>, Vec<[usize; 3]>, Vec<Vec3>) {
-    let Some(depth) = depth else { return (None, facets, mesh.vertices.clone()) };
-    let layer = Layer::below(&facets, &mesh.tets, &mesh.vertices, depth);
-    let (triangles, points) = (layer.facets.clone(), layer.points.clone());
-    (Some(layer), triangles, points)
+    pieces: Vec<Piece>,
 }
 
 impl Wound {
     fn new(degree: usize, size: f64) -> Self {
-        Self::below(degree, size, None)
-    }
-
-    fn below(degree: usize, size: f64, depth: Option<f64>) -> Self {
         let mesh = cube(3, 0.2);
         let boundary = mesh::topology::boundary(&mesh).facets;
         let top = |f: &[usize; 3]| f.iter().all(|&v| mesh.vertices[v].z > 1.0 - 1e-9);
         let facets: Vec<_> = boundary.into_iter().filter(top).collect();
         let path = [[0.1, 0.2, 1.0], [0.8, 0.35, 1.1], [0.4, 0.9, 1.0]].map(Vec3::from);
-        let (layer, facets, points) = ground(&mesh, facets, depth);
-        let pieces = polyline(&facets, &points, &path).expect("it lies on the top or below");
+        let pieces = polyline(&facets, &mesh.vertices, &path).expect("it lies on the top");
         let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
         let numbers = Random::new(43).numbers(3 * space.node_count());
         let u = numbers.iter().map(|x| size * x).collect();
         let case = Arc::new(Case { space, rest: mesh.vertices, u, step: None });
-        Self { case, layer, pieces }
+        Self { case, pieces }
     }
 
     /// A thread of which a part is slack; the slack is wide, so that its curvature is seen by steps of the
     /// Taylor test.
     fn thread(&self, [stiffness, pretension]: [f64; 2]) -> Winding {
         let numbers = [stiffness, pretension, 0.3];
-        thread_in(&self.case.space, self.layer.as_ref(), &self.pieces, numbers)
+        Winding::new(&self.case.space, &self.pieces, numbers)
     }
 }
 
 const NUMBERS: [f64; 2] = [40.0, 2.0];
 
-/// Threads on facets and below them.
+/// Threads on facets.
 pub fn samples() -> Vec<Sample> {
-    let depths = [1, 2, 3].into_iter().flat_map(|degree| [(degree, None), (degree, Some(0.4))]);
-    let sample = |(degree, depth)| {
-        let wound = Wound::below(degree, 0.03, depth);
+    let sample = |degree| {
+        let wound = Wound::new(degree, 0.03);
         Sample {
-            name: format!("thread P{degree}, depth {depth:?}"),
+            name: format!("thread P{degree}"),
             case: Arc::clone(&wound.case),
             sizes: [3e-4, 5e-5],
             numbers: NUMBERS.to_vec(),
             term: Box::new(move |n| Box::new(wound.thread([n[0], n[1]]))),
         }
     };
-    depths.map(sample).collect()
+    [1, 2, 3].map(sample).into()
 }
 
 /// The side faces of the cube.
@@ -95,30 +64,30 @@ fn sides(mesh: &mesh::TetMesh) -> Vec<[usize; 3]> {
     mesh::topology::boundary(mesh).facets.into_iter().filter(is_side).collect()
 }
 
-/// Tests the derivatives of a helix around the cube, on its sides or at a depth below: by its stiffness, pretension,
-/// course and phase. The functions give the lead of its values, and the stiffness, of all values relative to `NUMBERS`.
+/// Tests the derivatives of a helix around the cube, on its sides: by its stiffness, pretension,
+/// lead and phase. The functions give the lead of its values, and the stiffness, of all values relative to `NUMBERS`.
 /// Steps are so short that no piece appears or vanishes.
 fn check_helix(
-    (degree, depth): (usize, Option<f64>),
+    degree: usize,
     values: &[f64],
     lead: impl Fn(&[f64]) -> Lead,
     stiffness: impl Fn(&[f64]) -> Along,
 ) {
     let (case, mesh) = (Wound::new(degree, 0.03).case, cube(3, 0.2));
-    let (layer, sides, points) = ground(&mesh, sides(&mesh), depth);
+    let sides = sides(&mesh);
     let axis = Axis { point: Vec3::new(0.5, 0.45, 0.0), along: Vec3::z() };
     let count = stiffness(values).values().len();
     let pieces = |values: &[f64]| {
         let phase = values[values.len() - 1];
         let course = &values[count + 1..values.len() - 1];
         let own = Helix::new(axis, lead(course), [0.1, 0.85], phase);
-        helix(&sides, &points, &own).expect("it lies on the sides")
+        helix(&sides, &mesh.vertices, &own).expect("it lies on the sides")
     };
     let facets =
-        |values: &[f64]| -> Vec<_> { pieces(values).iter().map(|piece| piece.simplex).collect() };
+        |values: &[f64]| -> Vec<_> { pieces(values).iter().map(|piece| piece.facet).collect() };
     let thread = |values: &[f64]| {
         let numbers = [values[0], values[count], 0.3];
-        let thread = thread_in(&case.space, layer.as_ref(), &pieces(values), numbers);
+        let thread = Winding::new(&case.space, &pieces(values), numbers);
         match stiffness(&values[..count]) {
             Along::Number(_) => thread,
             Along::Profile(profile) => thread.with_stiffness(&profile, &case.rest),
@@ -144,13 +113,13 @@ fn check_helix(
     check_gradient(&ones, &scaled(by), 5e-5, |x| with(x).mean_force(&at, 3.0));
 }
 
-/// On the sides and below, of both hands.
+/// Of both hands.
 #[test]
 fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
     for degree in [1, 2, 3] {
-        for (hand, depth) in [(1.0, None), (-1.0, None), (1.0, Some(0.2)), (-1.0, Some(0.2))] {
+        for hand in [1.0, -1.0] {
             check_helix(
-                (degree, depth),
+                degree,
                 &[40.0, 2.0, 0.53 * hand, 0.3],
                 |course| Lead::Pitch(Along::Number(course[0])),
                 |stiffness| Along::Number(stiffness[0]),
@@ -166,19 +135,19 @@ fn derivatives_by_values_along_the_axis_pass_the_taylor_test() {
         let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
         Along::Profile(Profile::new(axis, heights, values.to_vec()).expect("it is good"))
     };
-    for (degree, depth) in [(1, None), (2, None), (2, Some(0.2))] {
+    for degree in [1, 2] {
         for hand in [1.0, -1.0] {
             let stiffness = |values: &[f64]| profile([0.0, 0.9], values);
             let pitches = [0.41, 0.57, 0.49, 0.68, 0.6].map(|pitch| hand * pitch);
             check_helix(
-                (degree, depth),
+                degree,
                 &[&[40.0, 30.0, 55.0, 2.0][..], &pitches, &[0.3]].concat(),
                 |values| Lead::Pitch(profile([0.05, 0.8], values)),
                 |values| profile([0.0, 0.9], &values[..3]),
             );
             let angles = [1.42, 1.39, 1.46].map(|angle| hand * angle);
             check_helix(
-                (degree, depth),
+                degree,
                 &[&[40.0, 30.0, 2.0][..], &angles, &[0.3]].concat(),
                 |values| Lead::Angle(profile([0.2, 1.0], values), 0.55),
                 |values| stiffness(&values[..2]),
@@ -220,8 +189,8 @@ fn a_helix_of_a_changing_pitch_is_where_its_turns_are() {
 /// Pulled by λ in all directions, a thread has the force EA (λ − 1), and with pretension as much more.
 #[test]
 fn a_stretched_thread_has_its_force() {
-    for (degree, depth) in [1, 2, 3].into_iter().flat_map(|p| [(p, None), (p, Some(0.4))]) {
-        let wound = Wound::below(degree, 0.0, depth);
+    for degree in [1, 2, 3] {
+        let wound = Wound::new(degree, 0.0);
         let (at, case) = (wound.case.here(), &wound);
         let places = at.space.node_positions(at.rest);
         let u: Vec<f64> = places.iter().flat_map(|x| [0.4 * x.x, 0.4 * x.y, 0.4 * x.z]).collect();
@@ -294,7 +263,7 @@ fn screw(pitch: f64, phase: f64) -> Helix {
     Helix::new(axis, Lead::Pitch(Along::Number(pitch)), [0.5, 3.5], phase)
 }
 
-fn length<const N: usize>(pieces: &[Piece<N>], x: &[Vec3]) -> f64 {
+fn length(pieces: &[Piece], x: &[Vec3]) -> f64 {
     pieces.iter().map(|p| (p.place(x, 1) - p.place(x, 0)).norm()).sum()
 }
 
@@ -392,8 +361,7 @@ fn ends_on_edges_move_at_their_heights() {
         let pieces = helix(&facets, &x, &screw(pitch, phase)).expect("it lies on the tube");
         for (piece, end) in [(&pieces[0], 0), (&pieces[pieces.len() - 1], 1)] {
             let by_phase = piece.rates.last().expect("of a helix")[end];
-            let motion: Vec3 =
-                piece.simplex.iter().zip(by_phase).map(|(&v, rate)| rate * x[v]).sum();
+            let motion: Vec3 = piece.facet.iter().zip(by_phase).map(|(&v, rate)| rate * x[v]).sum();
             assert!(motion.z.abs() < 1e-9 && motion.norm() > 0.9, "{edge} {end}: {motion}");
         }
     }

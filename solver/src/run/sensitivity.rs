@@ -1,5 +1,5 @@
 //! Derivatives of probes by all that a run depends on: one sweep of the adjoint for each probe. By
-//! a [`number`](crate::number) of the scene, its row gives the derivative.
+//! a [`number`](scene::number) of the scene, its row gives the derivative.
 
 use anyhow::{Result, anyhow};
 use measure::probe::Probe;

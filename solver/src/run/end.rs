@@ -10,8 +10,8 @@ use mechanics::forward::{LoadStep, Problem, Trajectory, Workspace};
 use reports::{Simulation, Status};
 use scene::Scene;
 
+use super::error_bars;
 use super::limit::{self, Edges};
-use super::uncertainty;
 use crate::report::simulation::{self, Spent, Verdict};
 use crate::report::{reinforcement, results, stability, summary, threads};
 
@@ -55,13 +55,13 @@ impl Outcome<'_> {
         found.load_reached = last.filter(|step| step.path.is_some()).map(|step| step.time);
         let mut edges = edges(scene, problem, end);
         if let Some(edges) = &mut edges {
-            uncertainty::report_edges(scene, problem, end, edges);
+            error_bars::report_edges(scene, problem, end, edges);
         }
         let at_limit = || edges.as_ref()?.at_limit.as_ref().map(|found| found.mode.clone());
         let mode = mode.or_else(at_limit);
         found.limit = edges.map(|edges| edges.limit);
         results::write_end(folder, problem, end, mode.as_deref())?;
-        let bars = |states| uncertainty::report(scene, (problem, workspace), probes, states);
+        let bars = |states| error_bars::report(scene, (problem, workspace), probes, states);
         found.error_bars = self.states.and_then(bars);
         found.wall_s = self.before_s + self.since.elapsed().as_secs_f64();
         found.peak_rss_mb = program::peak_rss_mb();

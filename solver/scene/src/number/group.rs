@@ -1,8 +1,8 @@
 //! Numbers that change together.
 
+use crate::Scene;
+use crate::config::is_pressure;
 use anyhow::Result;
-use scene::Scene;
-use scene::config::is_pressure;
 
 use super::{KINDS, Number, Swept, Walls};
 

@@ -18,12 +18,12 @@
 
 use std::collections::BTreeMap;
 
-use mechanics::body::Body;
-use mechanics::math::linear::{
+use crate::body::Body;
+use crate::math::linear::{
     Factorization, NotPositive, Precision, SparseSolver, Symmetric, one_by_one,
 };
-use mechanics::math::ordering::nested_dissection;
-use mechanics::symmetry::{self, Plane};
+use crate::math::ordering::nested_dissection;
+use crate::symmetry::{self, Plane};
 use mesh::{TetMesh, Vec3};
 
 /// Linear map from boundary to interior displacements.
@@ -170,8 +170,8 @@ fn hat_gradients(x: &[Vec3; 4]) -> [Vec3; 4] {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use mechanics::math::random::Random;
-    use mechanics::testing::cube;
+    use crate::math::random::Random;
+    use crate::testing::cube;
     use mesh::Tags;
 
     use super::*;

@@ -12,16 +12,17 @@ mod reinforcement;
 mod walls;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use mechanics::adjoint::Gradient;
 use mechanics::energy::ParameterGradients;
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
 use program::{KeyPath, did_you_mean};
-use scene::Scene;
+
+use crate::Scene;
+use crate::config::SimConfig;
 
 pub use group::{Change, Group};
 pub use loads::velocity_vjp;
@@ -70,7 +71,7 @@ enum Setting {
     /// By a function.
     By(fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>),
     /// It is added to this function of time.
-    AddedTo(fn(&mut Scene, Place) -> &mut Schedule),
+    AddedTo(fn(&mut SimConfig, Place) -> &mut Schedule),
 }
 
 /// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
@@ -154,6 +155,11 @@ impl Number {
         )))
     }
 
+    /// Whether it is how far a wall stands off, which is added to where the wall is.
+    pub fn is_wall(&self) -> bool {
+        self.word() == walls::WALL.word()
+    }
+
     /// The word of its kind.
     pub fn word(&self) -> &'static str {
         self.kind.word()
@@ -174,26 +180,41 @@ impl Number {
     /// [`Self::check`] says whether it does.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         match self.kind.set {
-            Setting::By(set) => set(scene, walls, self.place, value),
+            Setting::By(set) => {
+                set(scene, walls, self.place, value)?;
+                let given = scene.given.entry(self.path.clone()).or_default();
+                *given = if self.is_wall() { *given + value } else { value };
+                Ok(())
+            }
             Setting::AddedTo(of) => {
                 let known = scene.config.parameters.clone();
-                Ok(of(scene, self.place).add(value, &known)?)
+                Ok(of(&mut scene.config, self.place).add(value, &known)?)
             }
         }
     }
 
     /// The function of time to which it is added, where it is added to one.
-    pub fn added_to<'a>(&self, scene: &'a mut Scene) -> Option<&'a mut Schedule> {
+    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Schedule> {
         match self.kind.set {
             Setting::By(_) => None,
-            Setting::AddedTo(of) => Some(of(scene, self.place)),
+            Setting::AddedTo(of) => Some(of(config, self.place)),
+        }
+    }
+
+    /// What it is in a scene, where it is no function of time or of the position.
+    pub fn constant(&self, scene: &Scene) -> Option<f64> {
+        match self.kind.set {
+            Setting::By(_) => Some(self.value(scene)),
+            Setting::AddedTo(of) => of(&mut scene.config.clone(), self.place).number(),
         }
     }
 
     /// Gives it a value in place of the constant that the scene has; what [`Self::set`] would add to that.
     pub fn replace(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         ensure!(value.is_finite(), "{} = {value}: must be finite", self.path);
-        let Some(schedule) = self.added_to(scene) else { return self.set(scene, walls, value) };
+        let Some(schedule) = self.added_to(&mut scene.config) else {
+            return self.set(scene, walls, value);
+        };
         ensure!(
             schedule.number().is_some(),
             "{} is {schedule}, a function of time or of the position; expected a constant",
@@ -219,24 +240,6 @@ impl Number {
     pub fn derivative(&self, swept: &Swept) -> f64 {
         (self.kind.derivative)(swept, self.place)
     }
-}
-
-/// Reads a scene, with other meshes and values as [`Scene::read_with`] does, and gives its `[numbers]`
-/// their values.
-pub fn read(
-    path: &Path,
-    others: &[(Option<String>, PathBuf)],
-    changes: &[program::Change],
-) -> Result<Scene> {
-    apply(Scene::read_with(path, others, changes)?)
-}
-
-/// Gives the `[numbers]` of a scene their values.
-pub fn apply(mut scene: Scene) -> Result<Scene> {
-    let values = std::mem::take(&mut scene.config.numbers);
-    let set = set(&mut scene, &values);
-    set.with_context(|| format!("{}: [numbers]", scene.path.display()))?;
-    Ok(scene)
 }
 
 /// Gives numbers of a scene values by their paths.

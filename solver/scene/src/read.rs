@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
-use mechanics::body::Body;
-use mesh::Vec3;
+use anyhow::{Context, Result, ensure};
 use mesh::io::MshFile;
 use program::{Change, Settings};
 
-use super::{Scene, SceneMembrane, ScenePart, laws};
+use crate::Scene;
 use crate::config::{BodyConfig, SimConfig, beside};
+use crate::number;
 
 impl Scene {
     /// Reads a scene and its meshes.
@@ -28,7 +27,8 @@ impl Scene {
         file.checked(|file| {
             let (config, bodies) = config_of(file, path)?;
             let meshes = meshes_of(&bodies, path, others)?;
-            Self::of(file, path, config, bodies.into_iter().zip(meshes))
+            let scene = Self::assembled(file, path, config, bodies.into_iter().zip(meshes))?;
+            scene.numbered()
         })
     }
 
@@ -45,56 +45,17 @@ impl Scene {
                 meshes.len()
             );
             let meshes = meshes.into_iter().map(|mesh| (path.to_path_buf(), mesh));
-            Self::of(file, path, config, bodies.into_iter().zip(meshes))
+            let scene = Self::assembled(file, path, config, bodies.into_iter().zip(meshes))?;
+            scene.numbered()
         })
     }
 
-    fn of(
-        file: &Settings,
-        path: &Path,
-        config: SimConfig,
-        bodies: impl Iterator<Item = (BodyConfig, (PathBuf, MshFile))>,
-    ) -> Result<Self> {
-        let context = || path.display().to_string();
-        let (mut parts, mut meshes, mut all_laws) = (Vec::new(), Vec::new(), Vec::new());
-        for (body, (mesh_path, mut file)) in bodies {
-            if let Some(finding) = mesh::check::check_tets(&file.mesh).first() {
-                bail!("{}: {}", mesh_path.display(), finding.message);
-            }
-            file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
-            let own = laws::laws(parts.len(), &body, &mut file.mesh, &mut file.tags);
-            all_laws.extend(own.with_context(context)?);
-            meshes.push((body.name.clone(), file.mesh, file.tags));
-            parts.push(ScenePart { config: body, mesh_path });
-        }
-        let body = match meshes.pop() {
-            Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
-                Body::new(mesh, tags)
-            }
-            last => Body::of_several(meshes.into_iter().chain(last).collect()),
-        };
-        let body = body.cut_by(&config.cuts()).with_context(context)?;
-        if let (false, Some(finding)) =
-            (body.planes.is_empty(), mesh::check::check_tets(&body.mesh).first())
-        {
-            bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
-        }
-        let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
-        let membranes = membranes.with_context(context)?;
-        let mut scene = Self {
-            path: path.to_path_buf(),
-            file: file.clone(),
-            config,
-            parts,
-            laws: all_laws,
-            membranes,
-            body,
-            certify: true,
-        };
-        scene.set_branches().with_context(context)?;
-        scene.set_mullins().with_context(context)?;
-        scene.check_dilatation().with_context(context)?;
-        Ok(scene)
+    /// This scene with the values of its `[numbers]`.
+    fn numbered(mut self) -> Result<Self> {
+        let values = std::mem::take(&mut self.config.numbers);
+        let set = number::set(&mut self, &values);
+        set.with_context(|| format!("{}: [numbers]", self.path.display()))?;
+        Ok(self)
     }
 }
 

@@ -30,9 +30,9 @@ use reports::{ErrorBar, ErrorBars};
 use scene::Scene;
 use scene::config::{Modulus, UncertaintyConfig, is_pressure};
 
-use crate::number::{Change, Group, Number, Swept, Walls};
-use crate::study::limit::{Edges, configuration, growing};
-use crate::study::sensitivity::sensitivities;
+use super::limit::{Edges, configuration, growing};
+use super::sensitivity::sensitivities;
+use scene::number::{Change, Group, Number, Swept, Walls};
 
 /// The larger of the two changes, without sign.
 fn size(bar: &ErrorBar) -> f64 {

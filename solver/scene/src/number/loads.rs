@@ -1,13 +1,13 @@
 //! Numbers of loads and of the state at the start.
 
+use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
+use crate::{Scene, ScenePart, nodes_of};
 use anyhow::ensure;
 use mechanics::body::Body;
 use mechanics::energy::ParameterId;
 use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
-use scene::config::{ChamberConfig, RigidConfig, TractionConfig};
-use scene::{Scene, nodes_of};
 
 use super::laws::{positive, total};
 use super::{Kind, Place, Setting, any, nothing_added};
@@ -177,7 +177,7 @@ pub(super) const VELOCITY: Kind = Kind {
     list: |scene| {
         let moves = scene.config.method().has_inertia();
         let parts = scene.parts.iter().enumerate().filter(|_| moves);
-        let one = |(i, part): (usize, &scene::ScenePart)| {
+        let one = |(i, part): (usize, &ScenePart)| {
             let name = part.config.name.clone();
             AXES.map(|axis| format!("{name}.{axis}"))
                 .into_iter()
@@ -198,24 +198,24 @@ pub(super) const VELOCITY: Kind = Kind {
     scale: Some(|_, _| 1.0),
 };
 
-fn chamber(scene: &mut Scene, [chamber, _]: Place) -> &mut Schedule {
-    scene.config.chamber[chamber].gas.schedule_mut()
+fn chamber(config: &mut SimConfig, [chamber, _]: Place) -> &mut Schedule {
+    config.chamber[chamber].gas.schedule_mut()
 }
 
-fn gravity(scene: &mut Scene, [_, axis]: Place) -> &mut Schedule {
-    &mut scene.config.gravity.0[axis]
+fn gravity(config: &mut SimConfig, [_, axis]: Place) -> &mut Schedule {
+    &mut config.gravity.0[axis]
 }
 
-fn traction(scene: &mut Scene, [load, axis]: Place) -> &mut Schedule {
-    &mut scene.config.traction[load].traction.0[axis]
+fn traction(config: &mut SimConfig, [load, axis]: Place) -> &mut Schedule {
+    &mut config.traction[load].traction.0[axis]
 }
 
-fn rigid_force(scene: &mut Scene, [part, axis]: Place) -> &mut Schedule {
-    &mut scene.config.rigid[part].force.0[axis]
+fn rigid_force(config: &mut SimConfig, [part, axis]: Place) -> &mut Schedule {
+    &mut config.rigid[part].force.0[axis]
 }
 
-fn rigid_moment(scene: &mut Scene, [part, axis]: Place) -> &mut Schedule {
-    &mut scene.config.rigid[part].moment.0[axis]
+fn rigid_moment(config: &mut SimConfig, [part, axis]: Place) -> &mut Schedule {
+    &mut config.rigid[part].moment.0[axis]
 }
 
 /// The largest of a number over time, without sign, at the ends of time steps.

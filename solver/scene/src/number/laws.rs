@@ -1,9 +1,9 @@
 //! Numbers of materials: of volumes, and of sheets.
 
+use crate::SceneLaw;
 use anyhow::{Result, ensure};
 use mechanics::energy::ParameterId;
 use mechanics::material::{Law, Specification};
-use scene::SceneLaw;
 
 use super::{Entry, Kind, Setting, Swept, any};
 

@@ -1,7 +1,7 @@
 //! Numbers of fibres and threads.
 
+use crate::config::{Along, FibreConfig, WindingConfig};
 use mechanics::energy::ParameterId;
-use scene::config::{Along, FibreConfig, WindingConfig};
 
 use super::laws::total;
 use super::{Entry, Kind, Setting};

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use crate::Scene;
 use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 use mesh::offset::shifts;
-use scene::Scene;
 
 use super::{Kind, Number, Setting, any, nothing_added};
-use crate::extension::Extension;
+use mechanics::extension::Extension;
 
 pub(super) const WALL: Kind = Kind {
     path: "wall.TAG or wall",
