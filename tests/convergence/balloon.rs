@@ -7,7 +7,7 @@
 //! dilatation. What compressibility changes is found by the radial equation.
 
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{BodyEnergies, Elastic, Energies, Isobaric};
+use mechanics::energy::{Elastic, Energies, Isobaric};
 use mechanics::forward::Singularity;
 use mechanics::material::{Lame, Material, MooneyRivlin, NeoHookean, Ogden};
 use mechanics::stability::FirstLimit;
@@ -52,7 +52,7 @@ impl Body {
             SymmetricGas::new(space, &wall, planes, gas)
         };
         let elastic = Elastic::whole(law).with_mean_dilatation().unwrap();
-        let bodies = || vec![BodyEnergies::new(elastic.clone())];
+        let bodies = || vec![elastic.clone()];
         let held = |p: Vec3| {
             let [x, y, z] = [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
             [x, y, z || (slab && p.z > top - 1e-9 * A)]

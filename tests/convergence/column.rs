@@ -60,7 +60,7 @@ fn found(slenderness: f64, poisson: f64, degree: usize, along: usize, plane: boo
         let law = NeoHookean(Lame::new(YOUNG, poisson));
         let mut energies = Energies::elastic(Box::new(law));
         let pushed: Field = Vec3::new(full, 0.0, 0.0).into();
-        energies.tractions.push(Traction::new(space, &end, pushed));
+        energies = energies.with(Traction::new(space, &end, pushed));
         energies
     };
     let held = |p: Vec3| {

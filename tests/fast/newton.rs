@@ -46,9 +46,8 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>)
         block(cells, edge, |_| false, |p| p),
         2,
         |_| {
-            let mut energies = Energies::elastic(law());
-            energies.body_forces.push(BodyForce::whole(Vec3::new(0.0, 0.0, -force).into()));
-            energies
+            let down = Vec3::new(0.0, 0.0, -force);
+            Energies::elastic(law()).with(BodyForce::whole(down.into()))
         },
         |p| [p.x < 1e-9; 3],
     )

@@ -100,9 +100,9 @@ pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) 
         return Some(format!("after {states} states ([solver] path_states)"));
     }
     let factor = solver.path_volume_factor?;
-    let beyond = problem.energies.chambers().find_map(|(_, named)| {
-        let found = named.chamber.state(at).0 / named.chamber.rest_volume(at);
-        (found > factor).then_some((&named.name, found))
+    let beyond = problem.energies.chambers().find_map(|(_, chamber)| {
+        let found = chamber.state(at).0 / chamber.rest_volume(at);
+        (found > factor).then_some((&chamber.name, found))
     });
     let (name, found) = beyond?;
     Some(format!("as {name} has {found:.2} times its volume ([solver] path_volume_factor)"))

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use mechanics::energy::ParameterId;
+use mechanics::energy::{Elastic, Owner};
 use mechanics::material::{Kinematics, Material};
 use mechanics::math::tensor::{Mat3, vec9};
 
@@ -112,13 +112,13 @@ impl Quantity for Stress {
         }
     }
 
-    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(Owner, Vec<f64>)> {
         let by = |((law, elements), place): (&(Box<dyn Material>, Range<usize>), &usize)| {
             let one = |i: usize| {
                 let density = |h: &Mat3| (self.density_by_parameters(&**law, h)[i], Mat3::zeros());
                 weight * solid_integral::value(at, elements, &density)
             };
-            (ParameterId::Material(*place), (0..law.parameter_count()).map(one).collect())
+            (Elastic::owner(*place), (0..law.parameter_count()).map(one).collect())
         };
         self.parts.iter().zip(&self.places).map(by).collect()
     }
@@ -145,7 +145,7 @@ mod tests {
             Stress::new(vec![(soft(), 0..20), (law, 20..48)], 3.0)
         };
         let by = term(0.8, 0.1).by_parameters(&case.at(), 2.0);
-        assert_eq!([by[0].0, by[1].0], [0, 1].map(ParameterId::Material));
+        assert_eq!([by[0].0, by[1].0], [0, 1].map(Elastic::owner));
         let value = |c1, c2| 2.0 * term(c1, c2).value(&case.at());
         let step = 1e-5;
         let differences = [

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use mechanics::energy::ParameterId;
+use mechanics::energy::Owner;
 use mechanics::schedule::Schedule;
 
 use super::*;
@@ -110,7 +110,7 @@ impl Quantity for Wanted {
         self.quantity.add_partials(at, weight * self.at(at).1, out);
     }
 
-    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(Owner, Vec<f64>)> {
         self.quantity.by_parameters(at, weight * self.at(at).1)
     }
 

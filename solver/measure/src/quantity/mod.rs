@@ -22,7 +22,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{Iterate, ParameterId, Winding};
+use mechanics::energy::{Energies, Iterate, Owner};
 use mechanics::forward::Problem;
 
 pub use axis::Axis;
@@ -63,8 +63,8 @@ pub struct Equilibrium<'a> {
     /// Force of the supports on each node [N], in the components that they fix, three
     /// components per node; empty where no quantity needs it.
     pub reaction: &'a [f64],
-    /// The threads of the scene.
-    pub threads: &'a [Winding],
+    /// The terms of the energy, of which threads have forces.
+    pub energies: &'a Energies,
 }
 
 /// Forces on the nodes at a state [N], three components per node; empty where no quantity needs them.
@@ -81,7 +81,7 @@ impl<'a> Equilibrium<'a> {
     pub fn new(problem: &'a Problem, at: &Iterate<'a>, forces: &'a Forces) -> Self {
         let &Iterate { space, rest, u, time, .. } = at;
         let Forces { contact, reaction } = forces;
-        Self { space, rest, u, time, contact, reaction, threads: &problem.energies.windings }
+        Self { space, rest, u, time, contact, reaction, energies: &problem.energies }
     }
 
     /// Positions of the nodes [m].
@@ -130,7 +130,7 @@ pub trait Quantity: Send + Sync {
     /// Adds `weight` times the partial derivatives of q, which must be finite.
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials);
     /// `weight` times the partial derivatives of q by the parameters of terms of the energy that it is made with.
-    fn by_parameters(&self, _at: &Equilibrium, _weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+    fn by_parameters(&self, _at: &Equilibrium, _weight: f64) -> Vec<(Owner, Vec<f64>)> {
         Vec::new()
     }
     /// Whether it looks at the forces of contact.

@@ -12,7 +12,7 @@
 use mesh::Vec3;
 
 use super::{Gradient, along};
-use crate::energy::{ChamberId, Iterate, ParameterGradients, ParameterId};
+use crate::energy::{ChamberId, Iterate, ParameterGradients};
 use crate::forward::{Configuration, Failure, Problem, State, Workspace};
 use crate::stability::{Burst, Covector, Limit, PressureSlope};
 
@@ -55,7 +55,7 @@ impl ScaledPressure<'_> {
         let by_rest = slope.by_rest(self.held, state, self.chambers);
         let mut gradient = self.along_covectors(&covectors, by_rest);
         for (id, by) in slope.by_pressures(self.held, state, self.chambers) {
-            gradient.parameters.add(0, ParameterId::Chamber(id), vec![by]);
+            gradient.parameters.add(0, id.owner(), vec![by]);
         }
         Ok(gradient)
     }
@@ -70,11 +70,11 @@ impl ScaledPressure<'_> {
             by_rest.iter_mut().zip(&by).for_each(|(sum, by)| *sum += by);
             let at = Iterate { multipliers, ..self.problem.iterate(self.rest, u, self.time) };
             let (_, by) = along(self.problem, &at, lambda, mu);
-            for (id, mut by) in by.of_step(0) {
-                if matches!(id, ParameterId::Chamber(id) if self.chambers.contains(&id)) {
+            for (owner, mut by) in by.of_step(0) {
+                if self.chambers.iter().any(|id| id.owner() == owner) {
                     by.iter_mut().for_each(|by| *by *= load / self.time);
                 }
-                parameters.add(0, id, by);
+                parameters.add(0, owner, by);
             }
         }
         let zero = vec![0.0; self.problem.dofs()];

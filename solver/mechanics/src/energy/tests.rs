@@ -111,7 +111,7 @@ impl Sample {
 }
 
 /// A term on a space by its numbers.
-type Term = Box<dyn Fn(&FunctionSpace, &[f64]) -> Box<dyn Energy>>;
+type Build = Box<dyn Fn(&FunctionSpace, &[f64]) -> Box<dyn Energy>>;
 
 /// One sample or more of every term; contact and friction have bodies of their own.
 fn samples() -> Vec<Sample> {
@@ -128,7 +128,7 @@ fn samples() -> Vec<Sample> {
 /// Overstress, and softening of points that were stretched further before, and that were not.
 fn remembering() -> Vec<Sample> {
     let mut random = Random::new(45);
-    let mut sample = |name: &str, numbers: &[f64], past: fn(f64) -> f64, term: Term| {
+    let mut sample = |name: &str, numbers: &[f64], past: fn(f64) -> f64, term: Build| {
         let mut case = Case::new(cube(2, 0.2), 2, &mut random, 0.03);
         let own = term(&case.space, numbers);
         let count = own.internal_variables().expect("it remembers").count(&case.space);
@@ -141,12 +141,12 @@ fn remembering() -> Vec<Sample> {
         Sample { name, case, sizes, numbers, term }
     };
     let law = |n: &[f64]| MooneyRivlin { c1: n[0], c2: n[1], c3: n[2], d1: n[3] };
-    let viscous: Term = Box::new(move |space, n| {
+    let viscous: Build = Box::new(move |space, n| {
         let branches = n[4..].chunks(2).map(|b| Branch { overstress: b[0], time: b[1] });
         let law = law(n).isochoric().expect("in invariants");
         Box::new(Viscous::new(law, branches.collect(), 0..space.tets().len(), 0))
     });
-    let mullins = || -> Term {
+    let mullins = || -> Build {
         Box::new(move |space, n| {
             let softening = OgdenRoxburgh { r: n[4], m: n[5], beta: n[6] };
             let law = law(n).isochoric().expect("in invariants");
@@ -206,7 +206,7 @@ fn loads() -> Vec<Sample> {
             Box::new(move |n| {
                 let (wall, [ideal, isobaric]) = (Wall::new(&own.space, &outside), gas(n[0]));
                 let gas = if kind == 0 { ideal } else { isobaric };
-                Box::new(Chamber { wall, gas, multiplier: None, memory: None })
+                Box::new(Chamber::new(wall, gas))
             })
         }));
     }

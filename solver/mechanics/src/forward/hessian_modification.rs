@@ -86,7 +86,7 @@ pub fn direction(
 
 /// Whether a chamber has a pressure, which softens some motions of its wall.
 fn is_under_pressure(problem: &Problem, at: &Iterate) -> bool {
-    problem.energies.chambers().any(|(_, named)| named.chamber.state(at).1.pressure != 0.0)
+    problem.energies.chambers().any(|(_, chamber)| chamber.state(at).1.pressure != 0.0)
 }
 
 /// The first direction of a body under pressure, whose exact Hessian is likely to be indefinite: the projected one is

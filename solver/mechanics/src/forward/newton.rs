@@ -51,9 +51,8 @@ pub struct Newton {
     pub absolute: f64,
     /// Residual that suffices where forces of `PREVAILING_FORCES` times as much were to balance [N].
     pub negligible: f64,
-    /// How many times its volume at the start a chamber that balloons has when that ends the search
-    /// ([`Failure::Balloons`]); never where there is no number. A state to which such a chamber would snap is then not
-    /// found.
+    /// The search ends with [`Failure::Balloons`] when a chamber that softens as it grows has this many times its volume
+    /// at the start; never if there is no number. A state to which such a chamber would snap is then not found.
     pub ballooned: Option<f64>,
 }
 

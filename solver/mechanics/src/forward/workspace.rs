@@ -17,7 +17,7 @@ use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::chord::{Side, on_chord};
-use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
+use crate::energy::{Chamber, Hessian, Iterate, Multiplier, Nature, RankOne, TimeStep};
 use crate::math::linear::{
     Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, norm,
 };
@@ -221,13 +221,13 @@ impl Workspace {
 
     /// [`Problem::value`], timed.
     pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
-        problem.value_by(|term| self.timings.of(term.kind, || term.value(at)))
+        problem.value_by(|term| self.timings.of(term.nature(), || term.value(at)))
     }
 
     /// [`Problem::gradient`], timed.
     pub fn gradient(&mut self, problem: &Problem, at: &Iterate) -> (Vec<f64>, f64) {
         problem.gradient_by(|term, out| {
-            self.timings.of(term.kind, || term.add_gradient(at, out));
+            self.timings.of(term.nature(), || term.add_gradient(at, out));
         })
     }
 
@@ -395,16 +395,15 @@ impl Workspace {
         side: Side,
         w: &[f64],
     ) -> Vec<f64> {
-        let of = |kind: Kind| !matches!(kind, Kind::Chamber(_));
+        let of = |nature: Nature| nature != Nature::Gas;
         let wanted = Wanted { kind: Hessian::Exact, side, of: &of };
         let timings = &mut self.timings;
         let matrix = assemble(&self.pattern, Vec::new(), problem, at, &wanted, timings);
         let mut product = times(&matrix, &problem.rank_ones_by(at, side), w);
         for term in problem.energies.terms() {
-            let Kind::Chamber(id) = term.kind else { continue };
+            let Some(chamber) = term.downcast::<Chamber>() else { continue };
             for &point in term.points(at) {
                 let scaled: Vec<f64> = w.iter().map(|w| side.weight(point) * w).collect();
-                let chamber = problem.energies.chamber(id);
                 on_chord(at, point[0], |there| {
                     chamber.add_stiffness_vjp(there, &scaled, &mut product);
                 });
@@ -466,8 +465,8 @@ impl Workspace {
         let (u, positions) = (at.u, problem.space.node_positions(at.rest));
         let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
         let mut noise = vec![0.0; u.len()];
-        for Term { kind, energy } in problem.energies.terms() {
-            let from = if kind.is_elastic() { u } else { &x };
+        for energy in problem.energies.iter() {
+            let from = if energy.nature().is_elastic() { u } else { &x };
             let mut matrix = BlockMatrix::zeros(&self.pattern);
             energy.add_hessian(at, Hessian::Exact, &mut matrix);
             let part = matrix.multiply_magnitudes(from);

@@ -75,7 +75,7 @@ impl Scene {
             let remembers = self.config.time.is_some() && config.gas.remembers().is_some();
             let memory = remembers.then_some(internal + remembered);
             remembered += usize::from(remembers);
-            let chamber = Chamber { wall, gas: config.gas.clone(), multiplier, memory };
+            let chamber = Chamber { multiplier, memory, ..Chamber::new(wall, config.gas.clone()) };
             chambers.push((config.name.clone(), chamber));
         }
         Ok(chambers)
@@ -100,7 +100,7 @@ impl Scene {
             let size = if rest.abs() > FLAT * largest { rest.abs() } else { largest };
             Multiplier { pressure: 0.0, penalty: PENALTY * shear / size }
         };
-        let chambers = energies.chambers().map(|(_, named)| &named.chamber);
+        let chambers = energies.chambers().map(|(_, chamber)| chamber);
         chambers.filter(|c| c.multiplier.is_some()).map(one).collect()
     }
 }

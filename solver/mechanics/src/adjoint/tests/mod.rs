@@ -12,8 +12,8 @@ use crate::contact::potential::Partners;
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
 use crate::energy::{
-    BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, Inertia, Multiplier,
-    ParameterId, Wall,
+    BodyForce, Chamber, Contact, Elastic, Energies, Friction, Inertia, Multiplier, Owner, Term,
+    Wall,
 };
 use crate::forward::{Integrator, Method, Newton, Stepping, TimeStepper};
 use crate::material::MooneyRivlin;
@@ -174,19 +174,17 @@ impl Case {
         } else {
             self.hits().then(|| Inertia::tiny(&space, TINY * numbers.density, upper..count))
         };
-        let mut energies = Energies::bodies(vec![BodyEnergies {
-            elastic: Elastic::whole(Box::new(law)),
-            viscous: None,
-            mullins: None,
-            weight: Some(BodyForce::weight(Field(gravity), numbers.density, 0..count)),
-            inertia,
-        }]);
+        let weight = BodyForce::weight(Field(gravity), numbers.density, 0..count);
+        let mut energies = Energies::elastic(Box::new(law));
+        energies.extend([Term::of(BodyForce::weight_owner(0), weight)]);
+        energies.extend(inertia.map(|inertia| Term::of(Inertia::owner(0), inertia)));
         if !wall.is_empty() {
             let number = numbers.pressure;
             let gas = inside::gas(self, number);
             let memory = gas.remembers().map(|_| 0);
             let multiplier = self.prescribes_volume().then_some(0);
-            let chamber = Chamber { wall: Wall::new(&space, &wall), gas, multiplier, memory };
+            let chamber = Chamber::new(Wall::new(&space, &wall), gas);
+            let chamber = Chamber { multiplier, memory, ..chamber };
             energies = energies.with_chamber("hole", chamber);
         }
         let held = !wall.is_empty() && self.prescribes_volume();
@@ -196,8 +194,9 @@ impl Case {
         if self.hits() {
             let contact = self.barrier(&mesh, &space, &fixed).with_stiffness(numbers.stiffness);
             let surface = Arc::clone(contact.surface());
-            energies.contact = Some(Arc::new(contact));
-            energies.friction = Some(Friction::new(surface, numbers.friction, 0.05));
+            let friction = Friction::new(surface, numbers.friction, 0.05);
+            energies.extend([Term::of(Contact::OWNER, contact)]);
+            energies.extend([Term::of(Friction::OWNER, friction)]);
         }
         let problem = Problem::new(space, energies, &fixed).with_multipliers(multipliers);
         let workspace = Workspace::new(&problem);
@@ -250,7 +249,7 @@ impl Case {
 
 /// Largest number of pairs of nearly parallel edges that repel each other in a step.
 fn mollified_pairs(problem: &Problem, rest: &[Vec3], run: &Trajectory) -> usize {
-    let contact = problem.energies.contact.as_ref().expect("bodies that hit");
+    let contact = problem.energies.contact().expect("bodies that hit");
     let at =
         |n: usize| contact.mollified_pairs(&problem.iterate(rest, &run.state(n).u, run.times[n]));
     (1..=run.steps()).map(at).max().unwrap_or(0)
@@ -274,18 +273,18 @@ fn check(case: &Case, forces: bool) {
     let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
         case.run(problem, workspace, rest, start.clone())
     };
-    let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
+    let chamber = problem.energies.chambers().map(|(id, _)| id.owner()).next();
     let by = |gradient: &Gradient| {
-        let of = |id: ParameterId| gradient.parameters.total(id);
-        let one = |id: ParameterId| of(id).first().copied().unwrap_or(0.0);
-        let mut by = by_factors(gradient, ParameterId::Material(0), &NUMBERS.law);
+        let of = |id: Owner| gradient.parameters.total(id);
+        let one = |id: Owner| of(id).first().copied().unwrap_or(0.0);
+        let mut by = by_factors(gradient, Elastic::owner(0), &NUMBERS.law);
         let heavier = if case.method.has_inertia() { 1.0 } else { TINY };
-        let by_density = one(ParameterId::Weight(0)) + heavier * one(ParameterId::Density(0));
+        let by_density = one(BodyForce::weight_owner(0)) + heavier * one(Inertia::owner(0));
         by.push(by_density * NUMBERS.density);
-        by.push(one(ParameterId::Friction) * NUMBERS.friction);
+        by.push(one(Friction::OWNER) * NUMBERS.friction);
         by.push(chamber.map_or(0.0, one) * case.by_pressure() * NUMBERS.pressure);
-        by.push(one(ParameterId::ContactStiffness) * NUMBERS.stiffness);
-        let falls = of(ParameterId::Weight(0)).into_iter().skip(1);
+        by.push(one(Contact::OWNER) * NUMBERS.stiffness);
+        let falls = of(BodyForce::weight_owner(0)).into_iter().skip(1);
         by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
         vec![by]
     };

@@ -30,10 +30,10 @@ impl Stretched {
         let mesh = cube(1, 0.0);
         let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
         let law = MooneyRivlin { c1: C[0], c2: C[1], c3: 0.0, d1: 1e6 };
-        let mut energies = Energies::bodies(vec![BodyEnergies::new(Elastic::whole(Box::new(law)))]);
+        let energies = Energies::elastic(Box::new(law));
         let isochoric = law.isochoric().expect("in invariants");
         let count = mesh.tets.len();
-        energies.bodies[0].mullins = Some(Mullins::new(isochoric, OF_CUBE, 0..count, 0));
+        let energies = energies.with(Mullins::new(isochoric, OF_CUBE, 0..count, 0));
         let problem = Problem::new(space, energies, &[true; 3 * 27]);
         let nodes = problem.space.node_positions(&mesh.vertices);
         let zero = vec![0.0; problem.dofs()];
@@ -54,7 +54,7 @@ impl Stretched {
         let at = Iterate { step: Some(&step), ..self.problem.iterate(&self.rest, &u, 1.0) };
         let (forces, _) = self.problem.gradient(&at);
         let energy = self.problem.energies.iter().map(|term| term.value(&at)).sum();
-        let mullins = self.problem.energies.bodies[0].mullins.as_ref().expect("it softens");
+        let mullins: &Mullins = self.problem.energies.each().next().expect("it softens");
         let lost = mullins.summary(&at).lost;
         self.integrator.accept(&step, &u, self.problem.energies.internal(&at));
         (forces, energy, lost)

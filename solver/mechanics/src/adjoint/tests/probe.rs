@@ -123,8 +123,8 @@ impl Runs<'_> {
 }
 
 /// Derivatives by numbers as those by factors of them.
-pub fn by_factors(gradient: &Gradient, id: ParameterId, numbers: &[f64]) -> Vec<f64> {
-    let by = gradient.parameters.total(id);
+pub fn by_factors(gradient: &Gradient, owner: Owner, numbers: &[f64]) -> Vec<f64> {
+    let by = gradient.parameters.total(owner);
     assert_eq!(by.len(), numbers.len());
     by.iter().zip(numbers).map(|(by, number)| by * number).collect()
 }

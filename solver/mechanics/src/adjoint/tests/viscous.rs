@@ -13,8 +13,9 @@ fn problem(case: &Case, numbers: &Numbers, branches: &[Branch]) -> (Problem, Wor
     let [c1, c2, c3, d1] = numbers.law;
     let law = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
     let count = problem.space.tets().len();
-    let own = &mut problem.energies.bodies[0];
-    own.viscous = Some(Viscous::new(law, branches.to_vec(), 0..count, 0));
+    let viscous = Viscous::new(law, branches.to_vec(), 0..count, 0);
+    let of_law = (Elastic::owner(0), numbers.law.len());
+    problem.energies.extend([Term::of_both(of_law, Viscous::owner(0), viscous)]);
     let workspace = Workspace::new(&problem);
     (problem, workspace, rest)
 }
@@ -35,9 +36,9 @@ fn check_viscous(case: &Case) {
     };
     let by = |g: &Gradient| {
         let numbers: Vec<f64> = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]).collect();
-        let of_branches = by_factors(g, ParameterId::Relaxation(0), &numbers);
+        let of_branches = by_factors(g, Viscous::owner(0), &numbers);
         assert!(of_branches.iter().all(|by| *by != 0.0), "{of_branches:?}");
-        vec![by_factors(g, ParameterId::Material(0), &NUMBERS.law), of_branches]
+        vec![by_factors(g, Elastic::owner(0), &NUMBERS.law), of_branches]
     };
     let rest = case.bodies().0.vertices;
     Runs { problem: &with, run: &run, forces: case.hits() }.check(&rest, 2e-6, &[1e-3, 1e-3], by);
@@ -66,9 +67,9 @@ fn stress_relaxes_as_the_formula_says() {
     let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 0.0, d1: 1e6 };
     let count = mesh.tets.len();
     let elastic = Elastic::whole(Box::new(law));
-    let mut energies = Energies::bodies(vec![BodyEnergies::new(elastic)]);
+    let energies = Energies::bodies([elastic]);
     let isochoric = law.isochoric().expect("in invariants");
-    energies.bodies[0].viscous = Some(Viscous::new(isochoric, BRANCHES.to_vec(), 0..count, 0));
+    let energies = energies.with(Viscous::new(isochoric, BRANCHES.to_vec(), 0..count, 0));
     let problem = Problem::new(space, energies, &[true; 3 * 27]);
     let rest = &mesh.vertices;
     let nodes = problem.space.node_positions(rest);

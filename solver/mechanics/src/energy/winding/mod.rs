@@ -34,7 +34,7 @@ mod measures;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate, Profile};
+use super::{Energy, Hessian, Iterate, Nature, Owner, Profile};
 use crate::element::quadrature::Rule;
 use crate::element::{FunctionSpace, add_at, at, tabulate};
 use crate::material::slack::square;
@@ -243,6 +243,11 @@ impl Point<'_> {
 }
 
 impl Winding {
+    /// Who owns the numbers of a thread, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("winding", place)
+    }
+
     /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them.
     ///
     /// # Panics
@@ -352,6 +357,10 @@ impl Winding {
 impl Energy for Winding {
     fn name(&self) -> &'static str {
         "winding"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Elastic
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

@@ -6,7 +6,7 @@ use mesh::Vec3;
 
 use super::*;
 use crate::adjoint::ScaledPressure;
-use crate::energy::{ChamberId, Iterate, ParameterId};
+use crate::energy::{ChamberId, Elastic, Iterate};
 use crate::math::random::Random;
 use crate::math::taylor::taylor;
 use crate::stability::continuation::tests::{NEWTON, stepper};
@@ -134,9 +134,9 @@ fn the_gradient_of_a_burst_is_its_derivative() {
     let Case { problem, held, rest, growing, .. } = &case;
     let grown = ScaledPressure { problem, held, rest, time: 1.0, chambers: growing };
     let by = grown.gradient_of_burst(burst);
-    let by_pressure = by.parameters.chamber(0, growing[0]);
+    let by_pressure = by.parameters.sum(0, growing[0].owner());
     assert!((by_pressure * 0.3 / burst.load + 1.0).abs() < 1e-6, "{by_pressure}");
-    let by_modulus = by.parameters.total(ParameterId::Material(0))[0];
+    let by_modulus = by.parameters.total(Elastic::owner(0))[0];
     assert!((by_modulus * BALLOON_MODULUS / burst.load - 1.0).abs() < 1e-6, "{by_modulus}");
     let mut random = Random::new(5);
     let inner = |x: &Vec3| x.iter().all(|x| *x > 1e-6);

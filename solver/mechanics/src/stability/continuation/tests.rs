@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::*;
 use crate::adjoint::ScaledPressure;
 use crate::element::FunctionSpace;
-use crate::energy::ParameterId;
+use crate::energy::Elastic;
 use crate::energy::{BodyForce, Energies};
 use crate::forward::{Integrator, Method, Newton, State, Stepping};
 use crate::material::{Lame, NeoHookean};
@@ -258,7 +258,7 @@ fn the_gradient_of_a_limit_is_its_derivative() {
         };
         let by = grown.gradient(&mut Workspace::new(&problem), &found).expect("a gradient");
         // loads of the problem itself are those at t = 1, its law is the same
-        let by_modulus = by.parameters.total(ParameterId::Material(0))[0];
+        let by_modulus = by.parameters.total(Elastic::owner(0))[0];
         assert!((by_modulus * ARCH.2 / found.load - 1.0).abs() < 1e-6, "{by_modulus} {kind:?}");
         let inner = |x: &Vec3| x.x > 1e-6 && x.x < ARCH.0 - 1e-6;
         let mut random = crate::math::random::Random::new(5);
@@ -311,6 +311,6 @@ fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
         chambers: &growing,
     };
     let by = grown.gradient(&mut workspace, &found).expect("a gradient");
-    let by_pressure = by.parameters.chamber(0, growing[0]);
+    let by_pressure = by.parameters.sum(0, growing[0].owner());
     assert!((by_pressure * 0.6 * limit / found.load + 1.0).abs() < 1e-6, "{by_pressure}");
 }

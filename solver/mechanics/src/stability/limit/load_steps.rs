@@ -152,7 +152,7 @@ impl LoadSteps<'_> {
 
 /// Volume of each chamber [m³].
 fn volumes(problem: &Problem, at: &Iterate) -> impl Iterator<Item = f64> {
-    problem.energies.chambers().map(|(_, named)| named.chamber.state(at).0)
+    problem.energies.chambers().map(|(_, chamber)| chamber.state(at).0)
 }
 
 #[cfg(test)]

@@ -102,7 +102,7 @@ impl Search<'_> {
             Along::Stopped => return FirstLimit::Stopped,
             Along::To(last, found) => (last, found),
         };
-        let kinks = self.problem.energies.contact.is_some();
+        let kinks = self.problem.energies.contact().is_some();
         match &found {
             FirstLimit::Lost(None | Some(Failure::Folded | Failure::Interrupted)) => return found,
             FirstLimit::Lost(_) => {}

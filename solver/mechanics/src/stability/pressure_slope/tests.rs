@@ -4,9 +4,7 @@ use mesh::Vec3;
 
 use super::*;
 use crate::adjoint::ScaledPressure;
-use crate::energy::{
-    BodyEnergies, Chamber, Elastic, Energies, Isobaric, Multiplier, ParameterId, PrescribedVolume,
-};
+use crate::energy::{Chamber, Elastic, Energies, Isobaric, Multiplier, PrescribedVolume};
 use crate::material::{Lame, NeoHookean};
 use crate::math::random::Random;
 use crate::math::taylor::taylor;
@@ -33,15 +31,15 @@ impl Case {
     /// A compressible sphere in a liquid that fills all around it.
     fn in_liquid(pressure: f64) -> Self {
         let mesh = eighth_shell(2, 2, BALLOON);
-        let body = BodyEnergies::new(Elastic::whole(Box::new(NeoHookean(Lame::new(2.6, 0.3)))));
+        let law = NeoHookean(Lame::new(2.6, 0.3));
         let problem = shell_problem(&mesh, |space| {
             let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
             let wall = shell_wall(&mesh, space, BALLOON);
-            let inside = Chamber { wall, gas, multiplier: None, memory: None };
+            let inside = Chamber::new(wall, gas);
             let gas = Box::new(PrescribedVolume::Factor(Schedule::from(1.01)));
             let wall = shell_wall(&mesh, space, 1.0);
-            let around = Chamber { wall, gas, multiplier: Some(0), memory: None };
-            let energies = Energies::bodies(vec![body]);
+            let around = Chamber { multiplier: Some(0), ..Chamber::new(wall, gas) };
+            let energies = Energies::elastic(Box::new(law));
             energies.with_chamber("wall", inside).with_chamber("around", around)
         });
         let multipliers = vec![Multiplier { pressure: 0.0, penalty: 1.0 }];
@@ -130,10 +128,10 @@ fn the_gradient_by_pressure_and_modulus_is_that_along_the_path() {
         let (slope, by) = case.gradient();
         let at = |load: f64| case.slope_at(&case.rest, load).value;
         let along = (at(1.0 + 1e-3) - at(1.0 - 1e-3)) / 2e-3;
-        let by_pressure = pressure * by.parameters.chamber(0, case.growing()[0]);
+        let by_pressure = pressure * by.parameters.sum(0, case.growing()[0].owner());
         assert!((by_pressure / along - 1.0).abs() < 1e-4, "{by_pressure} {along}");
         if alone {
-            let by_modulus = by.parameters.total(ParameterId::Material(0))[0];
+            let by_modulus = by.parameters.total(Elastic::owner(0))[0];
             let sum = BALLOON_MODULUS * by_modulus + by_pressure;
             assert!(sum.abs() < 1e-6 * slope.value, "{sum} {by_pressure}");
         }
