@@ -93,7 +93,6 @@ fn volumes(problem: &Problem, at: &Iterate) -> impl Iterator<Item = (f64, f64)> 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::energy::{Chamber, Energies, Isobaric};
     use crate::forward::{Configuration, Failure, Newton, Workspace};
     use crate::material::{Lame, NeoHookean};
