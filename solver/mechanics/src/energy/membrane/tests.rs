@@ -138,29 +138,6 @@ fn every_case_is_in_one_state() {
 }
 
 #[test]
-fn a_slack_sheet_does_nothing() {
-    for degree in [1, 2, 3] {
-        for row in LAWS {
-            let law = Box::new(TensionField((row.build)(row.sample)));
-            let case = Sheets::new(degree, [0.85, 0.9], law, row.key.to_owned());
-            assert!((case.share(State::Slack) - 1.0).abs() < 1e-12);
-            let Sheets { case, membrane, .. } = case;
-            assert_eq!(membrane.value(&case.here()), 0.0);
-            let q = Random::new(8).numbers(case.u.len());
-            let mut mixed = vec![0.0; 3 * case.rest.len()];
-            membrane.add_mixed_vjp(&case.here(), &q, &mut mixed);
-            let all = [
-                case.gradient(&membrane, &case.u, &case.rest),
-                case.times_hessian(&membrane, Hessian::Exact, &q),
-                mixed,
-                membrane.parameter_vjp(&case.here(), &q),
-            ];
-            assert!(all.iter().flatten().all(|x| *x == 0.0), "{}", row.key);
-        }
-    }
-}
-
-#[test]
 fn the_projected_hessian_is_positive_and_that_of_a_sheet_in_tension_exact() {
     let mut random = Random::new(9);
     for case in cases(&[1, 2]) {
