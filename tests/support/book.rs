@@ -21,9 +21,6 @@ pub struct Chapter {
 }
 
 /// All chapters, by their names.
-///
-/// # Panics
-/// When one cannot be read.
 pub fn chapters() -> Vec<Chapter> {
     let folder = repository().join("pipelines/book");
     let entries = fs::read_dir(folder).expect("the book");
@@ -39,9 +36,6 @@ pub fn chapters() -> Vec<Chapter> {
 }
 
 /// The READMEs of the project and of its programs, whose commands are marked as those of chapters.
-///
-/// # Panics
-/// When one cannot be read.
 pub fn readmes() -> Vec<Chapter> {
     let read = |folder: &str| {
         let path = repository().join(folder).join("README.md");
@@ -112,9 +106,6 @@ impl Chapter {
     }
 
     /// Runs its commands with these marks, if there are any; `make` is that of the checkout.
-    ///
-    /// # Panics
-    /// When one fails.
     pub fn run(&self, marks: &[&str]) -> usize {
         let commands = self.commands(marks);
         if commands.is_empty() {

@@ -142,9 +142,6 @@ pub fn refined(n: usize) -> Body {
 
 /// A folder with `body.msh`, `sim.toml`, `design.toml` and `target.stl`. The
 /// designs are made with linear elements, which are fast.
-///
-/// # Panics
-/// When the folder cannot be written.
 pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     let body = chamber();
@@ -160,9 +157,6 @@ pub fn workdir() -> Workdir {
 pub const STRETCH_AT_BREAK: &str = "stretch_at_break = 2";
 
 /// A folder whose `p1.toml` has a pressure not far from where it balloons, and a silicone that tears before.
-///
-/// # Panics
-/// When the folder cannot be written.
 pub fn near_its_edges() -> Workdir {
     let dir = workdir();
     let tears = format!("d1 = 1e6\n{STRETCH_AT_BREAK}");

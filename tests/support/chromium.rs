@@ -74,9 +74,6 @@ impl Chromium {
     }
 
     /// Starts a browser whose page has `size` pixels.
-    ///
-    /// # Panics
-    /// When it does not start.
     pub fn start(program: &str, size: [u32; 2]) -> Self {
         let profile = tempfile::tempdir().expect("a temporary folder");
         // what is given to the shell as its input and output becomes 3 and 4
@@ -120,9 +117,6 @@ impl Chromium {
     }
 
     /// Calls a method of the protocol.
-    ///
-    /// # Panics
-    /// When the browser has ended or refuses.
     pub fn call(&mut self, method: &str, parameters: &Value) -> Value {
         self.calls += 1;
         let mut message = json!({ "id": self.calls, "method": method, "params": parameters });
@@ -148,9 +142,6 @@ impl Chromium {
     }
 
     /// The value of an expression in the page; promises are waited for.
-    ///
-    /// # Panics
-    /// When it throws.
     pub fn evaluate(&mut self, expression: &str) -> Value {
         let how = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let mut found = self.call("Runtime.evaluate", &how);
@@ -165,9 +156,6 @@ impl Chromium {
     }
 
     /// Waits until an expression is true.
-    ///
-    /// # Panics
-    /// When it does not become so within half a minute.
     pub fn wait(&mut self, expression: &str) {
         let start = Instant::now();
         while self.evaluate(&format!("Boolean({expression})")) != json!(true) {
@@ -251,9 +239,6 @@ impl Chromium {
     }
 
     /// What the page looks like now.
-    ///
-    /// # Panics
-    /// When there is no picture.
     pub fn picture(&mut self) -> Picture {
         // two frames later all is drawn that was asked for
         self.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))");

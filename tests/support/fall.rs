@@ -12,9 +12,6 @@ pub const STEPS: usize = 16;
 /// A block falls onto a floor, and another, which is held above, is moved onto it; they slide.
 /// The state before last, lagged contacts, the couplings of contact, and the work of the support
 /// all matter.
-///
-/// # Panics
-/// When the folder cannot be written.
 pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     let top = |p: Vec3| p.z > 12e-3 - 1e-9;

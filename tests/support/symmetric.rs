@@ -44,9 +44,6 @@ pub const PARTS: [(&str, &str, f64); 3] = [
 /// `solver mirror`. The whole is about 50 × 40 × 40 mm. Tags: `seat` at x = 0, `cavity`, the
 /// wall of a chamber that the planes cut, which opens to the seat if `open`, `top` on the
 /// sides across z, `skin`, and the cuts.
-///
-/// # Panics
-/// When a program refuses its work.
 pub fn workdir(open: bool) -> Workdir {
     let from = usize::from(!open);
     let hollow = |c: [usize; 3]| (from..4).contains(&c[0]) && c[1] == 0 && c[2] == 0;
@@ -82,9 +79,6 @@ pub fn workdir(open: bool) -> Workdir {
 }
 
 /// Rest positions and displacements of the nodes in a folder of results [m].
-///
-/// # Panics
-/// When there are none.
 pub fn nodes(dir: &Workdir, folder: &str) -> Vec<(Vec3, Vec3)> {
     let read = |name: &str| {
         let (values, _) = npy::read_f64(&dir.path(&format!("{folder}/{name}"))).expect("results");
@@ -94,9 +88,6 @@ pub fn nodes(dir: &Workdir, folder: &str) -> Vec<(Vec3, Vec3)> {
 }
 
 /// For each point of a list the index of the same point in another.
-///
-/// # Panics
-/// When one is not there.
 pub fn find(points: &[Vec3], among: &[Vec3]) -> Vec<usize> {
     let one = |p: &Vec3| {
         let found = among.iter().position(|q| (p - q).norm() < 1e-9);
@@ -107,9 +98,6 @@ pub fn find(points: &[Vec3], among: &[Vec3]) -> Vec<usize> {
 
 /// Largest difference of two displacement fields where both are known, relative to the
 /// largest displacement.
-///
-/// # Panics
-/// When a point of the first is not in the second.
 pub fn difference(some: &[(Vec3, Vec3)], all: &[(Vec3, Vec3)]) -> f64 {
     let points = |nodes: &[(Vec3, Vec3)]| nodes.iter().map(|n| n.0).collect::<Vec<_>>();
     let same = find(&points(some), &points(all));

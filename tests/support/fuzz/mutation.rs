@@ -35,9 +35,6 @@ const NUMBERS: [u64; 8] = [0, 1, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, u64::MA
 const LONGEST: usize = 1 << 18;
 
 /// A corpus file after one to six random changes.
-///
-/// # Panics
-/// If the corpus is empty.
 pub fn mutate(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut pick =
         |n: usize| (((random.uniform() + 1.0) / 2.0 * n as f64) as usize).min(n.max(1) - 1);

@@ -8,9 +8,6 @@ use crate::skip::skip;
 use crate::workdir::{Workdir, repository};
 
 /// Reads so many sweeps, each of which is a short error or a sweep; what went wrong with the first that is neither.
-///
-/// # Panics
-/// When the files cannot be written.
 pub fn campaign(cases: usize, seed: usize) -> Option<String> {
     let python = repository().join(".venv-sweep/bin/python");
     if !python.is_file() {
