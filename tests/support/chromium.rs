@@ -155,6 +155,34 @@ impl Chromium {
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
     }
 
+    /// Opens a page of ours and waits for its first picture.
+    pub fn show(&mut self, page: &Path) {
+        self.open(page);
+        self.wait("window.puffer?.state().firstPicture");
+    }
+
+    /// What a page of ours says of itself.
+    pub fn state(&mut self) -> Value {
+        self.evaluate("window.puffer.state()")
+    }
+
+    /// Presses the button with a text.
+    pub fn press(&mut self, text: &str) {
+        let all = "[...document.querySelectorAll('button')]";
+        self.evaluate(&format!("{all}.find((b) => b.textContent === '{text}').click()"));
+    }
+
+    /// Clicks the button with a text, which has to be seen.
+    pub fn click_button(&mut self, text: &str) {
+        let place = self.evaluate(&format!(
+            "(() => {{ const all = [...document.querySelectorAll('button')]; \
+             const b = all.find((b) => b.textContent === '{text}' && b.offsetParent); \
+             b.scrollIntoView({{ block: 'nearest' }}); const r = b.getBoundingClientRect(); \
+             return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+        ));
+        self.click([0, 1].map(|i| place[i].as_f64().expect("a button with this text")));
+    }
+
     /// Waits until an expression is true.
     pub fn wait(&mut self, expression: &str) {
         let start = Instant::now();
@@ -201,11 +229,6 @@ impl Chromium {
             self.point("mouseMoved", *place, true, shift);
         }
         self.point("mouseReleased", places[places.len() - 1], false, shift);
-    }
-
-    /// A finger touches a place for a moment.
-    pub fn tap(&mut self, place: [f64; 2]) {
-        self.touch(&[&[place]]);
     }
 
     /// Fingers go through places: the first list has where each touches, the others where it moves to.

@@ -145,24 +145,6 @@ pub fn shown(browser: &mut Chromium) -> u64 {
     browser.evaluate(ids).as_u64().expect("a number")
 }
 
-/// Proves that the texts would run: as markup of a page without a policy, and not under that of `page`.
-pub fn assert_they_would_run(browser: &mut Chromium, page: &Path) {
-    let text = Hostile::default().text("control");
-    let whole = fs::read_to_string(page).expect("a page");
-    let with = page.with_extension("with.html");
-    fs::write(&with, whole.replacen("<main>", &format!("<main>{text}"), 1)).expect("writable");
-    let without = page.with_extension("without.html");
-    fs::write(&without, format!("<!doctype html><main>{text}</main>")).expect("writable");
-    browser.open(&without);
-    browser.wait("window.hit === 1");
-    browser.open(&with);
-    browser.wait("document.readyState === 'complete' && document.querySelector('main img')");
-    assert_eq!(browser.evaluate("window.hit ?? null"), Value::Null, "the policy lets it run");
-    let blocked =
-        browser.complaints().iter().filter(|c| c.contains("Content Security Policy")).count();
-    assert!(blocked >= 5, "{:#?}", browser.complaints());
-}
-
 /// The page without its policy, which might hide what is not escaped.
 pub fn without_policy(page: &Path) -> PathBuf {
     let text = fs::read_to_string(page).expect("a page");
