@@ -7,7 +7,6 @@
 mod corpus;
 mod mutation;
 pub mod numbers;
-pub mod sweeps;
 
 use std::path::Path;
 
