@@ -232,7 +232,6 @@ fn reached_from(adjacency: &Rows, sources: &[usize]) -> Vec<bool> {
 mod tests {
     use mechanics::testing::{cap, sphere, square};
     use mesh::Vec3;
-    use scene::config::Spread;
 
     use super::*;
     use crate::design::sampling::{rim, spread_points};
@@ -241,7 +240,7 @@ mod tests {
     fn weights_are_bounded_add_up_and_vanish_on_the_rim() {
         let surface = cap(3);
         let rim = rim(&surface);
-        let handles = spread_points(&surface, &rim, 6, Spread::RePick, &|_| Vec::new()).unwrap();
+        let handles = spread_points(&surface, &rim, 6, &|_| Vec::new()).unwrap();
         let weights = bounded_biharmonic(&surface, &rim, &handles).unwrap();
         for v in 0..surface.vertices.len() {
             let sum: f64 = weights.iter().map(|w| w[v]).sum();
@@ -261,7 +260,7 @@ mod tests {
     fn weights_are_the_minimum_under_bounds() {
         let surface = cap(3);
         let rim = rim(&surface);
-        let handles = spread_points(&surface, &rim, 6, Spread::RePick, &|_| Vec::new()).unwrap();
+        let handles = spread_points(&surface, &rim, 6, &|_| Vec::new()).unwrap();
         let problem = Problem::new(&surface, &rim, &handles);
         let targets: Vec<Vec<usize>> = handles.iter().map(|&v| vec![v]).collect();
         let mut active = 0;
@@ -306,7 +305,7 @@ mod tests {
         let mut small = surface.clone();
         small.vertices.iter_mut().for_each(|v| *v *= 1e-3);
         let rim = rim(&surface);
-        let handles = spread_points(&surface, &rim, 3, Spread::RePick, &|_| Vec::new()).unwrap();
+        let handles = spread_points(&surface, &rim, 3, &|_| Vec::new()).unwrap();
         let a = bounded_biharmonic(&surface, &rim, &handles).unwrap();
         let b = bounded_biharmonic(&small, &rim, &handles).unwrap();
         let differences = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());

@@ -41,7 +41,7 @@ use std::sync::Arc;
 use mesh::measure::mean_edge;
 use mesh::offset::shifts;
 use mesh::{SurfaceMesh, Vec3, topology};
-use scene::config::{HandleMotion, Spread};
+use scene::config::HandleMotion;
 
 use super::biharmonic::{WeightError, bounded_biharmonic};
 use super::held::{Held, off};
@@ -125,19 +125,18 @@ struct Site<'a> {
     normals: Vec<Vec3>,
 }
 
-/// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, by
-/// `spread`, and computes their weights. By each isometry of the patch in itself, `own`, a handle has an image.
+/// Spreads `count` handles evenly over a patch of a mesh at rest positions `rest`, and computes
+/// their weights. By each isometry of the patch in itself, `own`, a handle has an image.
 pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
     held: Held,
     count: usize,
-    spread: Spread,
     own: &[Isometry],
 ) -> Result<Handles, HandleError> {
     let site = Site::new(rest, patch, held);
     let images = |v: usize| site.images(v, own);
-    let points = spread_points(&site.surface, &site.rim, count, spread, &images)?;
+    let points = spread_points(&site.surface, &site.rim, count, &images)?;
     let (mut seats, mut free) = (Vec::new(), Vec::new());
     for (i, &point) in points.iter().enumerate() {
         let at = site.surface.vertices[point];
@@ -394,15 +393,8 @@ mod tests {
     #[test]
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {
         let surface = cap(3);
-        let handles = sample_handles(
-            &surface.vertices,
-            &surface.triangles,
-            Held::default(),
-            5,
-            Spread::RePick,
-            &[],
-        )
-        .unwrap();
+        let handles =
+            sample_handles(&surface.vertices, &surface.triangles, Held::default(), 5, &[]).unwrap();
         let x = &surface.vertices;
         assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
         let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
@@ -414,15 +406,8 @@ mod tests {
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
-        let handles = sample_handles(
-            &ball.vertices,
-            &ball.triangles,
-            Held::default(),
-            1,
-            Spread::RePick,
-            &[],
-        )
-        .unwrap();
+        let handles =
+            sample_handles(&ball.vertices, &ball.triangles, Held::default(), 1, &[]).unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
@@ -435,8 +420,7 @@ mod tests {
     fn the_vjp_is_the_gradient() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let handles =
-            sample_handles(x, &surface.triangles, Held::default(), 3, Spread::RePick, &[]).unwrap();
+        let handles = sample_handles(x, &surface.triangles, Held::default(), 3, &[]).unwrap();
         check_vjp(&handles, x);
         let translated = handles.with(HandleMotion::Translation);
         assert_eq!(translated.variables(), 9);

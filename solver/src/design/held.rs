@@ -158,7 +158,7 @@ pub(super) fn off(directions: &[Vec3], vector: &Vec3) -> Vec3 {
 mod tests {
     use mechanics::math::random::Random;
     use mechanics::testing::{check_gradient, cube};
-    use scene::config::{HandleMotion, Moves, Spread};
+    use scene::config::{HandleMotion, Moves};
 
     use super::*;
     use crate::design::Patch;
@@ -213,8 +213,7 @@ mod tests {
         });
         let held = Held { flats: &flats, ..Held::default() };
         for moves in [Moves::Vertices, Moves::Handles(5, HandleMotion::Rigid)] {
-            let patch =
-                Patch::new(rest, &facets, held, moves, Spread::RePick, &[]).expect("a patch");
+            let patch = Patch::new(rest, &facets, held, moves, &[]).expect("a patch");
             let theta: Vec<f64> =
                 Random::new(3).numbers(patch.variables()).iter().map(|t| 0.1 * t).collect();
             let moved = patch.apply(&theta, rest);

@@ -104,7 +104,7 @@ mod tests {
     use mechanics::math::random::Random;
     use mechanics::testing::{cap, check_gradient, sphere};
     use mesh::SurfaceMesh;
-    use scene::config::{HandleMotion, Moves, Spread};
+    use scene::config::{HandleMotion, Moves};
 
     use super::*;
     use crate::design::{Held, Patch};
@@ -147,7 +147,7 @@ mod tests {
             let (rest, [first, other]) = pair(&cap(2), &by);
             for moves in motions() {
                 let held = Held::default();
-                let patch = Patch::new(&rest, &first, held, moves, Spread::RePick, &[]).unwrap();
+                let patch = Patch::new(&rest, &first, held, moves, &[]).unwrap();
                 let image = patch.image(&by, &rest, &other, held).unwrap();
                 let theta = Random::new(5).numbers(patch.variables());
                 assert_eq!(image.variables(), theta.len());
@@ -168,7 +168,7 @@ mod tests {
             assert_eq!(own.len(), if how == quarter { 3 } else { 1 });
             for moves in motions() {
                 let held = Held::default();
-                let patch = Patch::new(x, &ball.triangles, held, moves, Spread::RePick, &own);
+                let patch = Patch::new(x, &ball.triangles, held, moves, &own);
                 let patch = patch.unwrap();
                 let theta = Random::new(6).numbers(patch.variables());
                 let theta: Vec<f64> = theta.iter().map(|t| 0.3 * t).collect();
@@ -193,8 +193,7 @@ mod tests {
         let variables = |motion| {
             let moves = Moves::Handles(1, motion);
             let held = Held::default();
-            let patch =
-                Patch::new(&ball.vertices, &ball.triangles, held, moves, Spread::RePick, &own);
+            let patch = Patch::new(&ball.vertices, &ball.triangles, held, moves, &own);
             patch.unwrap().variables()
         };
         assert_eq!(variables(HandleMotion::Rigid), 3);
@@ -209,7 +208,7 @@ mod tests {
         let own = Isometry::own(&symmetric("\"a\"", "turn = { axis = \"z\", angle = 180 }"));
         let held = Held::default();
         for moves in motions() {
-            let patch = Patch::new(&rest, &first, held, moves, Spread::RePick, &own).unwrap();
+            let patch = Patch::new(&rest, &first, held, moves, &own).unwrap();
             let patches = [patch.image(&by, &rest, &other, held).unwrap(), patch];
             let moved = |theta: &[f64]| patches.each_ref().map(|patch| patch.apply(theta, &rest));
             let factor = |i: usize| Vec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 0.3);

@@ -1,7 +1,7 @@
 //! A part of the boundary that a design moves.
 
 use mesh::{Vec3, topology};
-use scene::config::{Moves, Spread};
+use scene::config::Moves;
 
 use super::handles::{HandleError, Handles, sample_handles};
 use super::held::Held;
@@ -35,11 +35,10 @@ impl Patch {
         facets: &[[usize; 3]],
         held: Held,
         moves: Moves,
-        spread: Spread,
         own: &[Isometry],
     ) -> Result<Self, HandleError> {
         if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, facets, held, count, spread, own)?;
+            let handles = sample_handles(rest, facets, held, count, own)?;
             return Ok(Self::Handles(handles.with(motion)));
         }
         if moves == Moves::Offset {
@@ -140,7 +139,7 @@ mod tests {
         ] {
             let facets = &surface.triangles;
             let held = Held { margin, ..Held::default() };
-            let patch = Patch::new(x, facets, held, moves, Spread::RePick, &[]).unwrap();
+            let patch = Patch::new(x, facets, held, moves, &[]).unwrap();
             let theta = Random::new(5).numbers(patch.variables());
             let moved = patch.apply(&theta, x);
             let way: Vec<f64> =
@@ -157,15 +156,8 @@ mod tests {
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch = Patch::new(
-            x,
-            &surface.triangles,
-            Held::default(),
-            Moves::Vertices,
-            Spread::RePick,
-            &[],
-        )
-        .unwrap();
+        let patch =
+            Patch::new(x, &surface.triangles, Held::default(), Moves::Vertices, &[]).unwrap();
         let on_rim = rim(&surface);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));
@@ -194,8 +186,7 @@ mod tests {
         let ball = sphere(3);
         let x = &ball.vertices;
         let held = Held::default();
-        let patch =
-            Patch::new(x, &ball.triangles, held, Moves::Offset, Spread::RePick, &[]).unwrap();
+        let patch = Patch::new(x, &ball.triangles, held, Moves::Offset, &[]).unwrap();
         assert_eq!((patch.variables(), patch.vertices().len()), (1, x.len()));
         for moved in patch.apply(&[0.2], x) {
             assert!((moved.norm() - 1.2).abs() < 4e-3, "{}", moved.norm());

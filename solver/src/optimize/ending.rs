@@ -81,7 +81,7 @@ impl Rejections {
     }
 
     /// Counts a shape that was not simulated.
-    pub fn add_shape(&mut self, flat: bool, Rejected(why): &Rejected) {
+    pub fn add_shape(&mut self, flat: bool, Rejected { why, .. }: &Rejected) {
         *if flat { &mut self.flat } else { &mut self.shape } += 1;
         self.last.clone_from(why);
         log::debug!("a shape is not tried: {why}");

@@ -32,7 +32,7 @@ pub(super) struct Pair {
 }
 
 /// The memory of the last steps, oldest first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lbfgs {
     memory: usize,
     pairs: VecDeque<Pair>,

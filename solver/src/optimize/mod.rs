@@ -15,7 +15,6 @@ mod meshes;
 mod molding;
 mod offset;
 mod parameter;
-mod progress;
 mod quadratic;
 mod remesh;
 mod rest_path;
@@ -24,6 +23,7 @@ mod scenario;
 mod shares;
 mod trust_region;
 pub mod validity;
+mod vectors;
 
 pub use cascade::{CASTABLE, Cascade, Finished, LATEST};
 pub use checkpoint::Checkpoint;

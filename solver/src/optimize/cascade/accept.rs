@@ -10,6 +10,7 @@ use super::step::promise;
 use super::{CASTABLE, Cascade, LATEST, Step};
 use crate::optimize::history::{handles, probes, scenarios, spread};
 use crate::optimize::remesh::write_bodies;
+use crate::optimize::vectors::difference;
 use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
 
 /// Iterations that gain little, one after the other, before the level ends.
@@ -32,8 +33,6 @@ impl Cascade<'_> {
         step: Step,
         optimizer: &OptimizerConfig,
     ) -> Result<()> {
-        let difference =
-            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         checkpoint.lbfgs.update(
             difference(&step.theta, &checkpoint.theta),
             difference(&step.gradient, &checkpoint.gradient),
@@ -66,17 +65,6 @@ impl Cascade<'_> {
                 format!("the objective fell by only {fall:.1e} in each of {QUIET} iterations");
             ended = Some((ending, why));
         }
-        let mut progress = checkpoint.progress.clone();
-        progress.push(merit, step.evaluation.newton_iterations);
-        if let Some(rate) =
-            progress.rate().filter(|rate| rate.max(0.0) < optimizer.least_rate && !held_back)
-        {
-            let why = format!(
-                "a Newton iteration gains {:.1} % of what it gained on average in this level",
-                100.0 * rate
-            );
-            ended = Some((Ended::StoppedEarly, why));
-        }
         let left = steepest / checkpoint.first_gradient;
         if left < optimizer.gradient_tolerance {
             ended =
@@ -103,12 +91,6 @@ impl Cascade<'_> {
         let settings = &levels[checkpoint.level];
         let evaluation = &step.evaluation;
         checkpoint.spend(step.forward_s + step.gradient_s + step.mold_s);
-        // the same shape on another mesh is no progress
-        if checkpoint.iteration == 0 || checkpoint.has_moved() {
-            checkpoint
-                .progress
-                .push(level.merit(evaluation, &checkpoint.penalties), evaluation.newton_iterations);
-        }
         let gradient_norm = norm(&step.gradient);
         let moved = level.mean_displacements(evaluation)?;
         let measured = level.measured(evaluation)?;
@@ -157,9 +139,9 @@ impl Cascade<'_> {
         if checkpoint.iteration == 0 {
             checkpoint.first_gradient = promise(level, &step, &checkpoint.penalties, 0.0).0;
         }
-        checkpoint.objective = evaluation.objective;
         checkpoint.merit = level.merit(evaluation, &checkpoint.penalties);
         if checkpoint.iteration == 0 {
+            checkpoint.merit_of_level = checkpoint.merit;
             checkpoint.first_terms.clone_from(&evaluation.terms);
             if let Some(shares) = shares::describe(&evaluation.terms) {
                 log::info!("level {} begins with {shares}", checkpoint.level + 1);

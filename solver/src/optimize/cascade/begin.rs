@@ -10,7 +10,7 @@ use scene::config::LevelConfig;
 use super::spread::tidied;
 use super::{Cascade, MEMORY};
 use crate::optimize::remesh::{mesh_file, remesh};
-use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level, Rejected, Start};
+use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level, Start};
 
 /// Rounds of motion and meshing in which a start gets to where its constraints are kept.
 const ROUNDS: usize = 8;
@@ -155,8 +155,8 @@ impl Cascade<'_> {
         let states = checkpoint.read_start(&self.folder)?;
         let runs = level.carried(theta, &checkpoint.start, states)?;
         let outcome = level.evaluate(theta, Start::Carried(&runs));
-        if let Err(Rejected(reason)) = &outcome {
-            log::debug!("no equilibrium next to the last level's ({reason}); starting from rest");
+        if let Err(why) = &outcome {
+            log::debug!("no equilibrium next to the last level's ({why}); starting from rest");
         }
         Ok(outcome.ok())
     }

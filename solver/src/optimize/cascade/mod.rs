@@ -215,7 +215,7 @@ impl Cascade<'_> {
             && checkpoint.ending.is_none()
             && !checkpoint.flat
         {
-            match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
+            match self.iterate(&mut level, checkpoint, &mut current, &optimizer)? {
                 Ok(step) => {
                     current = step.evaluation.clone();
                     self.accept(&mut level, checkpoint, step, &optimizer)?;
@@ -252,8 +252,8 @@ impl Cascade<'_> {
             checkpoint.check_sizes(&self.folder, level.variables())?;
             let rows = level.scenarios().len() * level.steps();
             let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
-            let evaluation = level.recall(&checkpoint.theta, runs)?;
-            level.linearize(&evaluation);
+            let mut evaluation = level.recall(&checkpoint.theta, runs)?;
+            level.linearize(&mut evaluation);
             return Ok(evaluation);
         }
         let theta = level.map().start(&checkpoint.loads);
@@ -275,7 +275,7 @@ impl Cascade<'_> {
             checkpoint.weights = level.weights();
         }
         let clock = Instant::now();
-        level.linearize(&evaluation);
+        level.linearize(&mut evaluation);
         evaluation.forward_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
@@ -336,7 +336,7 @@ impl Cascade<'_> {
     /// The error of a level whose body has no usable state. Where there is no
     /// equilibrium, report.json and the last good state say more.
     fn no_start(&self, level: &mut Level, index: usize, rejected: &Rejected) -> anyhow::Error {
-        let Some(diagnosis) = level.diagnose() else {
+        let Some(diagnosis) = level.diagnose(rejected) else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };
         let written = diagnosis
@@ -371,8 +371,8 @@ fn beginning(level: &Level, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
             1e3 * motion
         );
     }
-    level.admit(&level.map().shape(&kept)).map_err(|Rejected(why)| {
-        Rejected(format!("moved to where its constraints are kept: {why}"))
+    level.admit(&level.map().shape(&kept)).map_err(|rejected| {
+        Rejected::new(format!("moved to where its constraints are kept: {rejected}"))
     })?;
     Ok(kept)
 }

@@ -22,6 +22,7 @@ use crate::optimize::kept::KeptRow;
 use crate::optimize::level::Start;
 use crate::optimize::quadratic::{Model, Problem, Row};
 use crate::optimize::trust_region::{TrustRegion, step_within};
+use crate::optimize::vectors::{along, difference};
 use crate::optimize::{Evaluation, Level, Rejected};
 
 /// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
@@ -59,7 +60,7 @@ impl Cascade<'_> {
         &self,
         level: &mut Level,
         checkpoint: &mut Checkpoint,
-        current: &Evaluation,
+        current: &mut Evaluation,
         optimizer: &OptimizerConfig,
     ) -> Result<Result<Step, End>> {
         let (theta, gradient) = (checkpoint.theta.clone(), checkpoint.gradient.clone());
@@ -74,7 +75,9 @@ impl Cascade<'_> {
         let Known { model, curvature, from_terms } =
             match self.known(level, checkpoint, &mut region, current, optimizer) {
                 Ok(known) => known,
-                Err(Rejected(why)) => return Ok(Err(End::jammed(why, Rejections::default()))),
+                Err(rejected) => {
+                    return Ok(Err(End::jammed(rejected.why, Rejections::default())));
+                }
             };
         let mut forward_s = clock.elapsed().as_secs_f64();
         let mut rejections = Rejections::default();
@@ -94,19 +97,24 @@ impl Cascade<'_> {
             if change.is_nan() || -change <= least {
                 return Ok(Err(End::converged("no step lowers the model of the objective")));
             }
-            let there = moved(&theta, &d);
+            let there = along(&theta, &d, 1.0);
             let wanted = (before + ARMIJO * change, &checkpoint.penalties[..]);
             let outcome = match curvature.as_ref().filter(|_| level.is_transient()) {
                 Some(curvature) => {
                     let foreseen = level.foreseen(&theta, &d, current, curvature)?;
-                    lower(level, &there, Start::Foreseen(&foreseen), wanted)
+                    lower(level, &there, Start::Foreseen(&foreseen, &current.runs), wanted)
                 }
                 None => {
                     let predicted = level.predict(&there, current);
-                    let start = ahead(current, predicted.as_deref(), 1.0);
+                    let start = ahead(current, predicted.as_deref());
                     lower(level, &there, level.near(current, &start), wanted)
                 }
             };
+            let outcome = outcome.map(|mut evaluation| {
+                current.forget_tangents();
+                level.linearize(&mut evaluation);
+                evaluation
+            });
             forward_s += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
             let outcome = outcome.and_then(|e| {
@@ -126,7 +134,7 @@ impl Cascade<'_> {
             };
             let refused = match outcome {
                 Ok((new, bounds, evaluation)) => {
-                    let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
+                    let y = difference(&new, &gradient);
                     let merit = level.merit(&evaluation, &checkpoint.penalties);
                     let agreement = (merit - before) / change;
                     let is_blind = !from_terms && checkpoint.lbfgs.is_empty();
@@ -252,13 +260,13 @@ fn propose(
     // how many times shorter than the region the motion of the shape is
     let mut shorter = 1.0;
     for _ in 0..RADII {
-        let motion = |d: &[f64]| level.map().scaled_motion(theta, &moved(theta, d), shorter);
+        let motion = |d: &[f64]| level.map().scaled_motion(theta, &along(theta, d, 1.0), shorter);
         let problem = Problem::new(model, gradient, &metric, &rows, radius);
         let found = step_within(&problem, radius, motion)?;
         let trial = level.restored(&within_bounds(level, theta, &found.d)).and_then(|there| {
-            let d: Vec<f64> = there.iter().zip(theta).map(|(a, b)| a - b).collect();
+            let d = difference(&there, theta);
             if level.free_fraction(theta, &d) < 1.0 {
-                return Err(Rejected("the surface would pass through itself".to_owned()));
+                return Err(Rejected::new("the surface would pass through itself"));
             }
             level.check_flat(&there)?;
             level.admit(&level.map().shape(&there))?;
@@ -276,7 +284,8 @@ fn propose(
                 return Some(Proposal { motion, d, change, multipliers });
             }
             Err(refused) => {
-                rejections.add_shape(level.check_flat(&moved(theta, &found.d)).is_err(), &refused);
+                rejections
+                    .add_shape(level.check_flat(&along(theta, &found.d, 1.0)).is_err(), &refused);
                 let cut = (2.0 * radius / motion(&found.d)).clamp(2.0, 1e3);
                 shorter *= cut;
                 // the region of a full model is kept by its metric
@@ -310,7 +319,7 @@ fn rows(level: &Level, theta: &[f64], kept: &[KeptRow]) -> Vec<Row> {
 
 /// θ + d without what rounding has left beyond the bounds.
 fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
-    let mut there = moved(theta, d);
+    let mut there = along(theta, d, 1.0);
     if let Some((low, high)) = level.map().bounds(theta) {
         there.iter_mut().enumerate().for_each(|(i, value)| *value = value.clamp(low[i], high[i]));
     }
@@ -339,11 +348,7 @@ pub(super) fn promise(level: &Level, step: &Step, penalties: &[f64], motion: f64
         return (0.0, 0.0);
     }
     let small = 1e-3 * level.map().mean_edge() / largest;
-    let there: Vec<f64> = step.theta.iter().zip(&d).map(|(t, d)| t + small * d).collect();
+    let there = along(&step.theta, &d, small);
     let per_unit = level.map().motion(&step.theta, &there) / small;
     (largest, dot(&d, &d) / per_unit * motion)
-}
-
-fn moved(theta: &[f64], d: &[f64]) -> Vec<f64> {
-    theta.iter().zip(d).map(|(t, d)| t + d).collect()
 }

@@ -1,15 +1,15 @@
 //! A trial of a step, and how the next one follows from one that was not taken.
 
 use crate::optimize::ending::Had;
-use crate::optimize::level::Start;
-use crate::optimize::{Evaluation, Level, Rejected, Run};
+use crate::optimize::vectors::along;
+use crate::optimize::{Evaluation, Level, Rejected, Run, Start};
 
 /// Length of a trial over that of the one before, at most ...
 const LONGEST_RETRIAL: f64 = 0.5;
 /// ... and at least.
 const SHORTEST_RETRIAL: f64 = 0.1;
 
-/// The evaluation at θ, if its merit with these penalties is at most `wanted`, with the level linearised there.
+/// The evaluation at θ, if its merit with these penalties is at most `wanted`.
 pub(super) fn lower(
     level: &mut Level,
     theta: &[f64],
@@ -23,7 +23,6 @@ pub(super) fn lower(
         let reason = format!("objective {objective:.6e} is not low enough");
         return Err(Refused { reason, objective: Some(objective), is_mold: false });
     }
-    level.linearize(&evaluation);
     Ok(evaluation)
 }
 
@@ -38,8 +37,8 @@ pub(super) struct Refused {
 }
 
 impl From<Rejected> for Refused {
-    fn from(Rejected(reason): Rejected) -> Self {
-        Self { reason, objective: None, is_mold: false }
+    fn from(Rejected { why, .. }: Rejected) -> Self {
+        Self { reason: why, objective: None, is_mold: false }
     }
 }
 
@@ -69,13 +68,13 @@ impl Refused {
     }
 }
 
-/// u + t du of each scenario, or u without a prediction.
-pub(super) fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>, t: f64) -> Vec<Vec<f64>> {
+/// u + du of each scenario, or u without a prediction.
+pub(super) fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
     let one = |(i, run): (usize, &Run)| {
-        let u = run.states.last().into_owned();
+        let u = run.states.last();
         match predicted {
-            None => u,
-            Some(all) => u.iter().zip(&all[i]).map(|(u, d)| u + t * d).collect(),
+            None => u.into_owned(),
+            Some(all) => along(&u, &all[i], 1.0),
         }
     };
     at.runs.iter().enumerate().map(one).collect()

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use measure::quantity::{Equilibrium, Partials, Quantity};
+use measure::quantity::{Partials, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
 
-use super::{Bound, Run, Scenario};
+use super::{Bound, Run, Scenario, Workspaces};
 
 /// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
 /// them.
@@ -23,14 +23,12 @@ pub(super) fn add_partials<'a>(
     terms: impl Iterator<Item = &'a Weighted>,
     run: &Run,
     n: usize,
-    Forces { contact, reaction }: &Forces,
+    forces: &Forces,
     factor: f64,
     out: &mut Partials,
 ) {
-    let (state, time) = (run.states.state(n), run.states.times[n]);
-    let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
-    let threads = &run.problem.energies.windings;
-    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
+    let state = run.states.state(n);
+    let here = run.equilibrium(n, &state, forces);
     for term in terms {
         let factor = factor * term.weight * term.factor * term.factors[n];
         if factor != 0.0 {
@@ -50,40 +48,26 @@ impl Scenario {
         self.terms.iter_mut().zip(weights).for_each(|(term, weight)| term.weight = *weight);
     }
 
-    /// Values of the terms over a run, without factors.
-    pub fn values(&mut self, run: &Run) -> Vec<f64> {
-        self.values_of(run, |_| true)
-    }
-
     /// A run with its terms as they are weighted now.
-    pub fn rated(&mut self, run: &Run) -> Run {
-        let terms = self.terms_of(run);
-        let kept = self.kept_of(run);
-        Run { objective: terms.values().sum(), terms, kept, ..run.clone() }
-    }
-
-    /// Weighted terms over a run, by the user's names.
-    fn terms_of(&mut self, run: &Run) -> BTreeMap<String, f64> {
-        let values = self.values_of(run, |term| term.weight * term.factor != 0.0);
+    pub fn rated(&self, workspaces: &mut Workspaces, run: &Run) -> Run {
+        let is_weighted = |term: &Weighted| term.weight * term.factor != 0.0;
+        let values = self.values(workspaces, run, is_weighted);
         let mut terms = BTreeMap::new();
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
-        terms
+        let kept = self.kept(workspaces, run);
+        Run { objective: terms.values().sum(), terms, kept, ..run.clone() }
     }
 
     /// c of each bound at the end of a run.
-    fn kept_of(&mut self, run: &Run) -> Vec<f64> {
-        let end = run.states.steps();
+    fn kept(&self, workspaces: &mut Workspaces, run: &Run) -> Vec<f64> {
         if self.bounds.is_empty() {
             return Vec::new();
         }
-        let Forces { contact, reaction } = self.forces(run, end);
-        let (state, time) = (run.states.state(end), run.states.times[end]);
-        let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
-        let (contact, reaction) = (&contact, &reaction);
-        let threads = &run.problem.energies.windings;
-        let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
+        let end = run.states.steps();
+        let (state, forces) = (run.states.state(end), self.forces(workspaces, run, end));
+        let at = run.equilibrium(end, &state, &forces);
         let one = |bound: &Bound| match bound.probe() {
             Some(probe) => bound.kept(probe.quantity.value(&at)),
             None => bound.kept(run.slope.unwrap_or(f64::NAN)),
@@ -91,17 +75,17 @@ impl Scenario {
         self.bounds.iter().map(one).collect()
     }
 
-    /// Values over a run of the terms that are wanted, zero of the others.
-    fn values_of(&mut self, run: &Run, wanted: impl Fn(&Weighted) -> bool) -> Vec<f64> {
-        let (rest, states) = (&run.rest[..], &*run.states);
+    /// Values over a run of the terms that are wanted, without weights; zero of the others.
+    pub fn values(
+        &self,
+        workspaces: &mut Workspaces,
+        run: &Run,
+        wanted: impl Fn(&Weighted) -> bool,
+    ) -> Vec<f64> {
         let mut values = vec![0.0; self.terms.len()];
-        for n in 0..=states.steps() {
-            let Forces { contact, reaction } = self.forces(run, n);
-            let (state, time) = (states.state(n), states.times[n]);
-            let (space, u) = (&*run.problem.space, &state.u[..]);
-            let (contact, reaction) = (&contact, &reaction);
-            let threads = &run.problem.energies.windings;
-            let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
+        for n in 0..=run.states.steps() {
+            let (forces, state) = (self.forces(workspaces, run, n), run.states.state(n));
+            let at = run.equilibrium(n, &state, &forces);
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
                 if factor != 0.0 && wanted(term) {
@@ -113,7 +97,7 @@ impl Scenario {
     }
 
     /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
-    pub(super) fn forces(&mut self, run: &Run, n: usize) -> Forces {
+    pub(super) fn forces(&self, workspaces: &mut Workspaces, run: &Run, n: usize) -> Forces {
         let Run { problem, rest, states, .. } = run;
         let looks = |uses: fn(&dyn Quantity) -> bool| {
             let bounds = self.bounds.iter().filter_map(Bound::probe);
@@ -133,7 +117,7 @@ impl Scenario {
             forces.contact = problem.energies.contact_forces(&at);
         }
         if uses_reaction {
-            let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
+            let multipliers = solve_multipliers(problem, &mut workspaces.equilibrium, &at);
             let at = Iterate { multipliers: &multipliers, ..at };
             forces.reaction = problem.gradient(&at).0;
         }
