@@ -15,10 +15,10 @@ use program::{KeyPath, misfit};
 use scene::Scene;
 use scene::config::{DesignConfig, LevelConfig, ShapeConfig, SymmetricConfig};
 
-use super::Patch;
 use super::held::{Flat, Held};
 use super::isometry::Isometry;
 use super::load_map::{LoadMap, LoadVariable};
+use super::patch::Patch;
 use crate::extension::Extension;
 
 /// The map of one level.

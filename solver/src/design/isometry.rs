@@ -102,12 +102,13 @@ impl Isometry {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use mechanics::math::random::Random;
-    use mechanics::testing::{cap, check_gradient, sphere};
+    use mechanics::testing::{cap, sphere};
     use mesh::SurfaceMesh;
     use scene::config::{HandleMotion, Moves};
 
     use super::*;
-    use crate::design::{Held, Patch};
+    use crate::design::held::Held;
+    use crate::design::patch::Patch;
 
     /// Weights of quadratic programs are exact to 1e-8, and the shape moves by about 1.
     const EXACT: f64 = 1e-6;
@@ -199,32 +200,5 @@ mod tests {
         assert_eq!(variables(HandleMotion::Rigid), 3);
         assert_eq!(variables(HandleMotion::Translation), 2);
         assert_eq!(variables(HandleMotion::RigidAndOffset), 4);
-    }
-
-    #[test]
-    fn gradients_are_those_of_first_and_image() {
-        let by = Isometry::of(&symmetric("[\"a\", \"b\"]", MIRROR), 1);
-        let (rest, [first, other]) = pair(&sphere(2), &by);
-        let own = Isometry::own(&symmetric("\"a\"", "turn = { axis = \"z\", angle = 180 }"));
-        let held = Held::default();
-        for moves in motions() {
-            let patch = Patch::new(&rest, &first, held, moves, &own).unwrap();
-            let patches = [patch.image(&by, &rest, &other, held).unwrap(), patch];
-            let moved = |theta: &[f64]| patches.each_ref().map(|patch| patch.apply(theta, &rest));
-            let factor = |i: usize| Vec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 0.3);
-            let value = |theta: &[f64]| -> f64 {
-                let all = moved(theta).concat();
-                all.iter().enumerate().map(|(i, x)| factor(i).dot(x) + 0.5 * x.norm_squared()).sum()
-            };
-            let theta = Random::new(7).numbers(patches[0].variables());
-            let [a, b] = moved(&theta);
-            let bar: Vec<Vec3> =
-                a.iter().chain(&b).enumerate().map(|(i, x)| factor(i) + x).collect();
-            let (of_image, of_first) = bar.split_at(a.len());
-            let parts =
-                [patches[0].vjp(&theta, &rest, of_image), patches[1].vjp(&theta, &rest, of_first)];
-            let gradient: Vec<f64> = parts[0].iter().zip(&parts[1]).map(|(a, b)| a + b).collect();
-            check_gradient(&theta, &gradient, 1e-2, value);
-        }
     }
 }

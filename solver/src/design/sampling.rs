@@ -11,40 +11,18 @@
 //!
 //! Source: Gjoka et al. 2024, section 4.5.
 
-use mechanics::symmetry::Plane;
+use anyhow::{Result, ensure};
 use mesh::{SurfaceMesh, topology};
 
-use super::Geodesics;
+use super::geodesic::Geodesics;
 
 /// Times that every point is placed again.
 const SWEEPS: usize = 5;
 
-/// More points were asked for than there are vertices off the rim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{wanted} handles were asked for, but the surface has only {available} vertices off its rim; \
-     ask for at most {available}"
-)]
-pub struct TooManyHandles {
-    /// Points asked for.
-    pub wanted: usize,
-    /// Vertices off the rim.
-    pub available: usize,
-}
-
-/// Vertex ids on the rim of a surface, ascending.
-pub fn rim(surface: &SurfaceMesh) -> Vec<usize> {
-    let mut rim: Vec<usize> = topology::boundary_edges(&surface.triangles).concat();
-    rim.sort_unstable();
-    rim.dedup();
-    rim
-}
-
-/// The part of the rim of a patch that is in no plane of symmetry; `ids` are its vertices in
-/// the body.
-pub fn open_rim(surface: &SurfaceMesh, ids: &[usize], planes: &[Plane]) -> Vec<usize> {
+/// Vertices on the rim of a surface, ascending; edges that are `open` are none of it.
+pub fn rim(surface: &SurfaceMesh, open: impl Fn(&[usize; 2]) -> bool) -> Vec<usize> {
     let mut edges = topology::boundary_edges(&surface.triangles);
-    edges.retain(|edge| !planes.iter().any(|plane| edge.iter().all(|&v| plane.contains(ids[v]))));
+    edges.retain(|edge| !open(edge));
     let mut rim = edges.concat();
     rim.sort_unstable();
     rim.dedup();
@@ -58,11 +36,13 @@ pub fn spread_points(
     rim: &[usize],
     count: usize,
     images: &dyn Fn(usize) -> Vec<usize>,
-) -> Result<Vec<usize>, TooManyHandles> {
+) -> Result<Vec<usize>> {
     let available = surface.vertices.len() - rim.len();
-    if count > available {
-        return Err(TooManyHandles { wanted: count, available });
-    }
+    ensure!(
+        count <= available,
+        "{count} handles were asked for, but the surface has only {available} vertices off its rim; ask for at most \
+         {available}"
+    );
     let mut sampling = Sampling::new(surface, rim, images);
     for i in 0..count {
         let first = if i == 0 && rim.is_empty() { lowest(surface) } else { sampling.farthest() };
@@ -178,7 +158,7 @@ mod tests {
     #[test]
     fn one_point_lies_in_the_middle_of_a_disk() {
         let plane = square(20, 0.0);
-        let points = spread_points(&plane, &rim(&plane), 1, &alone).unwrap();
+        let points = spread_points(&plane, &rim(&plane, |_| false), 1, &alone).unwrap();
         assert!((plane.vertices[points[0]] - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9);
     }
 
@@ -188,8 +168,8 @@ mod tests {
     fn points_are_spread_evenly_off_the_rim() {
         let surface = cap(4);
         for count in [4, 16, 50] {
-            let points = spread_points(&surface, &rim(&surface), count, &alone).unwrap();
-            let rim = rim(&surface);
+            let points = spread_points(&surface, &rim(&surface, |_| false), count, &alone).unwrap();
+            let rim = rim(&surface, |_| false);
             assert!(points.iter().all(|p| !rim.contains(p)));
             let geodesics = Geodesics::new(&surface);
             let sources = [points.clone(), rim.clone()].concat();
@@ -212,16 +192,20 @@ mod tests {
         let mut two = ball.clone();
         two.vertices.extend(ball.vertices.iter().map(|v| v + 5.0 * Vec3::x()));
         two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + n)));
-        let points = spread_points(&two, &rim(&two), 2, &alone).unwrap();
+        let points = spread_points(&two, &rim(&two, |_| false), 2, &alone).unwrap();
         assert!((points[0] < n) != (points[1] < n));
-        assert_eq!(spread_points(&ball, &rim(&ball), 1, &alone).unwrap(), vec![lowest(&ball)]);
+        assert_eq!(
+            spread_points(&ball, &rim(&ball, |_| false), 1, &alone).unwrap(),
+            vec![lowest(&ball)]
+        );
     }
 
     #[test]
     fn more_points_than_vertices_are_refused() {
         let plane = square(3, 0.0);
-        assert_eq!(spread_points(&plane, &rim(&plane), 4, &alone).unwrap().len(), 4);
-        let error = spread_points(&plane, &rim(&plane), 5, &alone).unwrap_err();
-        assert_eq!(error, TooManyHandles { wanted: 5, available: 4 });
+        assert_eq!(spread_points(&plane, &rim(&plane, |_| false), 4, &alone).unwrap().len(), 4);
+        let error =
+            spread_points(&plane, &rim(&plane, |_| false), 5, &alone).unwrap_err().to_string();
+        assert!(error.contains("only 4 vertices off its rim"), "{error}");
     }
 }

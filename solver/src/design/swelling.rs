@@ -10,7 +10,7 @@ use mesh::measure::mean_edge;
 use mesh::offset::shifts;
 use mesh::{Vec3, topology};
 
-use super::Geodesics;
+use super::geodesic::Geodesics;
 use super::held::{Held, off};
 
 /// Width of the rise at the rim, in mean edges.

@@ -10,10 +10,11 @@ use mesh::io::npy;
 use reports::{Castable, Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
+use super::Run;
 use super::bounds::BoundRow;
 use super::ending::{Rejections, at_the_last};
+use super::lbfgs::Lbfgs;
 use super::trust_region::TrustRegion;
-use super::{Lbfgs, Run};
 
 /// The state after an accepted iteration. Numbers are written so that they are
 /// read back bit for bit.
@@ -94,12 +95,12 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// Before the first solve of the first level.
-    pub fn new(inputs: String, lbfgs: Lbfgs) -> Self {
-        Self { inputs, lbfgs, ..Self::default() }
+    pub fn new(inputs: String) -> Self {
+        Self { inputs, merit: f64::MAX, ..Self::default() }
     }
 
     /// Before the first solve of the level after this one.
-    pub fn next_level(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
+    pub fn next_level(mut self, loads: Vec<f64>) -> Self {
         let endings_before = self.all_endings();
         // The meshes of the levels before stay in the folder, as a part of the result.
         self.files.retain(|name, _| !is_run(name));
@@ -117,12 +118,12 @@ impl Checkpoint {
             first_merit: self.first_merit,
             began_outside: self.began_outside,
             region: self.region.without_model(),
-            ..Self::new(self.inputs, lbfgs)
+            ..Self::new(self.inputs)
         }
     }
 
     /// Before the first solve of the same level on a new mesh of the same shape.
-    pub fn on_new_mesh(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
+    pub fn on_new_mesh(mut self, loads: Vec<f64>) -> Self {
         self.files.retain(|name, _| !is_run(name));
         Self {
             meshed_at: self.iteration,
@@ -130,7 +131,7 @@ impl Checkpoint {
             theta: Vec::new(),
             start: Vec::new(),
             loads,
-            lbfgs,
+            lbfgs: Lbfgs::default(),
             region: self.region.without_model(),
             ..self
         }

@@ -12,18 +12,17 @@ use nalgebra::DMatrix;
 use reports::Castable;
 use scene::config::{OptimizerConfig, OptimizerMethod};
 
-use super::trial::{Refused, ahead, lower};
-use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS};
+use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS, Taken};
 use crate::optimize::bounds::raise;
 use crate::optimize::checkpoint::Checkpoint;
 use crate::optimize::curvature::Curvature;
-use crate::optimize::ending::{End, Rejections};
+use crate::optimize::ending::{End, Refused, Rejections};
 use crate::optimize::kept::KeptRow;
 use crate::optimize::level::Start;
 use crate::optimize::quadratic::{Model, Problem, Row};
 use crate::optimize::trust_region::{TrustRegion, step_within};
 use crate::optimize::vectors::{along, difference};
-use crate::optimize::{Evaluation, Level, Rejected};
+use crate::optimize::{Evaluation, Level, Rejected, Run};
 
 /// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
 const VARIABLES_PER_STEP: usize = 16;
@@ -110,42 +109,33 @@ impl Cascade<'_> {
                     lower(level, &there, level.near(current, &start), wanted)
                 }
             };
-            let outcome = outcome.map(|mut evaluation| {
-                current.forget_tangents();
-                level.linearize(&mut evaluation);
-                evaluation
-            });
             forward_s += clock.elapsed().as_secs_f64();
-            let clock = Instant::now();
-            let outcome = outcome.and_then(|e| {
-                let bounds = level.bound_rows(&there, &e)?;
-                Ok((level.gradient(&there, &e)?, bounds, e))
-            });
-            let gradient_s = clock.elapsed().as_secs_f64();
-            let clock = Instant::now();
-            let mold = match &outcome {
-                Ok((.., evaluation)) => self.verdict(level, evaluation)?,
-                Err(_) => None,
-            };
-            let mold_s = clock.elapsed().as_secs_f64();
-            let outcome = match (&mold, self.requires_mold()) {
-                (Some(Castable::Refused { refused }), true) => Err(Refused::mold(refused)),
-                _ => outcome,
+            let outcome = match outcome {
+                Ok(evaluation) => {
+                    current.forget_tangents();
+                    self.take(level, &there, evaluation)?.map_err(Refused::from)
+                }
+                Err(refused) => Err(refused),
             };
             let refused = match outcome {
-                Ok((new, bounds, evaluation)) => {
-                    let y = difference(&new, &gradient);
-                    let merit = level.merit(&evaluation, &checkpoint.penalties);
+                Ok(Taken { mold: Some(Castable::Refused { refused }), .. })
+                    if self.requires_mold() =>
+                {
+                    Refused::mold(&refused)
+                }
+                Ok(mut taken) => {
+                    taken.forward_s += forward_s;
+                    let merit = level.merit(&taken.evaluation, &checkpoint.penalties);
                     let agreement = (merit - before) / change;
-                    let is_blind = !from_terms && checkpoint.lbfgs.is_empty();
+                    let blind = !from_terms && checkpoint.lbfgs.is_empty();
                     // the length of a step of which nothing was known says nothing
-                    region.judge(if is_blind { 1.0 } else { agreement }, motion);
+                    region.judge(if blind { 1.0 } else { agreement }, motion);
                     if level.map().shape_variables() > 0 {
                         // variables of loads have bounds of their own
                         region.radius = region.radius.min(optimizer.largest_step * edge);
                     }
                     if from_terms {
-                        region.update(&d, &y);
+                        region.update(&d, &difference(&taken.gradient, &gradient));
                     }
                     checkpoint.region = region;
                     let motion = level.map().motion(&theta, &there);
@@ -153,25 +143,19 @@ impl Cascade<'_> {
                     let short = motion < optimizer.first_step * edge;
                     return Ok(Ok(Step {
                         theta: there,
-                        evaluation,
-                        gradient: new,
-                        bounds,
+                        taken,
                         motion,
                         predicted: -change,
                         trials,
                         flat: short && rejections.flat >= FLAT_TRIALS,
                         rejections,
-                        mold,
-                        blind: is_blind,
-                        forward_s,
-                        gradient_s,
-                        mold_s,
+                        blind,
                     }));
                 }
                 Err(refused) => refused,
             };
             log::info!("trial {trials} rejected: {}", refused.reason);
-            rejections.add(refused.had(), &refused.reason);
+            rejections.add(&refused);
             region.radius = motion * refused.shorter(before, dot(&slope, &d));
         }
         let why = format!(
@@ -217,6 +201,35 @@ impl Cascade<'_> {
         let model = model.unwrap_or_else(unknown);
         Ok(Known { model, curvature: None, from_terms: false })
     }
+}
+
+/// The evaluation at θ, if its merit with these penalties is at most `wanted`.
+fn lower(
+    level: &mut Level,
+    theta: &[f64],
+    start: Start,
+    (wanted, penalties): (f64, &[f64]),
+) -> Result<Evaluation, Refused> {
+    let evaluation = level.evaluate(theta, start)?;
+    let objective = level.merit(&evaluation, penalties);
+    // a barrier with a negative weight may be −∞
+    if !(objective.is_finite() && objective <= wanted) {
+        let reason = format!("objective {objective:.6e} is not low enough");
+        return Err(Refused { reason, objective: Some(objective), is_mold: false });
+    }
+    Ok(evaluation)
+}
+
+/// u + du of each scenario, or u without a prediction.
+fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
+    let one = |(i, run): (usize, &Run)| {
+        let u = run.states.last();
+        match predicted {
+            None => u.into_owned(),
+            Some(all) => along(&u, &all[i], 1.0),
+        }
+    };
+    at.runs.iter().enumerate().map(one).collect()
 }
 
 /// The curvature of the objective, where the model has none or an old one.
@@ -328,9 +341,9 @@ fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
 
 /// The step down the gradient of the merit that the constraints and bounds leave.
 fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
-    let (theta, mut gradient) = (&step.theta, step.gradient.clone());
+    let (theta, mut gradient) = (&step.theta, step.taken.gradient.clone());
     let mut kept = level.kept_rows(theta, 0.0);
-    kept.extend(level.bounded(&step.bounds, penalties, &mut gradient));
+    kept.extend(level.bounded(&step.taken.bounds, penalties, &mut gradient));
     kept.retain(|kept| kept.row.c <= level.tolerance(kept));
     let length = norm(&gradient);
     let mut all = rows(level, theta, &kept);
