@@ -218,39 +218,6 @@ impl<'a> Key<'a> {
 mod tests {
     use super::*;
 
-    fn document(text: &str) -> Document {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let path = folder.path().join("scene.json");
-        std::fs::write(&path, text).expect("writable");
-        Document::read(&path).expect("sound")
-    }
-
-    #[test]
-    fn keys_that_nobody_reads_are_named_once() {
-        let text = r#"{"a": {"b": 1, "c": [1, 2], "d": {"e": 5, "f": 6}}, "g": {"h": {"i": 1}},
-            "list": [{"id": 1, "x": 2}, {"id": 2}], "out": {"log": 1, "deep": {"er": 2}}, "e": {}}"#;
-        let document = document(text);
-        let a = document.root().get("a").expect("there");
-        assert_eq!(a.get("b").expect("there").number().expect("one"), 1.0);
-        a.get("c").expect("there").leave("why");
-        for item in document.root().items_of("list") {
-            let _ = item.get("id").expect("there");
-        }
-        let reasons = [("/out", "own files"), ("/list/*/x", "no x"), ("/a/d/e", "no e")];
-        let expected = [
-            ("/a/c", "why"),
-            ("/a/d/e", "no e"),
-            ("/a/d/f", "unknown key"),
-            ("/e", "unknown key"),
-            ("/g", "unknown key"),
-            ("/list/0/x", "no x"),
-            ("/out/deep/er", "own files"),
-            ("/out/log", "own files"),
-        ];
-        let expected = expected.map(|(key, why)| (key.to_owned(), why.to_owned()));
-        assert_eq!(document.left(&reasons), expected.into());
-    }
-
     #[test]
     fn what_is_no_json_object_is_refused() {
         let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,32 +1,56 @@
 //! A part of the boundary that a design moves.
 
-use anyhow::{Result, bail};
+use anyhow::{Result, ensure};
 use mesh::{Vec3, topology};
 use scene::config::Moves;
 
 use super::handles::{Handles, sample_handles};
 use super::held::Held;
 use super::isometry::Isometry;
-use super::swelling::Swelling;
+use super::swelling;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
 pub enum Patch {
     /// Rigid motions of handles.
     Handles(Handles),
-    /// The displacement of every vertex off the rim, but none across planes in which it lies.
-    Vertices(FreeVertices),
-    /// How far all of it moves along its normals.
-    Offset(Swelling),
+    /// Motions in proportion to the variables.
+    Linear(Linear),
 }
 
-/// Vertices of a patch that move freely.
+/// v' = v + Σ θ_k d over the ways of a vertex
 #[derive(Clone, Debug)]
-pub struct FreeVertices {
-    /// Vertex ids off the rim, ascending.
+pub struct Linear {
+    /// Vertex ids that move, ascending.
     vertices: Vec<usize>,
-    /// Index of the vertex and direction of each variable.
-    ways: Vec<(usize, Vec3)>,
+    variables: usize,
+    /// Index of the vertex, that of the variable, and d.
+    ways: Vec<(usize, usize, Vec3)>,
+    /// It is one distance along the normals.
+    is_offset: bool,
+}
+
+impl Linear {
+    /// The displacement of every vertex off the rim, but none across planes in which it lies.
+    fn free(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
+        let (surface, ids) = topology::submesh(rest, facets);
+        let rim = held.rim(&surface, &ids);
+        let free = (0..ids.len()).filter(|v| rim.binary_search(v).is_err());
+        let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
+        let directions =
+            |(i, &v): (usize, &usize)| held.directions(v).1.into_iter().map(move |d| (i, d));
+        let ways = vertices.iter().enumerate().flat_map(directions).enumerate();
+        let ways: Vec<_> = ways.map(|(variable, (i, d))| (i, variable, d)).collect();
+        Self { vertices, variables: ways.len(), ways, is_offset: false }
+    }
+
+    /// How far all of it moves along its normals.
+    fn offset(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
+        let (vertices, moves): (Vec<usize>, Vec<Vec3>) =
+            swelling::moves(rest, facets, held).unzip();
+        let ways = moves.into_iter().enumerate().map(|(i, d)| (i, 0, d)).collect();
+        Self { vertices, variables: 1, ways, is_offset: true }
+    }
 }
 
 impl Patch {
@@ -38,23 +62,13 @@ impl Patch {
         moves: Moves,
         own: &[Isometry],
     ) -> Result<Self> {
-        if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, facets, held, count, own)?;
-            return Ok(Self::Handles(handles.with(motion)));
-        }
-        if moves == Moves::Offset {
-            return Ok(Self::Offset(Swelling::new(rest, facets, held)));
-        }
-        let (surface, ids) = topology::submesh(rest, facets);
-        let rim = held.rim(&surface, &ids);
-        let free = (0..ids.len()).filter(|v| rim.binary_search(v).is_err());
-        let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
-        let of_vertex = |(i, &v): (usize, &usize)| {
-            let (_, free) = held.directions(v);
-            free.into_iter().map(move |direction| (i, direction))
-        };
-        let ways = vertices.iter().enumerate().flat_map(of_vertex).collect();
-        Ok(Self::Vertices(FreeVertices { vertices, ways }))
+        Ok(match moves {
+            Moves::Handles(count, motion) => {
+                Self::Handles(sample_handles(rest, facets, held, count, own)?.with(motion))
+            }
+            Moves::Offset => Self::Linear(Linear::offset(rest, facets, held)),
+            Moves::Vertices => Self::Linear(Linear::free(rest, facets, held)),
+        })
     }
 
     /// The image of this patch by an isometry, with the same variables; `rest`, `facets` and `held` are those of the image.
@@ -67,9 +81,12 @@ impl Patch {
     ) -> Result<Self> {
         match self {
             Self::Handles(handles) => Ok(Self::Handles(handles.image(by, rest, facets, held)?)),
-            Self::Offset(_) => Ok(Self::Offset(Swelling::new(rest, facets, held))),
-            Self::Vertices(_) => {
-                bail!("vertices that move freely have no images; expected handles or an offset")
+            Self::Linear(linear) => {
+                ensure!(
+                    linear.is_offset,
+                    "vertices that move freely have no images; expected handles or an offset"
+                );
+                Ok(Self::Linear(Linear::offset(rest, facets, held)))
             }
         }
     }
@@ -78,8 +95,7 @@ impl Patch {
     pub fn variables(&self) -> usize {
         match self {
             Self::Handles(handles) => handles.variables(),
-            Self::Vertices(free) => free.ways.len(),
-            Self::Offset(_) => 1,
+            Self::Linear(linear) => linear.variables,
         }
     }
 
@@ -87,8 +103,7 @@ impl Patch {
     pub fn vertices(&self) -> &[usize] {
         match self {
             Self::Handles(handles) => handles.vertices(),
-            Self::Vertices(free) => &free.vertices,
-            Self::Offset(swelling) => &swelling.vertices,
+            Self::Linear(linear) => &linear.vertices,
         }
     }
 
@@ -97,10 +112,9 @@ impl Patch {
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
         match self {
             Self::Handles(handles) => handles.apply(theta, rest),
-            Self::Offset(swelling) => swelling.apply(theta[0], rest),
-            Self::Vertices(free) => {
-                let mut moved: Vec<Vec3> = free.vertices.iter().map(|&v| rest[v]).collect();
-                free.ways.iter().zip(theta).for_each(|((i, way), d)| moved[*i] += *d * way);
+            Self::Linear(Linear { vertices, ways, .. }) => {
+                let mut moved: Vec<Vec3> = vertices.iter().map(|&v| rest[v]).collect();
+                ways.iter().for_each(|(i, k, d)| moved[*i] += theta[*k] * d);
                 moved
             }
         }
@@ -110,8 +124,11 @@ impl Patch {
     pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
             Self::Handles(handles) => handles.vjp(theta, rest, bar),
-            Self::Offset(swelling) => vec![swelling.vjp(bar)],
-            Self::Vertices(free) => free.ways.iter().map(|(i, way)| way.dot(&bar[*i])).collect(),
+            Self::Linear(linear) => {
+                let mut by = vec![0.0; linear.variables];
+                linear.ways.iter().for_each(|(i, k, d)| by[*k] += d.dot(&bar[*i]));
+                by
+            }
         }
     }
 }
@@ -183,7 +200,7 @@ mod tests {
     /// Of all kinds, alone and with an image beside them.
     #[test]
     fn gradients_are_exact() {
-        let n = 4;
+        let n = 3;
         let by: SymmetricConfig =
             toml::from_str("of = ['a', 'b']\nmirror = { axis = 'x', at = 2 }").unwrap();
         let by = Isometry::of(&by, 1);

@@ -54,7 +54,7 @@ impl Level {
         if self.map().moving().is_empty() {
             return Vec::new();
         }
-        let mut gaps = self.path().gaps(&self.map().surface(theta), motion);
+        let mut gaps = self.path.gaps(&self.map().surface(theta), motion);
         gaps.iter_mut().for_each(|gap| gap.value *= MOST_CLOSED);
         self.as_rows(theta, None, gaps)
     }

@@ -87,7 +87,8 @@ pub struct Level {
     /// The body at θ = 0.
     pub body: Body,
     pub(super) map: DesignMap,
-    path: RestPath,
+    /// The surface on the way to another shape.
+    pub(super) path: RestPath,
     pub(super) scenarios: Vec<Scenario>,
     /// Of each scenario.
     pub(super) workspaces: Vec<Workspaces>,
@@ -136,11 +137,6 @@ impl Level {
     /// What the rest shape keeps to.
     pub fn constraints(&self) -> &[Constraint] {
         &self.constraints
-    }
-
-    /// The surface on the way to another shape.
-    pub fn path(&self) -> &RestPath {
-        &self.path
     }
 
     /// From variables to rest shape and loads.
@@ -417,11 +413,6 @@ impl Level {
         let least = validity::smallest_of_trials(&self.body.mesh.vertices, tets);
         let found = validity::check_volumes(&self.map.shape(theta), tets, least);
         found.map_err(Rejected::new)
-    }
-
-    /// The solution's grid of the first scenario for ParaView.
-    pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
-        at.runs[0].grid()
     }
 
     /// Surfaces that have passed through each other at the end of a scenario.

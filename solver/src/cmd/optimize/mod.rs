@@ -319,8 +319,8 @@ fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
             log::warn!("the design cannot be cast; the last shape that can is {castable}");
         }
     }
-    let (level, evaluation) = &finished.last;
-    vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;
+    let evaluation = &finished.last.1;
+    vtu::write_vtu(&folder.join("result.vtu"), &evaluation.runs[0].grid())?;
     write_pressures(folder, finished)?;
     write_parameters(folder, finished)
 }

@@ -9,7 +9,8 @@ use mechanics::math::linear::dot;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::terms::{Forces, add_partials};
+use super::run::Forces;
+use super::terms::add_partials;
 use super::{Rejected, Run, Scenario, Workspaces};
 use crate::optimize::vectors::difference;
 

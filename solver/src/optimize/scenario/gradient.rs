@@ -6,7 +6,8 @@ use mechanics::element::FunctionSpace;
 use mesh::Vec3;
 use scene::Weighted;
 
-use super::terms::{Forces, add_partials};
+use super::run::Forces;
+use super::terms::add_partials;
 use super::{Bound, Rejected, Run, Scenario, Workspaces};
 
 impl Scenario {

@@ -12,9 +12,17 @@ use mechanics::forward::{Linearizations, Problem, State, Trajectory};
 use mesh::Vec3;
 
 use super::Scenario;
-use super::terms::Forces;
 use crate::report::crossing::Crossing;
 use crate::report::results::{displacements, grid_with_fields};
+
+/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
+/// them.
+pub(super) struct Forces {
+    /// Forces of contact and friction.
+    pub contact: Vec<f64>,
+    /// Forces of supports.
+    pub reaction: Vec<f64>,
+}
 
 /// A run and its objective.
 #[derive(Clone)]

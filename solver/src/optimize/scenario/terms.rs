@@ -7,16 +7,8 @@ use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
 
+use super::run::Forces;
 use super::{Bound, Run, Scenario, Workspaces};
-
-/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
-/// them.
-pub(super) struct Forces {
-    /// Forces of contact and friction.
-    pub contact: Vec<f64>,
-    /// Forces of supports.
-    pub reaction: Vec<f64>,
-}
 
 /// Adds the partial derivatives of some terms, times a factor, by what they look at in a moment.
 pub(super) fn add_partials<'a>(
