@@ -98,9 +98,6 @@ pub struct OptimizerConfig {
     pub largest_step: f64,
     /// A level ends when the objective falls by less than this fraction in each of two iterations, one after the other [1].
     pub stagnation: f64,
-    /// A level ends when its last two iterations gain less per Newton iteration than this fraction
-    /// of what the level gained [1].
-    pub least_rate: f64,
     /// A level ends when the norm of the gradient falls below this fraction of that
     /// at its start [1].
     pub gradient_tolerance: f64,
@@ -121,7 +118,6 @@ impl Default for OptimizerConfig {
             first_step: 0.5,
             largest_step: 3.0,
             stagnation: 0.0,
-            least_rate: 0.0,
             gradient_tolerance: 0.0,
             time_limit: None,
             state_memory: 4e9,
@@ -146,12 +142,6 @@ pub enum OptimizerMethod {
 pub struct ShapeConfig {
     /// Tags whose vertices move; their rims stay.
     pub on: Names,
-    /// What vertices inside the body do.
-    #[serde(default)]
-    pub interior: Interior,
-    /// How handles are spread over a tag.
-    #[serde(default)]
-    pub spread: Spread,
     /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
     #[serde(default)]
     pub margin: f64,
@@ -233,29 +223,6 @@ pub enum Axis {
     Z,
 }
 
-/// How handles are spread over a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Spread {
-    /// Each as far from the others as can be.
-    #[default]
-    RePick,
-    /// Each in the middle of its cell.
-    Lloyd,
-}
-
-/// Vertices inside the body when its boundary moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Interior {
-    /// Follow the boundary, and the gradient accounts for it.
-    #[default]
-    Extended,
-    /// Follow the boundary, but the gradient takes them as fixed, as the published
-    /// one does; for comparison.
-    Frozen,
-}
-
 impl DesignConfig {
     /// Reads and checks a design file.
     pub fn read(path: &Path) -> Result<Self> {
@@ -314,7 +281,6 @@ impl DesignConfig {
             first_step: level.first_step.unwrap_or(own.first_step),
             largest_step: level.largest_step.unwrap_or(own.largest_step),
             stagnation: level.stagnation.unwrap_or(own.stagnation),
-            least_rate: level.least_rate.unwrap_or(own.least_rate),
             gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
             time_limit: level.time_limit.or(own.time_limit),
             state_memory: own.state_memory,
@@ -447,7 +413,6 @@ impl OptimizerConfig {
         for (key, value) in [
             ("first_step", self.first_step),
             ("stagnation", self.stagnation),
-            ("least_rate", self.least_rate),
             ("gradient_tolerance", self.gradient_tolerance),
             ("time_limit", self.time_limit.unwrap_or(0.0)),
             ("state_memory", self.state_memory),

@@ -57,9 +57,6 @@ pub struct LevelConfig {
     pub stagnation: Option<f64>,
     /// In place of the design's.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub least_rate: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gradient_tolerance: Option<f64>,
     /// In place of the design's [s].
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -11,12 +11,11 @@ use mechanics::forward::about;
 use mechanics::math::linear::dot;
 use mechanics::math::random::Random;
 use program::{Changes, Heartbeat, Unusable};
-use scene::ObjectiveBuilder;
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
-use super::optimize::{Problem, read};
-use crate::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
+use super::optimize::Problem;
+use crate::optimize::{Evaluation, Level, Parameter, Perturbed};
 
 /// How often the test of a term is repeated with steps of a quarter of the length, while
 /// its slope is not accepted.
@@ -63,36 +62,24 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Problem { file, design, scene } =
-        read(&arguments.design, &arguments.mesh, &arguments.changes)?;
-    let objectives =
-        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
+    let problem = Problem::read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let (design, scene) = (&problem.design, &problem.scene);
+    let objectives = problem.objectives()?;
     let mut settings = design.levels()[0].clone();
     if let Some(handles) = arguments.handles {
         let (handles, vertices) =
             (HandlesConfig::Each(handles as usize), VerticesConfig::default());
         settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
-    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
-        .map_err(|error| file.place(error))?;
-    let theta = vec![0.0; level.variables()];
-    level
-        .admit(&level.body.mesh.vertices)
-        .context("the starting shape")
-        .map_err(|error| file.place(error))?;
-    let start = level.evaluate(&theta, Start::Rest).map_err(|e| {
-        Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
-    })?;
-    let start = level.weigh(&design.objective, start).map_err(|error| file.place(error))?;
+    let (mut level, start) = problem.start(&objectives, &settings)?;
     log::info!(
         "{} variables, J {:.8e}; a run takes about {}",
-        theta.len(),
+        level.variables(),
         start.objective,
         about(start.forward_s)
     );
-    let perturbed =
-        Perturbed { scene: &scene, design: &design, settings: &settings, objectives: &objectives };
-    let mut parameters = Parameter::of(&scene, &level, &design);
+    let perturbed = Perturbed { scene, design, settings: &settings, objectives: &objectives };
+    let mut parameters = Parameter::of(scene, &level, design);
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
     let swept = sweeps(&mut level, &start)?;
@@ -105,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for parameter in &parameters {
         let gradients: BTreeMap<&str, Vec<f64>> = swept
             .iter()
-            .map(|(name, swept)| (name.as_str(), parameter.gradient(&scene, &level, swept)))
+            .map(|(name, swept)| (name.as_str(), parameter.gradient(scene, &level, swept)))
             .collect();
         let count = parameter.count(&level);
         let mut case = Case {
