@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: pump gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -82,6 +82,8 @@ finger-wound: build/finger/wound/done  ## design the finger with thread around i
 gripper-authors: build/gripper-authors/baseline/report.json  ## the gripper of Gjoka et al. from their surface and selections on, simulated (needs their files)
 
 worm-authors: build/worm-authors/baseline/report.json  ## the worm of Gjoka et al. likewise
+
+pump: build/pump/done  ## fill the blank's finger by a regulator through a thin line, and by a syringe
 
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
 

@@ -192,6 +192,23 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
 
+# Two strokes of a pump through a thin line, and water from a syringe, on the mesh of the blank.
+build/pump/baseline/report.json: $(call source,pipelines/pump/sim.toml) build/blank/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/pump/syringe/report.json: $(call source,pipelines/pump/sim.syringe.toml) build/blank/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/pump/pictures/strokes.svg: build/pump/baseline/report.json | setup
+	$(BIN)/solver plot $< --x t --y "chambers.cavity.pressure*1e-3,probes.bending*0.1" --labels "pressure [kPa],bending [10°]" \
+		--x-title "time [s]" --y-title "pressure, bending" -o $@
+
+build/pump/pictures/syringe.svg: build/pump/syringe/report.json | setup
+	$(BIN)/solver plot $< --x "load*3" --y "chambers.cavity.pressure*1e-3" --labels water \
+		--x-title "volume that left the syringe [mL]" --y-title "gauge pressure [kPa]" -o $@
+
+build/pump/report.html: $(addprefix build/pump/pictures/,strokes.svg syringe.svg)
+
 # The wound actuator with its thread alone and with its paper alone, on the same mesh, beside the balance of moments.
 WOUND := build/fibre/baseline build/fibre/thread build/fibre/bare
 
