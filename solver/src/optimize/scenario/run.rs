@@ -44,17 +44,10 @@ impl Run {
         &'a self,
         n: usize,
         state: &'a State,
-        Forces { contact, reaction }: &'a Forces,
+        forces: &'a Forces,
     ) -> Equilibrium<'a> {
-        Equilibrium {
-            space: &self.problem.space,
-            rest: &self.rest,
-            u: &state.u,
-            time: self.states.times[n],
-            contact,
-            reaction,
-            energies: &self.problem.energies,
-        }
+        let at = self.problem.iterate(&self.rest, &state.u, self.states.times[n]);
+        Equilibrium::new(&self.problem, &at, forces)
     }
 
     /// Looks at the end of the run.

@@ -4,16 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::Result;
-use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Configuration, Failure, Linearizations, Newton, Problem, Stepping, TimeStepper, Trajectory,
-    follow, solve_from, solve_multipliers,
+    Failure, Linearizations, Newton, Problem, Stepping, TimeStepper, Trajectory, follow,
 };
 use mesh::Vec3;
 use program::Heartbeat;
 
 use super::{NotReached, Rejected, Run, Scenario, Workspaces};
 use crate::report::failure::inverted;
+use crate::run::next_to::next_to;
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
@@ -212,31 +211,21 @@ impl Scenario {
         rest: &[Vec3],
         u: &[f64],
     ) -> Result<Solved, Rejected> {
-        let (time, workspace) = (self.times[0], &mut workspaces.equilibrium);
-        let step = Arc::new(self.one_step(problem, rest, u).step(problem, rest, 1));
-        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
-        let multipliers = solve_multipliers(problem, workspace, &at);
-        let start = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
         let newton = Newton {
             iterations: NEARBY,
             ballooned: Some(BALLOONED_NEARBY),
             ..self.stepping.newton
         };
-        let solution = solve_from(problem, workspace, &start, &newton).map_err(|failure| {
-            match inverted(&problem.space, rest, u) {
-                Some(said) if matches!(failure, Failure::Inadmissible) => {
-                    self.reject(format!("foreseen from the step before, {said}"))
-                }
-                _ => self.reject(failure),
+        let (workspace, on) = (&mut workspaces.equilibrium, (rest, self.times[0]));
+        let found = next_to(&self.start, (problem, workspace), on, u, &newton);
+        let solution = found.map_err(|failure| match inverted(&problem.space, rest, u) {
+            Some(said) if matches!(failure, Failure::Inadmissible) => {
+                self.reject(format!("foreseen from the step before, {said}"))
             }
+            _ => self.reject(failure),
         })?;
-        Ok((self.one_step(problem, rest, &solution.u), solution.newton_iterations))
-    }
-
-    /// The run to a displacement in one step.
-    fn one_step(&self, problem: &Problem, rest: &[Vec3], u: &[f64]) -> Trajectory {
         let mut run = Trajectory::begin(&self.start, self.state_memory);
-        run.push_displacement(problem, rest, self.times[0], u);
-        run
+        run.push_displacement(problem, rest, self.times[0], &solution.u);
+        Ok((run, solution.newton_iterations))
     }
 }
