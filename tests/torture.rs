@@ -124,21 +124,6 @@ fn links_and_pipes_in_all_folders_of_results() {
     }
 }
 
-/// Whatever the system grants, a program ends by itself and says why.
-#[test]
-fn small_memory() {
-    for job in JOBS {
-        for kib in [30_000, 100_000, 200_000] {
-            let dir = (job.workdir)();
-            let end = child::run(job.after(&dir, &format!("ulimit -v {kib}")));
-            // where not even the libraries of the system can be loaded, it says so with 127
-            let end = end.and_then(|end| end.expect(&[0, 1, 2, 127]).map(|()| end));
-            let end = end.unwrap_or_else(|what| panic!("{}, {kib} KiB: {what}", job.name));
-            assert!(end.code == Some(0) || !end.said.is_empty(), "{}, {kib} KiB", job.name);
-        }
-    }
-}
-
 #[test]
 #[ignore = "five minutes, or as long as TORTURE_SECONDS says: make torture"]
 fn as_long_as_asked() {

@@ -55,15 +55,6 @@ pub fn remove_unfinished() -> impl Sized {
     paths
 }
 
-/// Removes the files that are unfinished, unless one is just being made, without asking for memory.
-pub fn remove_unfinished_files() {
-    if let Ok(paths) = PATHS.try_lock() {
-        for path in paths.iter() {
-            let _stays_if_it_must = std::fs::remove_file(path);
-        }
-    }
-}
-
 /// Removes the unfinished files that a killed program left in a folder whose only writer this is.
 pub fn remove_litter(folder: &Path) {
     sweep(folder, Duration::ZERO);
