@@ -141,7 +141,7 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
         laid += (b - a).norm();
     }
     assert!(laid > 100.0, "{laid} mm");
-    let sheet = dir.text("mold/cast.md");
+    let sheet = dir.text("mold/cast.html");
     assert!(sheet.contains("A groove of 1.10 mm and 1.00 mm depth guides the thread"), "{sheet}");
     assert!(sheet.contains("The knots go into the pits"), "{sheet}");
     // A casting without the groove does not pass.
@@ -175,10 +175,10 @@ fn grooves_that_cannot_be_made_are_refused() {
     let field = MOLD.replace("\"plane\"", "\"height-field\"").replace("offset = 0.02\n", "");
     for (config, code, words) in [
         (MOLD.replace("wound = \"out/report.json\"\n", ""), 2, "[groove] without wound"),
-        (MOLD.replace("thread = 1e-3", "thread = 1"), 2, "groove.thread is 1"),
-        (MOLD.replace("thread = 1e-3", "depth = 1e-3"), 2, "groove.thread is 0"),
-        (MOLD.to_owned() + "draft = 60\n", 2, "groove.draft is 60"),
-        (MOLD.to_owned() + "knot = 0.5\n", 2, "groove.knot is 0.5"),
+        (MOLD.replace("thread = 1e-3", "thread = 1"), 2, "[groove]: thread = 1 m"),
+        (MOLD.replace("thread = 1e-3", "depth = 1e-3"), 2, "missing field `thread`"),
+        (MOLD.to_owned() + "draft = 60\n", 2, "[groove]: draft = 60"),
+        (MOLD.to_owned() + "knot = 0.5\n", 2, "[groove]: knot = 0.5"),
         (MOLD.to_owned() + "on = [\"skin\"]\n", 2, "no facet has the tag \"skin\""),
         (MOLD.to_owned() + "on = [\"tip\"]\n", 2, "lies on none of tip"),
         (field, 1, "shells which part on a plane"),

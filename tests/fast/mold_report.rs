@@ -80,7 +80,7 @@ fn the_casting_sheet_says_how_to_wind() {
         .output()
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let first = dir.text("first/cast.md");
+    let first = dir.text("first/cast.html");
     assert!(first.contains("Leave the core inside") && !first.contains("Glue the tube"), "{first}");
     dir.write("around.toml", "around = \"body.msh\"\n");
     let run = dir
@@ -99,10 +99,10 @@ fn the_casting_sheet_says_how_to_wind() {
     check_mold(&report);
     let length = report["threads"][0]["length"].as_f64().unwrap();
     assert!((length / 28.0 - 1.0).abs() < 1e-6, "{length}");
-    let sheet = dir.text("mold/cast.md");
+    let sheet = dir.text("mold/cast.html");
     for words in [
-        "0.2 m of thread that bears 5.0 N (`seam`)",
-        "Lay the thread `seam` on `top`",
+        "0.2 m of thread that bears 5.0 N (<code>seam</code>)",
+        "Lay the thread <code>seam</code> on <code>top</code>",
         "28 mm, without slack",
     ] {
         assert!(sheet.contains(words), "{words}: {sheet}");

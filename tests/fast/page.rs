@@ -48,8 +48,9 @@ fn results() -> Workdir {
     run(&dir, "fab", &mold).assert_good();
     let checks = run(&dir, "fab", &["verify", "--all", "out/mold"]).stdout;
     dir.write("out/mold.checks.txt", &format!("{checks}FAIL  {HOSTILE}  0  1\n"));
-    let sheet = dir.text("out/mold/cast.md");
-    dir.write("out/mold/cast.md", &format!("{sheet}\n\n{HOSTILE}\n\n[x](javascript:alert(1))\n"));
+    let mut sheet = dir.json("out/mold/cast.json");
+    sheet["steps"][0] = HOSTILE.into();
+    dir.write("out/mold/cast.json", &sheet.to_string());
     dir
 }
 
@@ -315,7 +316,7 @@ fn links(browser: &mut Chromium, dir: &Workdir) {
     );
     let all: Vec<&str> = all.as_array().unwrap().iter().map(|p| p.as_str().unwrap()).collect();
     assert!(all.iter().all(|path| Path::new(path).is_file()), "{all:#?}");
-    for file in [&format!("out/{RUN}/curve.csv"), "out/mold/base.stl", "out/mold/cast.pdf"] {
+    for file in [&format!("out/{RUN}/curve.csv"), "out/mold/base.stl", "out/mold/cast.html"] {
         let there = all.iter().any(|path| Path::new(path) == dir.path(file));
         let none = !dir.path(file).is_file();
         assert!(there || none, "{file} of {all:#?}");

@@ -11,7 +11,7 @@ use crate::survey::{Survey, entries, name};
 /// What files are for, in the order in which they are listed: the group, and the ends of their names.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("for the printer", &[".3mf", ".stl", ".ini"]),
-    ("for the bench", &[".pdf", "cast.md", ".svg", "exploded.png", "assembled.png"]),
+    ("for the bench", &["cast.html", ".svg", "exploded.png", "assembled.png"]),
     ("numbers", &["curve.csv", "history.jsonl", "pressures.toml", "parameters.toml"]),
     ("what was found", &["report.json", "plan.json", "mold.json", "cast.json", ".checks.txt"]),
     ("the body", &["design.msh", "model.stl", "model.json"]),
@@ -142,9 +142,14 @@ mod tests {
             std::fs::write(path, text).unwrap();
         };
         write("mold/plan.json", r#"{"molds": [{"folder": "."}]}"#);
-        for name in
-            ["mold.json", "upper.stl", "upper.3mf", "cast.pdf", "reference/cast.stl", ".hidden.tmp"]
-        {
+        for name in [
+            "mold.json",
+            "upper.stl",
+            "upper.3mf",
+            "cast.html",
+            "reference/cast.stl",
+            ".hidden.tmp",
+        ] {
             write(&format!("mold/{name}"), "{}");
         }
         write("run/report.json", "{}");
@@ -158,7 +163,7 @@ mod tests {
         let expected = [
             "mold/upper.3mf",
             "mold/upper.stl",
-            "mold/cast.pdf",
+            "mold/cast.html",
             "run/curve.csv",
             "mold/mold.json",
             "mold/plan.json",
