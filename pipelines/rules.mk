@@ -120,13 +120,10 @@ endef
 $(eval $(call figure,,--x-title "accepted shapes"))
 $(eval $(call figure,-time,--x time_s*0.0166667 --x-title "computing time [min]"))
 
-# The optimised frog, designed further for walls that are off, and both with walls that are.
+# The optimised frog, designed further for walls that are off.
 build/frog/robust/report.json: $(call source,pipelines/frog/design.robust.toml pipelines/frog/sim.robust.toml) \
 		build/frog/optimize/report.json | setup
 	$(BIN)/solver optimize $< -o $(@D)
-
-build/frog/tolerance/%/tolerance.json: build/frog/%/report.json | setup
-	$(BIN)/fab tolerance $(<D)/design.msh --scene pipelines/frog/sim.toml --printer prusa-mk4 -o $(@D)
 
 THROAT = scenarios.$(1).mean_displacement.throat*1e3
 build/frog/pictures/robust.svg: build/frog/robust/report.json | setup
@@ -138,8 +135,7 @@ build/frog/pictures/robust.png: build/frog/robust/report.json | setup
 	$(BIN)/cad2fem picture build/frog/optimize/design.msh $(<D)/design.msh $(SECTION) \
 		--captions "optimised,robust" --title "frog, at rest" -o $@
 
-build/frog/robust/done: $(foreach d,optimize robust,build/frog/tolerance/$(d)/tolerance.json) \
-		$(addprefix build/frog/pictures/,robust.svg robust.png)
+build/frog/robust/done: $(addprefix build/frog/pictures/,robust.svg robust.png)
 	@touch $@
 
 build/finger/pictures/target.png: build/finger/baseline/report.json build/finger/optimized/report.json | setup
@@ -149,16 +145,13 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 
 build/finger/report.html: build/finger/pictures/target.png
 
-# The finger wound with thread: its design, how far it is from ballooning, walls that are off, and its mold.
+# The finger wound with thread: its design, how far it is from ballooning, and its mold.
 build/finger/wound/report.json: $(call seen,$(patsubst %,pipelines/finger/%.toml,design design.wound sim sim.wound)) \
 		build/finger/tagged.msh | setup
 	$(BIN)/solver optimize pipelines/finger/design.wound.toml -o $(@D)
 
 build/finger/wound/inflated/report.json: build/finger/wound/report.json
 	$(BIN)/solver simulate pipelines/finger/sim.wound.toml --mesh $(<D)/design.msh --curve -o $(@D)
-
-build/finger/wound/tolerance/tolerance.json: build/finger/wound/report.json
-	$(BIN)/fab tolerance $(<D)/design.msh --scene pipelines/finger/sim.wound.toml --printer prusa-mk4 -o $(@D)
 
 build/finger/wound/mold/plan.json: build/finger/wound/inflated/report.json $(call seen,pipelines/finger/mold.toml pipelines/finger/mold.wound.toml)
 	$(BIN)/fab mold build/finger/wound/design.msh --model build/finger/model/model.stl --from build/finger/tagged.msh \
@@ -175,7 +168,7 @@ build/finger/wound/pictures/objective.svg: build/finger/wound/report.json
 	$(BIN)/solver plot $(<D)/history.jsonl --y objective,terms.tip,terms.skin --labels "objective,tip,skin" --log \
 		--x-title "accepted shapes" -o $@
 
-build/finger/wound/done: $(addprefix build/finger/wound/,tolerance/tolerance.json mold.checks.txt pictures/inflated.png pictures/objective.svg)
+build/finger/wound/done: $(addprefix build/finger/wound/,mold.checks.txt pictures/inflated.png pictures/objective.svg)
 	@touch $@
 
 # The PneuNet without the paper in its floor, on the same mesh.

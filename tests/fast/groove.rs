@@ -129,7 +129,7 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
         laid += (b - a).norm();
     }
     assert!(laid > 100.0, "{laid} mm");
-    let sheet = dir.text("mold/cast.md");
+    let sheet = dir.text("mold/cast.html");
     assert!(sheet.contains("A groove of 1.10 mm and 1.00 mm depth guides the thread"), "{sheet}");
     assert!(sheet.contains("The knots go into the pits"), "{sheet}");
     // A casting without the groove does not pass.

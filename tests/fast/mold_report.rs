@@ -72,17 +72,17 @@ fn the_casting_sheet_says_how_to_wind() {
     let words = "mL already; expected the mesh of a body within";
     mold("around = \"body.msh\"\n").assert_refused(1, &[words]);
     mold("[casting]\nfirst_shot = true\n").assert_good();
-    let first = dir.text("mold/cast.md");
+    let first = dir.text("mold/cast.html");
     assert!(first.contains("Leave the core inside") && !first.contains("Glue the tube"), "{first}");
     mold("wound = \"wound/report.json\"\n").assert_good();
     let report = dir.json("mold/mold.json");
     check_mold(&report);
     let length = report["threads"][0]["length"].as_f64().unwrap();
     assert!((length / 28.0 - 1.0).abs() < 1e-6, "{length}");
-    let sheet = dir.text("mold/cast.md");
+    let sheet = dir.text("mold/cast.html");
     for words in [
-        "0.2 m of thread that bears 5.0 N (`seam`)",
-        "Lay the thread `seam` on `top`",
+        "0.2 m of thread that bears 5.0 N (<code>seam</code>)",
+        "Lay the thread <code>seam</code> on <code>top</code>",
         "28 mm, without slack",
     ] {
         assert!(sheet.contains(words), "{words}: {sheet}");

@@ -261,7 +261,7 @@ fn links(browser: &mut Chromium, dir: &Workdir) {
     );
     let all: Vec<&str> = all.as_array().unwrap().iter().map(|p| p.as_str().unwrap()).collect();
     assert!(all.iter().all(|path| Path::new(path).is_file()), "{all:#?}");
-    for file in [&format!("out/{RUN}/curve.csv"), "out/mold/base.stl", "out/mold/cast.pdf"] {
+    for file in [&format!("out/{RUN}/curve.csv"), "out/mold/base.stl", "out/mold/cast.html"] {
         let there = all.iter().any(|path| Path::new(path) == dir.path(file));
         let none = !dir.path(file).is_file();
         assert!(there || none, "{file} of {all:#?}");

@@ -11,7 +11,7 @@ use crate::survey::{Survey, entries, name};
 /// What files are for, in the order in which they are listed: the group, and the ends of their names.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("for the printer", &[".3mf", ".stl", ".ini"]),
-    ("for the bench", &[".pdf", "cast.md", ".svg", "exploded.png", "assembled.png"]),
+    ("for the bench", &["cast.html", ".svg", "exploded.png", "assembled.png"]),
     ("numbers", &["curve.csv", "history.jsonl", "pressures.toml", "parameters.toml"]),
     ("what was found", &["report.json", "plan.json", "mold.json", "cast.json", ".checks.txt"]),
     ("the body", &["design.msh", "model.stl", "model.json"]),

@@ -13,8 +13,8 @@ mod this;
 
 pub use paths::{canonical, portable};
 pub use this::{
-    available_memory, end_now, host, is_changed_by_others, is_sticky, on_interruption, owner,
-    peak_memory, permissions, unblock_in, user,
+    available_memory, host, is_changed_by_others, on_interruption, owner, peak_memory, permissions,
+    unblock_in, user,
 };
 
 /// What asked a program to end.

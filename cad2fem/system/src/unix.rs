@@ -30,11 +30,6 @@ pub fn is_changed_by_others(found: &Metadata) -> bool {
     mode & 0o002 != 0 || (mode & 0o020 != 0 && owner(found) != user())
 }
 
-/// Whether only the owner of a file may rename or remove it in this folder.
-pub fn is_sticky(found: &Metadata) -> bool {
-    found.mode() & 0o1000 != 0
-}
-
 /// From now on `act` is called when the process is asked to end, in a thread of its own. To be called before the first
 /// thread is started. If the system refuses, the process ends as ever, only in less order.
 ///
@@ -66,13 +61,6 @@ pub fn unblock_in(command: &mut Command) {
 /// Those that end a program in order.
 fn signals() -> SigSet {
     [Signal::SIGINT, Signal::SIGTERM].into_iter().collect()
-}
-
-/// Ends the process at once: what is run at the end in order may ask for memory.
-#[allow(unsafe_code, reason = "a function of C, which only ends the process")]
-pub fn end_now(code: i32) -> ! {
-    // SAFETY: it may be called at any time
-    unsafe { nix::libc::_exit(code) }
 }
 
 /// Name of this machine.

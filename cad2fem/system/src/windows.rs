@@ -36,11 +36,6 @@ pub fn is_changed_by_others(_found: &Metadata) -> bool {
     false
 }
 
-/// Whether only the owner of a file may rename or remove it in this folder.
-pub fn is_sticky(_found: &Metadata) -> bool {
-    true
-}
-
 type Act = Box<dyn FnOnce(Interruption) + Send>;
 
 static ACT: Mutex<Option<Act>> = Mutex::new(None);
@@ -69,12 +64,6 @@ unsafe extern "system" fn handle(event: u32) -> i32 {
 
 /// A program that ours runs is interrupted as ours is: nothing has to be done.
 pub fn unblock_in(_command: &mut Command) {}
-
-/// Ends the process at once.
-#[allow(clippy::exit, reason = "the one function of the system for it")]
-pub fn end_now(code: i32) -> ! {
-    std::process::exit(code)
-}
 
 /// Name of this machine.
 pub fn host() -> Option<String> {

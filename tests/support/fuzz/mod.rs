@@ -93,7 +93,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "3mf",
-        read: |b| read(b, "a.3mf", |p| fab::files::threemf::read(p).map(drop)),
+        read: |b| read(b, "a.3mf", |p| mesh::io::threemf::read(p).map(drop)),
         corpus: corpus::threemf,
     },
     Target {

@@ -28,7 +28,7 @@ pub use msh::{MshFile, read_tets, read_tets_of_any_unit, tagged_mesh, write_tets
 pub use open::{create_new, make_folder, open_input, open_to_append};
 pub use standard::{extension, is_standard, read_standard};
 pub use text::{read_own_text, read_text};
-pub use unfinished::{Unfinished, remove_litter, remove_unfinished, remove_unfinished_files};
+pub use unfinished::{Unfinished, remove_litter, remove_unfinished};
 
 use crate::SurfaceMesh;
 

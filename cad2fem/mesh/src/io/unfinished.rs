@@ -48,15 +48,6 @@ pub fn remove_unfinished() -> impl Sized {
     paths
 }
 
-/// Removes the files that are unfinished, unless one is just being made, without asking for memory.
-pub fn remove_unfinished_files() {
-    if let Ok(paths) = PATHS.try_lock() {
-        for path in paths.iter() {
-            let _stays_if_it_must = std::fs::remove_file(path);
-        }
-    }
-}
-
 /// Removes the unfinished files that a killed program left in a folder whose only writer this is.
 /// Litter is no reason to fail: what cannot be read or removed stays.
 pub fn remove_litter(folder: &Path) {
