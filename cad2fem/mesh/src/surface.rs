@@ -1,7 +1,6 @@
 //! Triangle surfaces.
 
 use crate::Vec3;
-use crate::topology::submesh;
 
 /// A triangle surface, open or closed.
 ///
@@ -25,12 +24,6 @@ impl SurfaceMesh {
     pub fn centroid(&self, t: usize) -> Vec3 {
         let [a, b, c] = self.corners(t);
         (a + b + c) / 3.0
-    }
-
-    /// Some of the triangles, with the vertices that they use.
-    pub fn part(&self, triangles: &[usize]) -> Self {
-        let chosen: Vec<_> = triangles.iter().map(|&t| self.triangles[t]).collect();
-        submesh(&self.vertices, &chosen).0
     }
 
     /// Adds the triangles of another surface, with vertices of their own.

@@ -61,18 +61,34 @@ fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
 /// The surface made of `facets` without the vertices they do not use, and for
 /// each of its vertices the index in `vertices`. Vertices keep their order.
 pub fn submesh(vertices: &[Vec3], facets: &[[usize; 3]]) -> (SurfaceMesh, Vec<usize>) {
-    let mut used: Vec<usize> = facets.iter().flatten().copied().collect();
+    let (triangles, used) = renumbered(facets, vertices.len());
+    (SurfaceMesh { vertices: used.iter().map(|&v| vertices[v]).collect(), triangles }, used)
+}
+
+impl SurfaceMesh {
+    /// Some of the triangles, with the vertices that they use.
+    pub fn part(&self, triangles: &[usize]) -> Self {
+        let chosen: Vec<_> = triangles.iter().map(|&t| self.triangles[t]).collect();
+        submesh(&self.vertices, &chosen).0
+    }
+}
+
+impl TetMesh {
+    /// The mesh of other tetrahedra, with the vertices that they use.
+    pub fn with_tets(&self, tets: &[[usize; 4]]) -> Self {
+        let (tets, used) = renumbered(tets, self.vertices.len());
+        Self { vertices: used.iter().map(|&v| self.vertices[v]).collect(), tets }
+    }
+}
+
+/// Cells with the vertices that they use, of `count`, numbered in their order; and those, ascending.
+fn renumbered<const N: usize>(cells: &[[usize; N]], count: usize) -> (Vec<[usize; N]>, Vec<usize>) {
+    let mut used: Vec<usize> = cells.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
-    let mut new_id = vec![usize::MAX; vertices.len()];
-    for (new, &old) in used.iter().enumerate() {
-        new_id[old] = new;
-    }
-    let surface = SurfaceMesh {
-        vertices: used.iter().map(|&v| vertices[v]).collect(),
-        triangles: facets.iter().map(|f| f.map(|v| new_id[v])).collect(),
-    };
-    (surface, used)
+    let mut new_id = vec![usize::MAX; count];
+    used.iter().enumerate().for_each(|(new, &old)| new_id[old] = new);
+    (cells.iter().map(|cell| cell.map(|v| new_id[v])).collect(), used)
 }
 
 /// The three edges of a triangle in its direction.

@@ -1,7 +1,7 @@
 //! The Python that runs the external programs.
 
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Output};
 
 use anyhow::{Context, Result, bail, ensure};
 
@@ -39,11 +39,7 @@ impl Python {
 
     /// Loads a package: libraries of the system that it needs may be missing.
     pub fn import(&self, package: &str) -> Result<()> {
-        let script = "import importlib, sys; importlib.import_module(sys.argv[1])";
-        let output = Command::new(&self.path)
-            .args(["-I", "-c", script, package])
-            .output()
-            .with_context(|| format!("cannot run {}", self.path.display()))?;
+        let output = self.ask("import importlib as m; m.import_module(package)", package)?;
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.trim_end().lines().last().unwrap_or("it says nothing");
         ensure!(output.status.success(), "cannot be loaded: {last}");
@@ -52,11 +48,8 @@ impl Python {
 
     /// The installed version of a package.
     pub fn version_of(&self, package: &str) -> Result<String> {
-        let script = "import importlib.metadata as m, sys; print(m.version(sys.argv[1]))";
-        let output = Command::new(&self.path)
-            .args(["-I", "-c", script, package]) // nothing from the working directory
-            .output()
-            .with_context(|| format!("cannot run {}", self.path.display()))?;
+        let output =
+            self.ask("import importlib.metadata as m; print(m.version(package))", package)?;
         if output.status.success() {
             return Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned());
         }
@@ -65,6 +58,13 @@ impl Python {
              {PYTHON_VARIABLE} to a Python that has it",
             self.path.display()
         )
+    }
+
+    /// Runs a line about a package, with nothing from the working directory.
+    fn ask(&self, line: &str, package: &str) -> Result<Output> {
+        let script = format!("import sys; package = sys.argv[1]; {line}");
+        let output = Command::new(&self.path).args(["-I", "-c", &script, package]).output();
+        output.with_context(|| format!("cannot run {}", self.path.display()))
     }
 }
 

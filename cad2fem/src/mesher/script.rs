@@ -4,7 +4,7 @@
 //! gmsh runs not the script but what was checked, without its comments: it begins anew in the middle of one where it
 //! repeats a loop, and skips what an `If` leaves out without looking at them.
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 
 /// Words that reach outside of the geometry, and what they do (gmsh 4.15, reference manual).
 const WORDS: &[(&str, &[&str])] = &[
@@ -38,7 +38,8 @@ const WORDS: &[(&str, &[&str])] = &[
     ("makes names of commands from text", &["S2N", "StringToName"]),
 ];
 
-/// The script as it may be run.
+/// The script as it may be run. Words are looked for at the ends of longer ones, and in texts: where gmsh skips what an
+/// `If` leaves out, it may begin again in the middle of either.
 pub fn without_reach(script: &[u8]) -> Result<Vec<u8>> {
     let script = without_comments(script)?;
     for (line, text) in (1..).zip(script.split(|&b| b == b'\n')) {
@@ -48,13 +49,10 @@ pub fn without_reach(script: &[u8]) -> Result<Vec<u8>> {
             }
         }
     }
-    let mut line = 1;
-    for statement in script.split(|&b| b == b';') {
-        if redirects(statement) {
-            let blank = statement.iter().take_while(|b| b.is_ascii_whitespace());
-            refuse(line + blank.filter(|&&b| b == b'\n').count(), "Printf(…) >", "writes files")?;
+    for at in (0..script.len()).filter(|&at| script[at..].starts_with(b"Printf")) {
+        if is_redirected(&script[at..]) {
+            refuse(line_after(&script[..at]), "Printf(…) >", "writes files")?;
         }
-        line += statement.iter().filter(|&&b| b == b'\n').count();
     }
     Ok(script)
 }
@@ -63,26 +61,10 @@ pub fn without_reach(script: &[u8]) -> Result<Vec<u8>> {
 fn without_comments(script: &[u8]) -> Result<Vec<u8>> {
     let mut left = Vec::with_capacity(script.len());
     let mut rest = script;
-    while let Some(&first) = rest.first() {
-        let line = 1 + left.iter().filter(|&&b| b == b'\n').count();
-        let end = |from: usize, end: &[u8]| rest[from..].windows(end.len()).position(|w| w == end);
-        let length = match first {
-            b'/' if rest.starts_with(b"//") => end(0, b"\n").unwrap_or(rest.len()),
-            b'/' if rest.starts_with(b"/*") => match end(2, b"*/") {
-                Some(inside) => inside + 4,
-                None => bail!("line {line}: this comment has no end"),
-            },
-            quote @ (b'"' | b'\'') => match end(1, &[quote]) {
-                Some(inside) if !rest[1..=inside].iter().any(u8::is_ascii_control) => inside + 2,
-                _ => bail!("line {line}: this text has no end, or a line break"),
-            },
-            b if b.is_ascii_control() && !b.is_ascii_whitespace() => {
-                bail!("line {line}: it has the control character {b:#04x}")
-            }
-            _ => 1,
-        };
+    while !rest.is_empty() {
+        let length = first(rest).map_err(|what| anyhow!("line {}: {what}", line_after(&left)))?;
         let (token, after) = rest.split_at(length);
-        if token.starts_with(b"//") || token.starts_with(b"/*") {
+        if is_comment(token) {
             left.push(b' ');
             left.extend(token.iter().filter(|&&b| b == b'\n'));
         } else {
@@ -93,26 +75,53 @@ fn without_comments(script: &[u8]) -> Result<Vec<u8>> {
     Ok(left)
 }
 
+/// The number of the line that follows.
+fn line_after(text: &[u8]) -> usize {
+    1 + text.iter().filter(|&&b| b == b'\n').count()
+}
+
+/// The length of the comment, text or other byte that is first.
+fn first(rest: &[u8]) -> Result<usize, String> {
+    let end = |from: usize, end: &[u8]| rest[from..].windows(end.len()).position(|w| w == end);
+    Ok(match rest[0] {
+        b'/' if rest.starts_with(b"//") => end(0, b"\n").unwrap_or(rest.len()),
+        b'/' if rest.starts_with(b"/*") => end(2, b"*/").ok_or("this comment has no end")? + 4,
+        quote @ (b'"' | b'\'') => match end(1, &[quote]) {
+            Some(inside) if !rest[1..=inside].iter().any(u8::is_ascii_control) => inside + 2,
+            _ => return Err("this text has no end, or a line break".into()),
+        },
+        b if b.is_ascii_control() && !b.is_ascii_whitespace() => {
+            return Err(format!("it has the control character {b:#04x}"));
+        }
+        _ => 1,
+    })
+}
+
+fn is_comment(token: &[u8]) -> bool {
+    token.starts_with(b"//") || token.starts_with(b"/*")
+}
+
 fn reach(word: &[u8]) -> Option<&'static str> {
-    let is = |name: &&str| name.as_bytes() == word;
-    let known = WORDS.iter().find(|(_, words)| words.iter().any(|name| is(&name)));
+    let ends = |name: &&str| word.ends_with(name.as_bytes());
+    let known = WORDS.iter().find(|(_, words)| words.iter().any(|name| ends(&name)));
     let path = word.ends_with(b"FileName") && word != b"CurrentFileName";
     known.map(|&(what, _)| what).or(path.then_some("names a file"))
 }
 
-/// Whether a statement prints to a file: there is a `>` behind the arguments of its `Printf`.
-fn redirects(statement: &[u8]) -> bool {
-    let Some(at) = statement.windows(6).position(|word| word == b"Printf") else { return false };
-    let (mut depth, mut quote) = (0, None);
-    for &b in &statement[at..] {
-        match (quote, b) {
-            (Some(open), b) => quote = (b != open).then_some(open),
-            (None, b'"' | b'\'') => quote = Some(b),
-            (None, b'(') => depth += 1,
-            (None, b')') => depth -= 1,
-            (None, b'>') if depth == 0 => return true,
+/// Whether a `Printf`, read as gmsh reads it, prints to a file: there is a `>` behind its arguments. One that cannot be
+/// read stands in a text, and may do anything.
+fn is_redirected(mut rest: &[u8]) -> bool {
+    let mut depth = 0;
+    while !rest.is_empty() {
+        let Ok(length) = first(rest) else { return true };
+        match rest[0] {
+            b'(' => depth += 1,
+            b')' => depth -= 1,
+            b'>' if depth <= 0 => return true,
+            b';' => return false,
             _ => {}
         }
+        rest = &rest[length..];
     }
     false
 }
@@ -140,6 +149,9 @@ mod tests {
             ("General.SessionFileName = \"x\";", "names a file"),
             ("Printf(\"%g\", (a)) > \"x\";", "Printf(…) > writes files"),
             ("Printf(\"a\")>>Str(\"x\");", "Printf(…) > writes files"),
+            ("Printf(\"; //\") // ;\n > \"x\";", "Printf(…) > writes files"),
+            ("a = \" Printf('a') > 'x'; \";", "Printf(…) > writes files"),
+            ("EndIfSystemCall 'touch x';", "SystemCall runs programs"),
             ("S2N[\"SystemCall\"] \"touch x\";", "line 3"),
             ("Macro \"Merge\"", "reads other files"),
             ("\0", "control character"),

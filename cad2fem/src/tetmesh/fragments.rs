@@ -9,7 +9,7 @@
 //! fTetWild left one 0.05 mm high in a chamber; to a mold it is a wall of 0.02 mm.
 
 use mesh::measure::{tet_volume, triangle_area};
-use mesh::topology::{DisjointSets, TET_FACETS, boundary, edge_facets, pinched_vertices, submesh};
+use mesh::topology::{DisjointSets, TET_FACETS, boundary, edge_facets, pinched_vertices};
 use mesh::{TetMesh, Vec3, first_at_place};
 
 /// Largest volume of a fragment, relative to that of the mesh [1].
@@ -32,7 +32,7 @@ pub fn remove_fragments(mesh: &mut TetMesh) -> usize {
     let kept: Vec<_> = tets.filter(|(_, p)| volumes[**p] >= least).map(|(&t, _)| t).collect();
     let removed = mesh.tets.len() - kept.len();
     if removed > 0 {
-        *mesh = without_unused_vertices(mesh, &kept);
+        *mesh = mesh.with_tets(&kept);
     }
     removed
 }
@@ -55,7 +55,7 @@ pub fn remove_spikes(mesh: &mut TetMesh, height: f64) -> usize {
         (0..mesh.tets.len()).filter(|&t| !is_spike(t)).map(|t| mesh.tets[t]).collect();
     let removed = mesh.tets.len() - kept.len();
     if removed > 0 {
-        *mesh = without_unused_vertices(mesh, &kept);
+        *mesh = mesh.with_tets(&kept);
     }
     removed
 }
@@ -82,7 +82,7 @@ pub fn open_pinches(mesh: &mut TetMesh) -> usize {
             break; // nothing touches, or two cavities do
         }
         let tets: Vec<_> = (0..kept.len()).filter(|&t| kept[t]).map(|t| mesh.tets[t]).collect();
-        *mesh = without_unused_vertices(mesh, &tets);
+        *mesh = mesh.with_tets(&tets);
     }
     before - mesh.tets.len()
 }
@@ -92,7 +92,7 @@ fn merge_equal(mesh: &mut TetMesh) {
     let id = first_at_place(&mesh.vertices);
     let mut tets: Vec<[usize; 4]> = mesh.tets.iter().map(|tet| tet.map(|v| id[v])).collect();
     tets.retain(|tet| (1..4).all(|i| !tet[..i].contains(&tet[i])));
-    *mesh = without_unused_vertices(mesh, &tets);
+    *mesh = mesh.with_tets(&tets);
 }
 
 /// The tetrahedra with all of the vertices but for the largest group that facets connect.
@@ -130,14 +130,6 @@ fn pieces(tets: &[[usize; 4]]) -> Vec<usize> {
         pieces.join(pair[0].1, pair[1].1);
     }
     (0..tets.len()).map(|t| pieces.representative(t)).collect()
-}
-
-fn without_unused_vertices(mesh: &TetMesh, tets: &[[usize; 4]]) -> TetMesh {
-    let facets: Vec<_> = tets.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [b, c, d]]).collect();
-    let (used, ids) = submesh(&mesh.vertices, &facets);
-    let mut new_id = vec![usize::MAX; mesh.vertices.len()];
-    ids.iter().enumerate().for_each(|(new, &old)| new_id[old] = new);
-    TetMesh { vertices: used.vertices, tets: tets.iter().map(|t| t.map(|v| new_id[v])).collect() }
 }
 
 #[cfg(test)]

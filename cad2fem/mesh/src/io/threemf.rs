@@ -34,6 +34,9 @@ const LARGEST: u64 = 400 << 20;
 /// Elements and texts of the XML that are read; a triangle of a part has five with its vertices.
 const MOST_NODES: u32 = 30_000_000;
 
+/// Items and components that are followed; a mold has less than a hundred.
+const MOST_COMPONENTS: usize = 10_000;
+
 /// Compositions of compositions that are followed.
 const DEEPEST: usize = 8;
 
@@ -140,7 +143,7 @@ fn parse(text: &str) -> Result<Model, String> {
         .ok_or_else(|| format!("the unit is {unit:?}, which 3MF does not have"))?;
     let objects = model.descendants().filter(|n| n.has_tag_name((CORE, "object")));
     let objects = objects.filter_map(|n| Some((n.attribute("id")?, n))).collect();
-    let mut build = Build { objects, shapes: Vec::new() };
+    let mut build = Build { objects, shapes: Vec::new(), followed: 0 };
     for item in model.descendants().filter(|n| n.has_tag_name((CORE, "item"))) {
         build.follow(item, &Place::at(Vec3::zeros()), DEEPEST)?;
     }
@@ -151,11 +154,17 @@ fn parse(text: &str) -> Result<Model, String> {
 struct Build<'a> {
     objects: BTreeMap<&'a str, Node<'a, 'a>>,
     shapes: Vec<Shape>,
+    /// Items and components.
+    followed: usize,
 }
 
 impl Build<'_> {
     /// Collects the shapes of the object that an item or component names.
     fn follow(&mut self, from: Node, place: &Place, depth: usize) -> Result<(), String> {
+        self.followed += 1;
+        if self.followed > MOST_COMPONENTS {
+            return Err(format!("more than {MOST_COMPONENTS} items and components"));
+        }
         let id = from.attribute("objectid").ok_or("an item or component without objectid")?;
         let object = *self.objects.get(id).ok_or_else(|| format!("object {id} is missing"))?;
         let place = place.after(&parse_transform(from.attribute("transform"))?);

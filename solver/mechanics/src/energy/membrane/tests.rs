@@ -24,8 +24,8 @@ const HELICAL: Direction = Direction::Helical(
     0.6,
 );
 
-/// Step of Taylor tests: no point comes to another state [m].
-const SIZE: f64 = 5e-5;
+/// First steps of Taylor tests: no point comes to another state [m].
+const SIZES: [f64; 2] = [5e-5, 2e-5];
 
 /// What is the same for all points of the sheets: λ₁ and λ₂ in the plane.
 const STRETCHES: [(&str, [f64; 2]); 4] = [
@@ -120,7 +120,7 @@ pub fn samples() -> Vec<Sample> {
             Box::new(own)
         };
         let (case, term) = (Arc::new(case), Box::new(term));
-        Sample { name, case, sizes: [SIZE; 2], numbers, term }
+        Sample { name, case, sizes: SIZES, numbers, term }
     };
     cases(&[1, 2, 3]).into_iter().map(sample).collect()
 }
