@@ -179,19 +179,6 @@ impl Checkpoint {
         program::read_checkpoint(&path, scene::PROGRAM).map(Some)
     }
 
-    /// Makes sure that its vectors have the sizes of its level.
-    pub fn check_sizes(&self, folder: &Path, variables: usize) -> Result<()> {
-        let found = [self.theta.len(), self.gradient.len()];
-        ensure!(
-            found == [variables, variables],
-            "{}: theta and gradient have {found:?} numbers, expected {:?}; start over with \
-             --restart",
-            Self::path(folder).display(),
-            [variables, variables]
-        );
-        Ok(())
-    }
-
     fn states_path(&self, folder: &Path, of: impl Display) -> PathBuf {
         let Self { level, meshed_at, .. } = self;
         let mesh = if *meshed_at == 0 { String::new() } else { format!("-{meshed_at}") };
@@ -218,16 +205,8 @@ impl Checkpoint {
 
     /// Displacements at the ends of the time steps of the accepted runs, one scenario after
     /// the other [m].
-    pub fn read_runs(&self, folder: &Path, shape: [usize; 2]) -> Result<npy::Rows> {
-        let path = self.run_path(folder);
-        let rows = npy::read_rows(&path)?;
-        ensure!(
-            rows.shape == shape,
-            "{}: an array of shape {:?}, expected {shape:?}; start over with --restart",
-            path.display(),
-            rows.shape
-        );
-        Ok(rows)
+    pub fn read_runs(&self, folder: &Path) -> Result<npy::Rows> {
+        Ok(npy::read_rows(&self.run_path(folder))?)
     }
 
     /// Writes the checkpoint of a folder with the runs that it belongs to, and then

@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "up to {runs} runs follow, about {}, and more where steps are too long",
         about(runs * start.forward_s)
     );
-    let (mut table, mut heartbeat) = (Table::default(), Heartbeat::start());
+    let (mut failed, mut heartbeat) = (Vec::new(), Heartbeat::start());
     for parameter in &parameters {
         let gradients: BTreeMap<&str, Vec<f64>> = swept
             .iter()
@@ -111,16 +111,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 continue;
             }
             let results = case.along(&gradients, &q, arguments)?;
-            table.add(&parameter.name(), &name, results)?;
+            failed.extend(print(&parameter.name(), &name, results)?);
         }
     }
-    if table.failed.is_empty() {
+    if failed.is_empty() {
         return Ok(());
     }
     Err(Unusable(format!(
         "{}: slope is not 2 ± 0.1, or cannot be measured:\n  {}",
         arguments.design.display(),
-        table.failed.join("\n  ")
+        failed.join("\n  ")
     ))
     .into())
 }
@@ -307,31 +307,24 @@ fn update(
     }
 }
 
-/// What is printed, and what did not pass.
-#[derive(Default)]
-struct Table {
-    failed: Vec<String>,
-}
-
-impl Table {
-    fn add(&mut self, parameter: &str, direction: &str, outcomes: Vec<Outcome>) -> Result<()> {
-        let mut out = program::stdout();
-        for outcome in outcomes {
-            let term = &outcome.term;
-            writeln!(out, "\"{term}\" by {parameter}, {direction}")?;
-            writeln!(out, "  {:>12}  {:>12}", "epsilon", "remainder")?;
-            for (e, r) in outcome.epsilon.iter().zip(&outcome.remainder) {
-                writeln!(out, "  {e:12.4e}  {r:12.4e}")?;
-            }
-            for (epsilon, finding) in &outcome.before {
-                writeln!(out, "  before, with epsilon from {epsilon:.4e}: {finding}")?;
-            }
-            let finding = outcome.finding;
-            writeln!(out, "  {finding}, g·q {:.4e}", outcome.directional)?;
-            if !finding.passes() {
-                self.failed.push(format!("\"{term}\" by {parameter}, {direction}: {finding}"));
-            }
+/// Prints outcomes; those that did not pass.
+fn print(parameter: &str, direction: &str, outcomes: Vec<Outcome>) -> Result<Vec<String>> {
+    let (mut out, mut failed) = (program::stdout(), Vec::new());
+    for outcome in outcomes {
+        let term = &outcome.term;
+        writeln!(out, "\"{term}\" by {parameter}, {direction}")?;
+        writeln!(out, "  {:>12}  {:>12}", "epsilon", "remainder")?;
+        for (e, r) in outcome.epsilon.iter().zip(&outcome.remainder) {
+            writeln!(out, "  {e:12.4e}  {r:12.4e}")?;
         }
-        Ok(())
+        for (epsilon, finding) in &outcome.before {
+            writeln!(out, "  before, with epsilon from {epsilon:.4e}: {finding}")?;
+        }
+        let finding = outcome.finding;
+        writeln!(out, "  {finding}, g·q {:.4e}", outcome.directional)?;
+        if !finding.passes() {
+            failed.push(format!("\"{term}\" by {parameter}, {direction}: {finding}"));
+        }
     }
+    Ok(failed)
 }

@@ -270,9 +270,7 @@ impl Cascade<'_> {
     /// The state to iterate from: solved at θ = 0, or read back.
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
-            checkpoint.check_sizes(&self.folder, level.variables())?;
-            let rows = level.scenarios().len() * level.steps();
-            let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
+            let runs = checkpoint.read_runs(&self.folder)?;
             let mut evaluation = level.recall(&checkpoint.theta, runs)?;
             level.linearize(&mut evaluation);
             return Ok(evaluation);
