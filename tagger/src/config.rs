@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use program::schema::{Format, add_keys, one_of};
-use program::{Change, KeyPath, Keys, Misfit, Picked, Settings, misfit, read_key, unknown};
+use program::table;
+use program::table::{Range, Table};
+use program::{Change, KeyPath, Keys, Misfit, Picked, Settings, read_key, unknown};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -66,15 +68,12 @@ impl Epsilon {
     }
 
     fn of(file: &File) -> Result<Option<Self>> {
-        let given = match (file.epsilon, file.relative_epsilon) {
+        match (file.epsilon, file.relative_epsilon) {
             (Some(_), Some(_)) => bail!("both `epsilon` and `relative_epsilon`: give one of them"),
-            (Some(length), None) => Self::Absolute(length),
-            (None, Some(part)) => Self::Relative(part),
-            (None, None) => return Ok(None),
-        };
-        let size = given.length(1.0);
-        ensure!(size > 0.0 && size.is_finite(), "epsilon = {size} must be positive");
-        Ok(Some(given))
+            (Some(length), None) => Ok(Some(Self::Absolute(length))),
+            (None, Some(part)) => Ok(Some(Self::Relative(part))),
+            (None, None) => Ok(None),
+        }
     }
 }
 
@@ -97,31 +96,28 @@ pub struct Tag {
     pub inside: bool,
 }
 
-/// A tag file as it is written.
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct File {
-    /// Selection distance ε, which exceeds the envelope of the mesher [m]. By default 4/3 of the envelope in the report
-    /// of the mesher beside the mesh, or without a report 1e-3 diagonals.
-    epsilon: Option<f64>,
-    /// The same as a part of the diagonal [1], instead of `epsilon`.
-    relative_epsilon: Option<f64>,
-    /// File of the whole model surface, which competes with the patches.
-    surface: Option<PathBuf>,
-    /// Angle at which faces of a file of triangles ended when they were picked [deg]; `make` imports the file with it.
-    split: Option<f64>,
-    /// All faces of the model as they were when they were picked, by the names of their files. A `patch` is then the face
-    /// that is like it now, whatever its name.
-    #[serde(default)]
-    faces: BTreeMap<String, Picked>,
-    /// Parts of the surface; the first that holds a facet wins.
-    #[serde(default)]
-    #[schemars(schema_with = "tags")]
-    tag: Vec<toml::Table>,
-    /// Parts of the body, which have no tetrahedra in common.
-    #[serde(default)]
-    #[schemars(schema_with = "volumes")]
-    volume: Vec<toml::Table>,
+table! {
+    /// A tag file as it is written.
+    pub struct File {
+        /// Selection distance ε, which exceeds the envelope of the mesher [m]. By default 4/3 of the envelope in the report
+        /// of the mesher beside the mesh, or without a report 1e-3 diagonals.
+        epsilon: Option<f64> = None, Range::POSITIVE.unit("m");
+        /// The same as a part of the diagonal [1], instead of `epsilon`.
+        relative_epsilon: Option<f64> = None, Range::POSITIVE;
+        /// File of the whole model surface, which competes with the patches.
+        surface: Option<PathBuf> = None;
+        /// Angle at which faces of a file of triangles ended when they were picked [deg]; `make` imports the file with it.
+        split: Option<f64> = None, Range::above(0.0).below(180.0).unit("°");
+        /// All faces of the model as they were when they were picked, by the names of their files. A `patch` is then the face
+        /// that is like it now, whatever its name.
+        faces: BTreeMap<String, Picked> = BTreeMap::new();
+        /// Parts of the surface; the first that holds a facet wins.
+        #[schemars(schema_with = "tags")]
+        tag: Vec<toml::Table> = Vec::new();
+        /// Parts of the body, which have no tetrahedra in common.
+        #[schemars(schema_with = "volumes")]
+        volume: Vec<toml::Table> = Vec::new();
+    }
 }
 
 /// The schema of a tag file.
@@ -179,6 +175,7 @@ impl Config {
 
     fn of(settings: &Settings) -> Result<Self> {
         let file: File = settings.parse()?;
+        file.check_ranges(&KeyPath::default())?;
         ensure!(!file.tag.is_empty(), "no [[tag]]: at least one selection is needed");
         let epsilon = Epsilon::of(&file)?;
         let tags: Vec<Tag> = file
@@ -200,10 +197,6 @@ impl Config {
             let twice = volumes[..i].iter().any(|other| other.name == volume.name);
             let what = format!("the name `{}` of a [[volume]] is used twice", volume.name);
             ensure!(!twice, KeyPath::list("volume").number(i + 1).key("name").told(what));
-        }
-        if let Some(angle) = file.split {
-            let needed = format!(" = {angle}: an angle above 0 and below 180° is needed");
-            ensure!(angle > 0.0 && angle < 180.0, misfit!(KeyPath::of("split"), "{needed}"));
         }
         Ok(Self { epsilon, surface: file.surface, tags, volumes, faces: file.faces })
     }

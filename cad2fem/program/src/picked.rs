@@ -6,7 +6,7 @@ use anyhow::{Result, bail, ensure};
 use mesh::Vec3;
 use mesh::faces::{Again, Face, found_again};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// More faces than these are only counted.
 const MOST: usize = 10;
@@ -15,7 +15,7 @@ const MOST: usize = 10;
 const LARGEST: usize = 10_000;
 
 /// A face as it was when it was picked.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Picked {
     /// [m²]

@@ -90,7 +90,10 @@ fn page(plan: &PlanReport, casts: &[Cast], title: &str) -> Markup {
 /// What to pour, to print and to do for one mold.
 fn casting(cast: &Cast, is_one_of_several: bool) -> Markup {
     let Cast { entry, sheet, pictures } = cast;
-    let folder = Path::new(&entry.folder);
+    let place = |file: &str| match entry.folder.as_str() {
+        "." => file.to_owned(),
+        folder => format!("{folder}/{file}"),
+    };
     html! {
         h2 {
             @if is_one_of_several { "Cast the " (entry.name) } @else { "Cast" }
@@ -104,7 +107,7 @@ fn casting(cast: &Cast, is_one_of_several: bool) -> Markup {
             @for part in &sheet.printed {
                 tr {
                     td { (part.name) }
-                    td { code { (folder.join(&part.file).display()) } }
+                    td { code { (place(&part.file)) } }
                     td { (format!("{:.1} mL", part.volume_ml)) }
                     td { (format!("{:.0} g", part.mass_g)) }
                     td { @if part.supports { "yes" } @else { "no" } }

@@ -103,11 +103,10 @@ pub fn state(schema: &mut Schema, key: &str, default: Option<Value>, words: &[&s
         return;
     };
     let Some(key) = table["properties"][key].as_object_mut() else { return };
-    if !(default.is_null() || default.is_object()) {
-        key.insert("default".into(), default);
-    }
-    for words in words {
+    if let Some(words) = words.first() {
         key.insert(DEFAULT_IN_WORDS.into(), (*words).into());
+    } else if !(default.is_null() || default.is_object()) {
+        key.insert("default".into(), default);
     }
 }
 
