@@ -5,7 +5,7 @@ use csv::ReaderBuilder;
 /// The file beside a report.
 pub const WINDINGS: &str = "windings.csv";
 
-/// A segment of a thread, straight within a facet or a tetrahedron.
+/// A segment of a thread, straight within a facet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
     /// What the scene calls the thread.
@@ -14,8 +14,8 @@ pub struct Segment {
     pub ends: [SegmentEnd; 2],
     /// Mean force along it [N].
     pub force: f64,
-    /// Vertices of the tetrahedron that it is in, or of the facet, which has the third one twice.
-    pub vertices: [usize; 4],
+    /// Vertices of the facet that it is in.
+    pub vertices: [usize; 3],
 }
 
 /// An end of a segment.
@@ -25,12 +25,12 @@ pub struct SegmentEnd {
     pub rest: [f64; 3],
     /// Where it is now [m].
     pub now: [f64; 3],
-    /// Its barycentric coordinates at rest, by the vertices; 0 where a facet has one again [1].
-    pub weights: [f64; 4],
+    /// Its barycentric coordinates at rest, by the vertices [1].
+    pub weights: [f64; 3],
 }
 
 /// A row as it is read.
-type Row = (String, [[f64; 3]; 4], f64, [usize; 4], [[f64; 4]; 2]);
+type Row = (String, [[f64; 3]; 4], f64, [usize; 3], [[f64; 3]; 2]);
 
 impl Segment {
     /// The names of the columns.
@@ -41,8 +41,8 @@ impl Segment {
                 ["x", "y", "z"].map(|axis| format!("{end} {when} {axis} [m]"))
             })
         });
-        let vertices = (1..=4).map(|k| format!("vertex {k}"));
-        let weights = ends.iter().flat_map(|end| (1..=4).map(move |k| format!("{end} weight {k}")));
+        let vertices = (1..=3).map(|k| format!("vertex {k}"));
+        let weights = ends.iter().flat_map(|end| (1..=3).map(move |k| format!("{end} weight {k}")));
         let head = ["winding".to_owned()].into_iter().chain(places).chain(["force [N]".to_owned()]);
         head.chain(vertices).chain(weights).collect()
     }
@@ -98,13 +98,13 @@ mod tests {
         let end = |x: f64| SegmentEnd {
             rest: [x, 0.1 + 0.2, 0.0],
             now: [x, -1e-300, 2.5],
-            weights: [0.3, 0.7, 0.0, 0.0],
+            weights: [0.3, 0.7, 0.0],
         };
         let segment = Segment {
             winding: "u, \"v\"".into(),
             ends: [end(0.0), end(1.0)],
             force: 0.5,
-            vertices: [4, 7, 9, 9],
+            vertices: [4, 7, 9],
         };
         let table = |rows: &[Vec<String>]| {
             let mut table = csv::Writer::from_writer(Vec::new());

@@ -68,12 +68,12 @@ pub struct Winding {
 /// A straight piece of a thread in a facet or a tetrahedron.
 #[derive(Clone)]
 struct Segment {
-    vertices: Vec<usize>,
+    vertices: [usize; 3],
     nodes: Vec<usize>,
     /// Barycentric coordinates of its ends.
-    ends: [Vec<f64>; 2],
+    ends: [[f64; 3]; 2],
     /// δ, from one end to the other.
-    across: Vec<f64>,
+    across: [f64; 3],
     points: Vec<Place>,
     /// δ̇ by the values of the lead, and by the phase.
     rates: Vec<Vec<f64>>,
@@ -177,10 +177,10 @@ impl Segment {
         };
         let points = rule(degree).into_iter().map(place).collect();
         Self {
-            vertices: facet.to_vec(),
+            vertices: *facet,
             nodes: space.facet_nodes(*facet),
-            ends: [0, 1].map(|end| ends[end].to_vec()),
-            across: by.to_vec(),
+            ends: *ends,
+            across: by,
             points,
             rates: rates.iter().map(|rates| between(rates).to_vec()).collect(),
         }
