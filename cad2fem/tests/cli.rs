@@ -344,7 +344,7 @@ fn settings_are_refused_with_their_file() {
     ] {
         dir.write("cad2fem.toml", &format!("[tetmesh]\n{setting}\n"));
         let run = dir.run_with("PUFFER_PYTHON", &python, &arguments);
-        run.fails(2, "cad2fem.toml: ");
+        run.fails(2, "cad2fem.toml:");
         run.fails(2, said);
     }
 }
