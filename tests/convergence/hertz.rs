@@ -68,12 +68,8 @@ fn press(even: usize, growth: f64) {
     );
     let approach = CONTACT * CONTACT * RADIUS;
     let activation = approach / 50.0;
-    let corner =
-        |x: f64, y: f64| Vec3::new(2.0 * RADIUS * x, 2.0 * RADIUS * y, -RADIUS - activation);
-    let plate = SurfaceMesh {
-        vertices: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    };
+    let (side, height) = (2.0 * RADIUS, -RADIUS - activation);
+    let plate = plate([-side, side], [-side, 1.1 * side], height);
     let text = format!(
         "degree = 2\n[[body]]\nname = \"ball\"\nmesh = \"ball.msh\"\n\
          material = {{ kind = \"neo-hookean\", young = {YOUNG:e}, poisson = {POISSON} }}\n\

@@ -188,8 +188,7 @@ fn angle_and_stiffness_of_a_family_are_designed() {
         );
         dir.write("design.toml", &design);
         dir.solver("optimize design.toml -o out --restart").assert_good();
-        let text = dir.text("out/history.jsonl");
-        let last: serde_json::Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+        let last = dir.lines("out/history.jsonl").pop().unwrap();
         ["angle", "k1"].map(|key| number(&last["parameters"][format!("fibre.weave.{key}")]))
     };
     let [angle, k1] = found(80.0, 12);

@@ -2,8 +2,8 @@
 //! moves where they lie along it.
 
 use mechanics::body::Body;
-use mesh::io::write_tets;
 use mesh::Vec3;
+use mesh::io::write_tets;
 use tests::chamber::{DESIGN, SIM, workdir};
 use tests::workdir::Workdir;
 use tests::{block, tag};

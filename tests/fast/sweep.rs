@@ -289,11 +289,11 @@ const REFUSED: &[(&str, &[&str])] = &[
         "kind = \"grid\"\nP\nfrom = 1\nto = 2\ncount = 2000\nQ\nfrom = 1\nto = 2\ncount = 3000",
         &["2000 × 3000 = 6000000 cases: at most 1000000"],
     ),
-    ("kind = \"list\"\nP\nvalues = [1, 2]\nQ\nvalues = [1]", &["[parameters.q]: 1 values, others have 2"]),
     (
-        "kind = \"grid\"\npicture = \"--output x\"\nP\nvalues = [1]",
-        &["'--output'", "--color"],
+        "kind = \"list\"\nP\nvalues = [1, 2]\nQ\nvalues = [1]",
+        &["[parameters.q]: 1 values, others have 2"],
     ),
+    ("kind = \"grid\"\npicture = \"--output x\"\nP\nvalues = [1]", &["'--output'", "--color"]),
 ];
 
 #[test]

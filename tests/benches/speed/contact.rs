@@ -13,8 +13,7 @@ use crate::Bench;
 
 /// Sheets by their names, and squares along an edge: four triangles each, as
 /// there are two sheets.
-const SHEETS: [(&str, usize); 3] =
-    [("sheets10k", 50), ("sheets100k", 158), ("sheets1000k", 500)];
+const SHEETS: [(&str, usize); 3] = [("sheets10k", 50), ("sheets100k", 158), ("sheets1000k", 500)];
 
 /// What is timed.
 const STEPS: [&str; 4] =
@@ -83,7 +82,9 @@ impl Sheets {
         // every vertex somewhere else: everything meets everything
         let len = self.start.len();
         let far: Vec<Vec3> = (0..len).map(|v| self.start[v * 7919 % len] * 100.0).collect();
-        bench.time(far_step, dofs(), || assert!(search(&far).is_err(), "a far step was not refused"));
+        bench.time(far_step, dofs(), || {
+            assert!(search(&far).is_err(), "a far step was not refused")
+        });
         Ok(())
     }
 }

@@ -160,7 +160,8 @@ fn median(path: &Path) -> Result<f64> {
     }
     let samples: Samples = serde_json::from_str(&mesh::io::read_text(path)?)
         .with_context(|| path.display().to_string())?;
-    let mut times: Vec<f64> = samples.times.iter().zip(&samples.iters).map(|(t, n)| t / n).collect();
+    let mut times: Vec<f64> =
+        samples.times.iter().zip(&samples.iters).map(|(t, n)| t / n).collect();
     times.sort_by(f64::total_cmp);
     Ok(times[times.len() / 2])
 }

@@ -40,7 +40,8 @@ pub fn time(bench: &mut Bench) -> Result<()> {
         }
         let run = || -> Result<f64> {
             let steps = steps.to_string();
-            let run = ["simulate", "scene/sim.toml", "-o", "out", "--final-only", "--steps", &steps];
+            let run =
+                ["simulate", "scene/sim.toml", "-o", "out", "--final-only", "--steps", &steps];
             solver(folder.path(), &run)?;
             let text = std::fs::read_to_string(folder.path().join("out/report.json"))?;
             serde_json::from_str::<Value>(&text)?["equilibrium_s"].as_f64().context("equilibrium_s")
