@@ -10,7 +10,7 @@ use mechanics::energy::{
     Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Profile, Traction, Winding,
     helix,
 };
-use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::fibre::Fibre;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::{Field, Schedule};

@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use mechanics::element::at;
-use mesh::{SurfaceMesh, TetMesh, Vec3};
+use mesh::{TetMesh, Vec3};
 use solver::report::results::grid_with_fields;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;
-use tests::tag;
+use tests::{plate, tag};
 
 /// Radius of the ball [m].
 const RADIUS: f64 = 0.01;

@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 use mechanics::element::at;
 use mechanics::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Wall};
-use mechanics::forward::Newton;
 use mechanics::material::{Kinematics, Material};
 use mechanics::math::sparse::BlockMatrix;
 use mechanics::math::tensor::{Mat3, Mat9, vec9};

@@ -7,7 +7,7 @@
 use mechanics::energy::{
     BodyEnergies, Elastic, Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume,
 };
-use mechanics::forward::{Newton, Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Stepping, Workspace, solve_in_time};
 use mechanics::material::{Lame, Material, NeoHookean};
 use mechanics::schedule::Schedule;
 use mesh::Vec3;

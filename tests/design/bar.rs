@@ -1,7 +1,6 @@
 //! A bar that is shaken by its chamber: the pressure of each of 10 time steps is
 //! designed.
 
-use serde_json::Value;
 use tests::chamber;
 use tests::kills::{history_without_times, kill_after_every_checkpoint};
 use tests::workdir::Workdir;

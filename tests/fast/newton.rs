@@ -1,7 +1,7 @@
 //! Newton's method at the rounding floor, and the softest mode.
 
 use mechanics::energy::{BodyForce, Energies};
-use mechanics::forward::{Failure, Newton, SoftestMode};
+use mechanics::forward::{Failure, SoftestMode};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
 use mechanics::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
 use mechanics::math::tensor::{Mat3, Mat9};

@@ -2,7 +2,6 @@
 
 use mesh::Vec3;
 use mesh::io::write_tets;
-use serde_json::Value;
 use tests::chamber::{self, SIM};
 use tests::reported::number;
 use tests::{block, tag};

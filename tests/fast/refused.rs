@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 use tests::chamber;
-use tests::workdir::{Run, Workdir, repository};
+use tests::workdir::{Workdir, repository};
 
 use crate::samples::*;
 use crate::{
