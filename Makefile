@@ -116,6 +116,8 @@ check-results: setup build/gripper/cylinder/model/model.json build/walker/tagged
 fuzz: setup  ## every reader on random files (SECONDS=600 for all of them together, SEED=1)
 	FUZZ_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),60) FUZZ_SEED=$(or $(SEED),1) \
 		cargo test --release --locked --workspace --test fuzz -- --ignored --nocapture
+	FUZZ_SEED=$(or $(SEED),1) \
+		cargo test --release --locked --workspace --test fast -- --ignored --nocapture numbers_at_the_limits
 
 torture: setup  ## kill the programs and damage their files at random (SECONDS=3600, SEED=1, CASE=17: that one alone)
 	TORTURE_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),300) TORTURE_SEED=$(or $(SEED),1) \

@@ -1,7 +1,6 @@
-//! Random bodies from model to verified mold: what becomes of them, by kind; and random bodies of families
-//! that are hard to mesh.
+//! Random bodies from model to verified mold: what becomes of them, by kind.
 //!
-//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds, of either. Six families more, with verdicts
+//! `BODIES_COUNT` is how many, `BODIES_SEED` the first of their seeds. Six families more, with verdicts
 //! that use none of our programs, are in `campaign`: `make campaign`.
 #![allow(missing_docs, clippy::unwrap_used)]
 
@@ -17,7 +16,6 @@ use mesh::inside::WindingNumber;
 use mesh::measure::bounds;
 use rayon::prelude::*;
 use tests::bodies::{Body, tags};
-use tests::families;
 use tests::workdir::{Run, Workdir, python, repository};
 
 /// Points at which a surface is compared with the functions of its model.
@@ -219,15 +217,6 @@ fn verdicts_tell_bodies_that_cannot_be_cast() {
 #[ignore = "two minutes: runs in make test-all"]
 fn two_hundred_bodies_are_modelled() {
     let wrong = wrong((0..200).into_par_iter(), of_kind);
-    assert!(wrong.is_empty(), "{wrong:#?}");
-}
-
-#[test]
-#[ignore = "200 bodies in minutes, or as many as BODIES_COUNT says, from BODIES_SEED on"]
-fn bodies_of_hard_families_are_modelled() {
-    let (first, count) =
-        (number("BODIES_SEED").unwrap_or(0), number("BODIES_COUNT").unwrap_or(200));
-    let wrong = wrong((first..first + count).into_par_iter(), families::body);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 

@@ -53,6 +53,8 @@ mod groove;
 mod hostile_page;
 #[path = "fast/limit.rs"]
 mod limit;
+#[path = "fast/limits.rs"]
+mod limits;
 #[path = "fast/lines.rs"]
 mod lines;
 #[path = "fast/locking.rs"]

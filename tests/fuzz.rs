@@ -9,8 +9,7 @@ use std::panic::catch_unwind;
 use std::time::{Duration, Instant};
 
 use mechanics::math::random::Random;
-use tests::chamber;
-use tests::fuzz::{TARGETS, Target, mutate, numbers};
+use tests::fuzz::{TARGETS, Target, mutate};
 use tests::workdir::repository;
 
 /// Nothing that these files hold is large; a busy machine may take its time.
@@ -72,19 +71,4 @@ fn a_few_seconds_of_random_files() {
 fn as_long_as_asked() {
     let number = |name: &str| std::env::var(name).ok()?.parse::<f64>().ok();
     campaign(number("FUZZ_SECONDS").unwrap_or(60.0), number("FUZZ_SEED").unwrap_or(1.0) as u64);
-}
-
-/// All of them take half an hour: `make fuzz` tries one in ten, others for every seed.
-#[test]
-#[ignore = "minutes: make fuzz"]
-fn numbers_at_the_limits_in_every_key() {
-    let seed = std::env::var("FUZZ_SEED").map_or(1, |seed| seed.parse().unwrap());
-    let failures = numbers::campaign(&chamber::workdir(), 10, seed);
-    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
-}
-
-#[test]
-fn some_numbers_at_the_limits() {
-    let failures = numbers::campaign(&chamber::workdir(), 397, 1);
-    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }

@@ -1,4 +1,4 @@
-//! Tests that take minutes: the beam from model to molds, a design of the frog, the molds
+//! Tests that take minutes: the beam from model to molds, the molds
 //! of all scenes, a CAD finger whose faces are picked, kept designs simulated again, simulations beside measurements, and
 //! displacements beside those of CalculiX.
 //!
@@ -20,9 +20,6 @@ mod book;
 #[path = "slow/calculix.rs"]
 mod calculix;
 
-#[path = "slow/frog.rs"]
-mod frog;
-
 #[path = "slow/molds.rs"]
 mod molds;
 
@@ -31,9 +28,6 @@ mod new;
 
 #[path = "slow/notebooks.rs"]
 mod notebooks;
-
-#[path = "slow/pages.rs"]
-mod pages;
 
 #[path = "slow/pick.rs"]
 mod pick;

@@ -16,12 +16,12 @@ pub mod chromium;
 pub mod equilibrium;
 #[path = "support/fall.rs"]
 pub mod fall;
-#[path = "support/families.rs"]
-pub mod families;
 #[path = "support/fuzz/mod.rs"]
 pub mod fuzz;
 #[path = "support/hostile.rs"]
 pub mod hostile;
+#[path = "support/kills.rs"]
+pub mod kills;
 #[path = "support/judges.rs"]
 pub mod judges;
 #[path = "support/meshes.rs"]

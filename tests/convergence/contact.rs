@@ -6,7 +6,7 @@ use mechanics::contact::density::Density;
 use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 use tests::motion::{Motion, SILICONE, begin};
-use tests::{block, tag};
+use tests::{block, plate, tag};
 
 const G: f64 = 9.8;
 /// Edge of the block [m].
@@ -25,9 +25,7 @@ fn cube() -> Body {
 
 /// The square of 0.4 m around the origin in the plane z = 0.
 fn floor() -> SurfaceMesh {
-    let corner = |x: f64, y: f64| Vec3::new(0.2 * x, 0.2 * y, 0.0);
-    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
-    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    plate([-0.2, 0.2], [-0.2, 0.22], 0.0)
 }
 
 /// A block just above a floor, in a field of gravity and with a velocity. No edge
@@ -169,11 +167,7 @@ fn a_loose_block_between_plates_is_in_balance_without_inertia() {
     // the gaps are larger where rims of the block add to areas, so they must be small
     let activation = 0.1 * ACTIVATION;
     let start = 0.5 * activation;
-    let at = |z: f64| {
-        let mut plate = floor();
-        plate.vertices.iter_mut().for_each(|v| v.z = z);
-        plate
-    };
+    let at = |z: f64| plate([-0.2, 0.2], [-0.2, 0.22], z);
     for time in ["", "[time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = 4\n"] {
         let text = format!(
             "degree = 1\n[[body]]\nname = \"block\"\nmesh = \"block.msh\"\n{SILICONE}\

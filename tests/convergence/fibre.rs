@@ -10,13 +10,13 @@ use mechanics::energy::{
     Along, Axis, Direction, Energies, Fibres, Helix, Isobaric, Lead, Profile, Term, Traction,
     Winding, helix,
 };
-use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::fibre::Fibre;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::{Field, Schedule};
 use mesh::{TetMesh, Vec3};
 use tests::block;
-use tests::equilibrium::{Equilibrium, facets_where, mean};
+use tests::equilibrium::{Equilibrium, facets_where, mean, newton};
 use tests::meshes::{prisms, ring_quarter};
 use tests::radial::runge_kutta;
 use tests::symmetric_gas::{Planes, SymmetricGas};
@@ -143,13 +143,7 @@ fn pulled(model: &Model, angle: f64, stress: f64) -> [f64; 4] {
     };
     let mut body = Equilibrium::new(mesh, 2, energies, held);
     (1..=4).for_each(|i| {
-        let newton = Newton {
-            iterations: 60,
-            relative: 1e-11,
-            absolute: 0.0,
-            negligible: 0.0,
-            ballooned: None,
-        };
+        let newton = newton(60, 1e-11);
         body.balance(&newton, f64::from(i) / 4.0).expect("an equilibrium");
     });
     let vertices = body.vertices();
@@ -271,8 +265,7 @@ fn tube(
     let motion: Vec<f64> = places.iter().flat_map(|p| [0.0, 0.0, (stretch - 1.0) * p.z]).collect();
     let problem = Problem::new(space, energies, &fixed)
         .with_motion(move |load| motion.iter().map(|m| load * m).collect());
-    let newton =
-        Newton { iterations: 60, relative: 1e-9, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(60, 1e-9);
     let stepping = Stepping { first: 0.1, largest: 0.25, smallest: 1e-4, newton };
     let mut workspace = Workspace::new(&problem);
     let found = solve_in_time(&problem, &mut workspace, &mesh.vertices, &stepping, &[1.0], |_| ());

@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use mechanics::element::at;
-use mesh::{SurfaceMesh, TetMesh, Vec3};
+use mesh::{TetMesh, Vec3};
 use solver::report::results::grid_with_fields;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;
-use tests::tag;
+use tests::{plate, tag};
 
 /// Radius of the ball [m].
 const RADIUS: f64 = 0.01;
@@ -68,12 +68,8 @@ fn press(even: usize, growth: f64) {
     );
     let approach = CONTACT * CONTACT * RADIUS;
     let activation = approach / 50.0;
-    let corner =
-        |x: f64, y: f64| Vec3::new(2.0 * RADIUS * x, 2.0 * RADIUS * y, -RADIUS - activation);
-    let plate = SurfaceMesh {
-        vertices: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    };
+    let (side, height) = (2.0 * RADIUS, -RADIUS - activation);
+    let plate = plate([-side, side], [-side, 1.1 * side], height);
     let text = format!(
         "degree = 2\n[[body]]\nname = \"ball\"\nmesh = \"ball.msh\"\n\
          material = {{ kind = \"neo-hookean\", young = {YOUNG:e}, poisson = {POISSON} }}\n\

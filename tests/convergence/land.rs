@@ -8,13 +8,12 @@
 
 use mechanics::element::at;
 use mechanics::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Nature, Wall};
-use mechanics::forward::Newton;
 use mechanics::material::{Kinematics, Material};
 use mechanics::math::sparse::BlockMatrix;
 use mechanics::math::tensor::{Mat3, Mat9, vec9};
 use mesh::Vec3;
 use tests::block;
-use tests::equilibrium::{Equilibrium, facets_where};
+use tests::equilibrium::{Equilibrium, facets_where, newton};
 
 /// ψ = ½ C (e^Q − 1) + ½ K ln²J,  Q = b_f E₁₁² + b_t (E₂₂² + E₃₃² + 2E₂₃²)
 /// + 2 b_fs (E₁₂² + E₁₃²), K for incompressibility.
@@ -113,8 +112,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let mut body = Equilibrium::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&body.problem.space, &below);
     let gas = Chamber::new(wall, Box::new(Isobaric { pressure: 4.0.into() }));
-    let newton =
-        Newton { iterations: 60, relative: 1e-8, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(60, 1e-8);
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
     let node = body.nodes().iter().position(tip).expect("an even number of halves");
     let mut last = 0.0;

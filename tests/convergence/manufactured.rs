@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 
 use mechanics::element::{FunctionSpace, add_at, at, quadrature, tabulate};
 use mechanics::energy::{Energies, Energy, Hessian, Iterate, Nature};
-use mechanics::forward::{Configuration, Newton, Problem, Workspace};
+use mechanics::forward::{Configuration, Problem, Workspace};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
 use mechanics::math::sparse::BlockMatrix;
 use mechanics::math::taylor::log_slope;
 use mechanics::math::tensor::{Mat3, cofactor};
 use mesh::Vec3;
 use tests::block;
-use tests::equilibrium::scientific;
+use tests::equilibrium::{newton, scientific};
 
 const AMPLITUDE: f64 = 0.1;
 /// Compressible, so that linear elements do not lock before they converge.
@@ -133,8 +133,7 @@ fn errors(degree: usize, exact: usize, n: usize) -> [f64; 2] {
     let forcing = Forcing::new(&space, &rest);
     let energies = Energies::elastic(Box::new(LAW)).with(forcing);
     let problem = Problem::new(space, energies, &fixed);
-    let newton =
-        Newton { iterations: 20, relative: 1e-11, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(20, 1e-11);
     let mut state = Configuration::new(&problem, &rest, u, 1.0);
     newton.solve(&problem, &mut Workspace::new(&problem), &mut state).unwrap();
     let u = state.u;

@@ -8,12 +8,12 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Energies, Isobaric, Membrane, Term, Traction};
-use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::sheet::{self, Sheet, TensionField};
 use mechanics::material::{Lame, NeoHookean};
 use mesh::{TetMesh, Vec3, facet_key, topology};
 use tests::block;
-use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
+use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean, newton};
 use tests::meshes::shell_octant;
 use tests::symmetric_gas::{Planes, SymmetricGas};
 
@@ -158,8 +158,7 @@ fn squeezed(skin: Option<Box<dyn Sheet>>, by: [f64; 2]) -> [f64; 2] {
     let fixed: Vec<bool> = fixed.collect();
     let motion: Vec<f64> = places.iter().flat_map(|p| [by[0] * p.x, by[1] * p.y, 0.0]).collect();
     let problem = Problem::new(space, energies, &fixed).with_displacement(&motion);
-    let newton =
-        Newton { iterations: 40, relative: 1e-11, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(40, 1e-11);
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
     let mut workspace = Workspace::new(&problem);
     let found = solve_in_time(&problem, &mut workspace, &rest, &stepping, &[1.0], |_| ());

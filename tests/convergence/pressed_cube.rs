@@ -8,12 +8,12 @@ use mechanics::element::quadrature::{Rule, triangle};
 use mechanics::element::{at, tabulate};
 use mechanics::material::Kinematics;
 use mechanics::math::tensor::{Mat3, cofactor};
-use mesh::{SurfaceMesh, Vec3};
+use mesh::Vec3;
 use solver::plot::{Axes, Series, Style, draw};
 use solver::report::results::grid_with_fields;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::workdir::repository;
-use tests::{block, tag};
+use tests::{Place, block, plate, tag};
 
 /// Edge of the cube [m].
 const EDGE: f64 = 0.02;
@@ -21,19 +21,11 @@ const EDGE: f64 = 0.02;
 const ACTIVATION: f64 = 1e-4;
 const STEPS: usize = 10;
 
-/// A square of which no edge meets those of the cube: they would share forces of
-/// contact with nodes that are farther away.
-fn plate(z: f64) -> SurfaceMesh {
-    let corner = |x: f64, y: f64| Vec3::new(0.01 + 0.1 * x, 0.06 + 0.1 * y, z);
-    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
-    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
-}
-
 fn cube(cells: usize) -> Body {
     let mesh = block([cells; 3], EDGE / cells as f64, |_| false, |p| p);
     let (low, high) = (1e-6, EDGE - 1e-6);
     let end = |p: Vec3| p.z < low || p.z > high;
-    let tags: [(&str, &dyn Fn(Vec3) -> bool); 5] = [
+    let tags: [(&str, Place); 5] = [
         ("ends", &end),
         ("left", &|p| p.x < low),
         ("right", &|p| p.x > high),
@@ -54,7 +46,9 @@ fn pressed(friction: f64, cells: usize) -> Motion {
          [time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = {STEPS}\n",
         EDGE / 4.0
     );
-    let (low, high) = (plate(-start), plate(EDGE + start));
+    // no edge of the squares meets those of the cube: they would share forces of contact with nodes that are farther away
+    let square = |z: f64| plate([-0.09, 0.11], [-0.04, 0.17], z);
+    let (low, high) = (square(-start), square(EDGE + start));
     begin(&[("cube", &cube(cells))], &[("low", &low), ("high", &high)], &text)
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use mechanics::body::Body;
 use mesh::{SurfaceMesh, Vec3};
 use tests::motion::{Motion, SILICONE, begin};
-use tests::{block, tag};
+use tests::{block, plate, tag};
 
 const G: f64 = 9.8;
 /// Edge of the block, and radius of the roll [m].
@@ -39,9 +39,7 @@ fn roll() -> Body {
 
 /// The square of 0.4 m around the origin in the plane z = 0.
 fn floor() -> SurfaceMesh {
-    let corner = |x: f64, y: f64| Vec3::new(0.2 * x, 0.2 * y, 0.0);
-    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
-    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    plate([-0.2, 0.2], [-0.2, 0.22], 0.0)
 }
 
 /// A rigid body of the text, one above it if there is, and a floor below.

@@ -33,29 +33,6 @@ fn a_schedule_passes_through_the_static_solutions_at_its_loads() {
     }
 }
 
-/// Piecewise linear, so that the table is exact; cut-backs fall on any time.
-#[test]
-fn a_table_is_the_expression_of_its_lines() {
-    let with = |pressure: &str| {
-        simulate(&format!(
-            "{HELD}[time]\nmethod = \"quasistatic\"\nend = 0.4\nsteps = 5\n[[chamber]]\non = \"left\"\npressure = {pressure}\n"
-        ))
-    };
-    let table = with("{ t = [0, 0.1, 0.3, 0.4], value = [0, 0, 30e3, 30e3] }");
-    let expression = with("\"30e3*min(max((t - 0.1)/0.2, 0), 1)\"");
-    let condition = with("\"if(t - 0.1, if(t - 0.3, 30e3, 150e3*(t - 0.1)), 0)\"");
-    for other in [expression, condition] {
-        for (a, b) in table.ends().iter().zip(other.ends()) {
-            assert!((a.time - b.time).abs() < 1e-15);
-            // until 0.1 s there is nothing but rounding
-            let gap = if a.time < 0.1 { 0.0 } else { difference(&a.u, &b.u) };
-            eprintln!("table against expression at t = {:.2}: {gap:.1e}", a.time);
-            assert!(gap < SAME, "t = {}", a.time);
-        }
-    }
-    assert!(table.ends()[0].u.iter().all(|u| *u == 0.0), "nothing acts before 0.1 s");
-}
-
 /// Time steps that Newton's method cannot take at once are cut, which their ends
 /// do not show.
 #[test]

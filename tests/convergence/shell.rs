@@ -7,11 +7,11 @@
 use mechanics::energy::{
     Elastic, Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume,
 };
-use mechanics::forward::{Newton, Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Stepping, Workspace, solve_in_time};
 use mechanics::material::{Lame, Material, NeoHookean};
 use mechanics::schedule::Schedule;
 use mesh::Vec3;
-use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
+use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean, newton};
 use tests::meshes::shell_octant;
 use tests::symmetric_gas::{Planes, SymmetricGas};
 
@@ -216,8 +216,7 @@ fn a_prescribed_volume_passes_the_limit_point() {
     let start = Multiplier { pressure: 0.0, penalty: 10.0 * mu / octant };
     let problem = body.problem.with_multipliers(vec![start]);
     let mut workspace = Workspace::new(&problem);
-    let newton =
-        Newton { iterations: 30, relative: 1e-9, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(30, 1e-9);
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-2, newton };
     let times: Vec<f64> = (1..=5).map(|n| 0.2 * f64::from(n)).collect();
     let solution =

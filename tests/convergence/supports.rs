@@ -6,7 +6,7 @@ use mechanics::element::at;
 use mechanics::energy::Iterate;
 use mesh::{SurfaceMesh, Vec3};
 use tests::motion::{Motion, SILICONE, begin};
-use tests::{block, tag};
+use tests::{block, plate, tag};
 
 const EDGE: f64 = 0.02;
 /// d̂ [m].
@@ -24,9 +24,9 @@ fn cube(cells: usize) -> Body {
 
 /// A square in the plane x = `x`, none of whose edges meets the cube.
 fn wall(x: f64) -> SurfaceMesh {
-    let corner = |y: f64, z: f64| Vec3::new(x, 0.01 + 0.1 * y, 0.06 + 0.1 * z);
-    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
-    SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    let mut wall = plate([-0.09, 0.11], [-0.04, 0.17], x);
+    wall.vertices.iter_mut().for_each(|p| *p = Vec3::new(p.z, p.x, p.y));
+    wall
 }
 
 /// Goes to the end; how much of the straight path there is free, and the number of

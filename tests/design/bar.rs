@@ -1,8 +1,8 @@
 //! A bar that is shaken by its chamber: the pressure of each of 10 time steps is
 //! designed.
 
-use serde_json::Value;
 use tests::chamber;
+use tests::kills::{history_without_times, kill_after_every_checkpoint};
 use tests::workdir::Workdir;
 
 /// The top should be at one height in the middle of the run and at another at its end.
@@ -159,45 +159,14 @@ fn a_design_in_time_that_is_killed_ends_the_same() {
         let text = dir.text("design.toml").replace("iterations = 15", "iterations = 3");
         dir.write("design.toml", &text);
     };
-    let results = |dir: &Workdir| -> (String, Vec<Value>) {
-        let history = dir.text("out/history.jsonl");
-        let line = |line: &str| {
-            let mut line: Value = serde_json::from_str(line).unwrap();
-            for time in ["forward_s", "gradient_s", "time_s"] {
-                line.as_object_mut().unwrap().remove(time);
-            }
-            line
-        };
-        (dir.text("out/pressures.toml"), history.lines().map(line).collect())
-    };
     let command = "--threads 2 -q optimize design.toml -o out";
     let undisturbed = workdir();
     design(&undisturbed);
     undisturbed.solver(command).assert_good();
     let dir = workdir();
     design(&dir);
-    let path = dir.path("out/checkpoint.json");
-    let mut kills = 0;
-    loop {
-        let before = std::fs::read(&path).ok();
-        let mut child = dir.command(command).spawn().unwrap();
-        let finished = loop {
-            if let Some(status) = child.try_wait().unwrap() {
-                assert!(status.success(), "{status}");
-                break true;
-            }
-            if std::fs::read(&path).ok() != before {
-                child.kill().unwrap();
-                break child.wait().unwrap().success();
-            }
-            std::thread::sleep(std::time::Duration::from_millis(1));
-        };
-        if finished {
-            break;
-        }
-        kills += 1;
-        assert!(kills < 20, "no progress");
-    }
+    let kills = kill_after_every_checkpoint(&dir, command);
     assert!(kills >= 3, "{kills}");
-    assert_eq!(results(&dir), results(&undisturbed));
+    assert_eq!(dir.text("out/pressures.toml"), undisturbed.text("out/pressures.toml"));
+    assert_eq!(history_without_times(&dir), history_without_times(&undisturbed));
 }

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use tests::chamber;
+use tests::reported::number;
 use tests::workdir::Workdir;
 
 /// The air under load is to grow by one offset, with what comes after.
@@ -27,10 +28,6 @@ fn report(dir: &Workdir, design: &str) -> Value {
     dir.write("design.toml", design);
     dir.solver("optimize design.toml -o out --restart").assert_good();
     dir.json("out/report.json")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
 /// More air makes the top rise more. It is kept below a bound, from a start within it and from one beyond, and what the bound

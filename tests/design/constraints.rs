@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use tests::chamber;
+use tests::reported::number;
 use tests::workdir::Workdir;
 
 /// A volume of air under load that only thin walls give, in levels of all kinds.
@@ -45,14 +46,8 @@ least = {least:e}
 
 fn report(dir: &Workdir, design: &str) -> Value {
     dir.write("design.toml", design);
-    let run = dir.solver("optimize design.toml -o out --restart");
-    run.assert_good();
-    eprintln!("{}", run.stderr);
+    dir.solver("optimize design.toml -o out --restart").assert_good();
     dir.json("out/report.json")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
 /// The chamber has walls of 10 mm at first. It grows until they have 7, and the wall there is what it lacks: the multiplier
@@ -169,8 +164,7 @@ fn a_parameter_is_kept_small() {
     };
     let peak = |small: &str| {
         report(&dir, &design(small));
-        let line = dir.text("out/history.jsonl").lines().last().unwrap().to_owned();
-        let line: Value = serde_json::from_str(&line).unwrap();
+        let line = dir.lines("out/history.jsonl").pop().unwrap();
         (number(&line["parameters"]["peak"]), number(&line["probes"]["top"]), line["terms"].clone())
     };
     let (free, _, _) = peak("");

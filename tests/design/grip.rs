@@ -105,10 +105,8 @@ fn the_force_on_a_block_grows_and_its_gradient_is_exact() {
     let after = force(&dir, "--mesh chamber=out/design.chamber.msh");
     assert!(before > 0.01 && after > 1.3 * before, "{before} N, {after} N");
     // runs next to one that is known need fewer iterations
-    let lines = dir.text("out/history.jsonl");
-    let history: Vec<Value> = lines.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
-    let newton: Vec<u64> =
-        history.iter().map(|line| line["newton_iterations"].as_u64().unwrap()).collect();
+    let iterations = |line: &Value| line["newton_iterations"].as_u64().unwrap();
+    let newton: Vec<u64> = dir.lines("out/history.jsonl").iter().map(iterations).collect();
     assert!(newton[1..].iter().all(|n| *n < newton[0]), "{newton:?}");
     let report = dir.json("out/report.json");
     let grip = -report["terms_after"]["grip"].as_f64().unwrap();

@@ -17,11 +17,8 @@ fn scene(peak: f64, delay: f64) -> String {
 
 /// Volume of the chamber after each step [m³].
 fn volumes(dir: &Workdir) -> Vec<f64> {
-    let volume = |line: &str| {
-        let line: Value = serde_json::from_str(line).unwrap();
-        line["chambers"]["cavity"]["volume"].as_f64().unwrap()
-    };
-    dir.text("out/steps.jsonl").lines().map(volume).collect()
+    let volume = |line: &Value| line["chambers"]["cavity"]["volume"].as_f64().unwrap();
+    dir.lines("out/steps.jsonl").iter().map(volume).collect()
 }
 
 #[test]
@@ -51,8 +48,7 @@ fn a_peak_and_a_delay_are_found_again() {
     let of = |name: &str| found["parameters"][name].as_float().unwrap();
     assert!((of("peak") / 9e3 - 1.0).abs() < 1e-4, "{found}");
     assert!((of("delay") / 0.06 - 1.0).abs() < 1e-4, "{found}");
-    let line: Value =
-        serde_json::from_str(dir.text("designed/history.jsonl").lines().last().unwrap()).unwrap();
+    let line = dir.lines("designed/history.jsonl").pop().unwrap();
     assert_eq!(line["parameters"]["peak"].as_f64(), Some(of("peak")));
 }
 

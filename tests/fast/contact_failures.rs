@@ -140,11 +140,8 @@ fn fails(dir: &Workdir, scene: &str, words: &[&str]) -> (Run, Value) {
     let report = dir.json("out/report.json");
     assert_eq!(report["usable"], false);
     let steps = report["steps"].as_array().unwrap();
-    let lines = dir.text("out/steps.jsonl");
-    assert!(!steps.is_empty() && lines.lines().count() == steps.len(), "{lines}");
-    for (line, step) in lines.lines().zip(steps) {
-        assert_eq!(&serde_json::from_str::<Value>(line).unwrap(), step);
-    }
+    assert!(!steps.is_empty());
+    assert_eq!(&dir.lines("out/steps.jsonl"), steps);
     let files = dir.files("out");
     let pictures = files.iter().filter(|f| f.starts_with("step_")).count();
     assert_eq!(pictures, steps.len(), "{files:?}");

@@ -39,8 +39,7 @@ fn a_line_becomes_a_design_that_reaches_its_value() {
     assert!(run.stderr.contains(&format!("top {}", told(before))), "{}", run.stderr);
     assert!(run.stderr.contains(&format!("(wanted {}", told(wanted))), "{}", run.stderr);
     // In every line of the history, too.
-    let first: serde_json::Value =
-        serde_json::from_str(dir.text("out/history.jsonl").lines().next().unwrap()).unwrap();
+    let first = dir.lines("out/history.jsonl").swap_remove(0);
     assert_eq!(first["probes"]["top"].as_f64(), Some(before));
 }
 

@@ -33,14 +33,6 @@ const FEATURES: &[Feature] = &[
         by: &["shape", "fibre.weave"],
     },
     Feature {
-        name: "fibre between faces",
-        folder: between_faces,
-        says: &[],
-        report: &["/fibres/0/energy"],
-        check: "--random 1",
-        by: &["shape", "fibre.weave"],
-    },
-    Feature {
         name: "thread by pitch",
         folder: || pulled(THREAD),
         says: &["helix of pitch 20.000 mm, double", "winding thread crosses itself at "],
@@ -73,14 +65,6 @@ const FEATURES: &[Feature] = &[
         report: &["/fibres/0/energy", "/windings/0/energy"],
         check: "--random 1",
         by: &["shape", "fibre.weave", "winding.thread"],
-    },
-    Feature {
-        name: "thread below a tag",
-        folder: || deep(&THREAD.replace("pitch", "depth = 2.5e-3\npitch")),
-        says: &["winding thread 2.500 mm below side: helix"],
-        report: &["/windings/0/length"],
-        check: "--random 1",
-        by: &["shape", "winding.thread"],
     },
     Feature {
         name: "sheet",
@@ -233,15 +217,6 @@ fn pulled(tables: &str) -> Workdir {
     let objective =
         "\n[[objective]]\nkind = \"probe\"\nname = \"pull\"\nweight = 1\nprobe = \"pull\"\n";
     dir.write("design.toml", &(VOLUME_DESIGN.to_owned() + objective));
-    dir
-}
-
-/// Fibres from the seat to the face above; their directions stay while a shape moves.
-fn between_faces() -> Workdir {
-    let fibre =
-        "\n[[fibre]]\nname = \"weave\"\nk1 = 2e5\nslack = 0.1\nbetween = [\"seat\", \"top\"]\n";
-    let dir = covered(&(fibre.to_owned() + TIGHT));
-    dir.write("design.toml", VOLUME_DESIGN);
     dir
 }
 

@@ -75,11 +75,6 @@ fn the_gripper_and_its_cylinder() {
     let mesh = part(&dir, cylinder);
     assert_eq!((mesh.vertices.len(), mesh.tets.len()), (1622, 5261));
     lies_between(&mesh, [-0.0325, -0.0704, -0.0183], [0.0325, -0.0119, 0.0403]);
-    // only the ends are held, and the middle was selected before them
-    for facet in scene.body.facets(&format!("{cylinder}.s1")).unwrap() {
-        let middle = facet.iter().map(|&v| scene.body.mesh.vertices[v].x).sum::<f64>() / 3.0;
-        assert!(middle.abs() >= 0.02);
-    }
     let on: Vec<&String> = scene.config.fixed.iter().map(|f| &f.on).collect();
     assert_eq!(on, [&format!("{gripper}.s1"), &format!("{cylinder}.s1")]);
     for (t, expected) in [(0.02, 60e3 * (0.03 - 4e-6)), (0.5, 60e3 * 0.6875), (1.06, 60e3)] {
@@ -116,14 +111,8 @@ fn the_worm_and_its_floor() {
         }
         let facets = scene.body.facets(&on).unwrap();
         assert!((256..=322).contains(&facets.len()));
-        let volume: f64 = facets
-            .iter()
-            .map(|f| {
-                let [a, b, c] = f.map(|v| scene.body.mesh.vertices[v]);
-                -a.dot(&b.cross(&c)) / 6.0
-            })
-            .sum();
-        close(volume, 1.045e-5, 0.01);
+        let corners = facets.iter().map(|f| f.map(|v| scene.body.mesh.vertices[v]));
+        close(corners.map(|[a, b, c]| -a.dot(&b.cross(&c)) / 6.0).sum(), 1.045e-5, 0.01);
     }
     assert_eq!(scene.config.gravity.at(Vec3::zeros(), 1.0), Vec3::new(0.0, 0.0, -9.8));
     assert_eq!(scene.config.contact().unwrap().form, ContactForm::Convergent);
@@ -146,13 +135,8 @@ fn the_walker_as_a_slab() {
     // chambers are the holes and nothing else: 2 (0.06 + 0.18) around
     for tag in ["s2", "s3"] {
         let facets = scene.body.facets(&format!("walker.{tag}")).unwrap();
-        let area: f64 = facets
-            .iter()
-            .map(|f| {
-                let [a, b, c] = f.map(|v| scene.body.mesh.vertices[v]);
-                mesh::measure::triangle_area(a, b, c)
-            })
-            .sum();
+        let corners = facets.iter().map(|f| f.map(|v| scene.body.mesh.vertices[v]));
+        let area = corners.map(|[a, b, c]| mesh::measure::triangle_area(a, b, c)).sum();
         close(area, 0.02 * 2.0 * (0.06 + 0.18), 1e-12);
     }
     // the lists are rounded cosines, the second 0.3 s late
@@ -167,17 +151,6 @@ fn the_walker_as_a_slab() {
     close(moduli.shear, 37037.04, 1e-7);
     close(moduli.bulk - 2.0 / 3.0 * moduli.shear, 39886.04, 1e-7);
     assert_eq!((scene.times().len(), scene.end()), (200, 4.0));
-}
-
-#[test]
-fn the_optimised_walker_has_other_pressures() {
-    let options = Options::default();
-    let Some((_dir, scene)) = imported("walker/state_walker_optimized.json", &options) else {
-        return;
-    };
-    close(pressure(&scene, "walker.s3", 0.02), 99.955_667_248_202_26, 1e-14);
-    close(pressure(&scene, "walker.s2", 0.02), -100.0, 1e-14);
-    close(pressure(&scene, "walker.s3", 4.0), 1_525.979_837_289_505, 1e-14);
 }
 
 fn design(dir: &Workdir) -> DesignConfig {

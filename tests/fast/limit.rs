@@ -39,9 +39,8 @@ fn a_path_comes_to_the_full_load() {
         report["chambers"]["cavity"]["volume"].as_f64().unwrap()
     };
     assert!((volume("out") / volume("load") - 1.0).abs() < 1e-9);
-    let text = dir.text("out/steps.jsonl");
-    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert!(lines.len() > 2, "{text}");
+    let lines = dir.lines("out/steps.jsonl");
+    assert!(lines.len() > 2, "{lines:?}");
     let arcs: Vec<f64> =
         lines.iter().map(|line| line["path"]["arc_length"].as_f64().unwrap()).collect();
     assert!(arcs.windows(2).all(|pair| pair[0] < pair[1]), "{arcs:?}");

@@ -7,6 +7,7 @@ use tests::workdir::Workdir;
 use tests::{block, chamber, tag};
 
 use crate::samples::{ONE, TIGHT, TWO, volumes};
+use crate::scenarios::{first_line, objective_at_start};
 
 #[test]
 fn a_stiff_floor_is_reported_with_error_bars_of_each_volume() {
@@ -127,13 +128,6 @@ fn between(file: &MshFile) -> std::collections::BTreeSet<[usize; 3]> {
     found
 }
 
-/// The objective of each scenario of a design as it begins, or of the only one.
-fn at_start(dir: &Workdir, design: &str) -> serde_json::Value {
-    dir.solver(&format!("-q optimize {design} -o start --restart")).assert_good();
-    let history = dir.text("start/history.jsonl");
-    serde_json::from_str(history.lines().next().unwrap()).unwrap()
-}
-
 /// A scenario with factors on volumes, a density among them, is the scene with those numbers changed.
 #[test]
 fn scenarios_change_volumes_one_by_one() {
@@ -144,7 +138,7 @@ fn scenarios_change_volumes_one_by_one() {
     let dir = volumes(&heavy);
     dir.write("p1.toml", &(GRAVITY.to_owned() + &dir.text("p1.toml")));
     let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
-    dir.write("one.toml", &design.replace("p1.toml", "other.toml"));
+    let one = design.replace("p1.toml", "other.toml");
     let cases = [
         ("floor", "modulus = { floor = 1.1, walls = 0.9 }"),
         ("walls", "density = { walls = 3.0 }"),
@@ -153,7 +147,8 @@ fn scenarios_change_volumes_one_by_one() {
     let scenarios =
         cases.map(|(name, keys)| format!("\n[[scenario]]\nname = \"{name}\"\n{keys}\n"));
     dir.write("design.toml", &(design + &scenarios.concat()));
-    let many = at_start(&dir, "design.toml");
+    dir.solver("-q optimize design.toml -o start").assert_good();
+    let many = first_line(&dir, "start");
     let walls = |factor: f64| {
         [("c1 = 55e3", 55e3), ("c2 = 5e3", 5e3), ("c3 = 1.7e3", 1.7e3), ("d1 = 1e6", 1e6)]
             .map(|(old, value)| (old.to_owned(), format!("{} = {:e}", &old[..2], factor * value)))
@@ -174,7 +169,7 @@ fn scenarios_change_volumes_one_by_one() {
             text.replace(old, new)
         });
         dir.write("other.toml", &changed);
-        let expected = at_start(&dir, "one.toml")["objective"].as_f64().unwrap();
+        let expected = objective_at_start(&dir, &one);
         let objective = many["scenarios"][name]["objective"].as_f64().unwrap();
         assert!((objective / expected - 1.0).abs() < 1e-9, "{name}: {objective} and {expected}");
         found.push(objective);

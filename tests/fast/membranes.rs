@@ -106,8 +106,7 @@ fn scenarios_change_the_sheet() {
         "\n[[scenario]]\nname = \"as it is\"\n\n[[scenario]]\nname = \"thin\"\nmembrane = 0.5\n";
     dir.write("design.toml", &(design + scenarios));
     dir.solver("optimize design.toml -o design").assert_good();
-    let history = dir.text("design/history.jsonl");
-    let first: serde_json::Value = serde_json::from_str(history.lines().next().unwrap()).unwrap();
+    let first = dir.lines("design/history.jsonl").swap_remove(0);
     let of = |name: &str| number(&first["scenarios"][name]["objective"]);
     assert!((of("thin") / of("as it is") - 1.0).abs() > 1e-4);
 }

@@ -1,14 +1,14 @@
 //! Newton's method at the rounding floor, and the softest mode.
 
 use mechanics::energy::{BodyForce, Energies};
-use mechanics::forward::{Failure, Newton};
+use mechanics::forward::Failure;
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
 use mechanics::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
 use mechanics::math::tensor::{Mat3, Mat9};
 use mechanics::stability::SoftestMode;
 use mesh::Vec3;
 use tests::block;
-use tests::equilibrium::{Equilibrium, SILICONE};
+use tests::equilibrium::{Equilibrium, SILICONE, newton};
 
 /// A law whose stresses are wrong in their ninth digit, in a way that changes with
 /// every bit of F.
@@ -48,9 +48,6 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>)
     )
 }
 
-const UNREACHABLE: Newton =
-    Newton { iterations: 60, relative: 1e-20, absolute: 0.0, negligible: 0.0, ballooned: None };
-
 /// The residual that Newton's method ends at, for any tolerance, is within a factor of
 /// the estimate: for stiff and slender bodies, small and large strain.
 #[test]
@@ -63,7 +60,7 @@ fn the_rounding_floor_is_where_residuals_end() {
         ([40, 1, 1], 1e-3, 1e2),
     ] {
         let mut bar = bar(cells, edge, force, || Box::new(SILICONE));
-        let end = bar.balance(&UNREACHABLE, 1.0).unwrap();
+        let end = bar.balance(&newton(60, 1e-20), 1.0).unwrap();
         let floor = end.floor.expect("nobody reaches 1e-20");
         eprintln!("{cells:?}: residual {:.1e} N, floor {floor:.1e} N", end.residual);
         assert!(end.residual < floor && end.residual > 1e-3 * floor, "{cells:?} {end:?}");
@@ -73,8 +70,7 @@ fn the_rounding_floor_is_where_residuals_end() {
 #[test]
 fn forces_that_are_not_accurate_stagnate_above_the_floor() {
     let mut bar = bar([3, 2, 2], 1e-2, 1e4, || Box::new(Blurred(SILICONE)));
-    let newton =
-        Newton { iterations: 40, relative: 1e-12, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(40, 1e-12);
     let failure = bar.balance(&newton, 1.0).unwrap_err();
     let Failure::Stagnated { iterations, residual, wanted, floor, scale } = failure else {
         panic!("{failure}")

@@ -11,6 +11,7 @@ use tests::chamber;
 use tests::workdir::{Workdir, repository};
 
 use crate::mullins;
+use crate::scenarios::objective_at_start;
 
 /// Motion of a viscous body that falls, with a sheet.
 const MORE: &str = r#"
@@ -141,21 +142,13 @@ fn error_bars_of_a_path_are_derivatives_times_what_it_is_off() {
 #[test]
 fn a_scenario_by_paths_is_the_scene_with_these_numbers() {
     let dir = chamber::workdir();
-    let at_start = |design: &str| {
-        dir.write("design.toml", design);
-        dir.solver("-q optimize design.toml -o out --restart").assert_good();
-        let history = dir.text("out/history.jsonl");
-        let line: serde_json::Value =
-            serde_json::from_str(history.lines().next().unwrap()).unwrap();
-        line["objective"].as_f64().unwrap()
-    };
     let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
     let numbers = "{ \"material.body.c1\" = 60e3, \"chamber.cavity.pressure\" = 500 }";
     let scenario = format!("\n[[scenario]]\nname = \"other\"\nnumbers = {numbers}\n");
-    let found = at_start(&(design.clone() + &scenario));
+    let found = objective_at_start(&dir, &(design.clone() + &scenario));
     let scene = dir.text("p1.toml");
     dir.write("p1.toml", &scene.replace("55e3", "60e3").replace("= 8e3", "= 8.5e3"));
-    let expected = at_start(&design);
+    let expected = objective_at_start(&dir, &design);
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
 }
 
@@ -178,8 +171,7 @@ fn numbers_are_designed_by_their_paths() {
     dir.write("design.toml", &design);
     dir.solver("check design.toml --steps 4 --random 1").assert_good();
     dir.solver("-q optimize design.toml -o out").assert_good();
-    let lines = dir.text("out/history.jsonl");
-    let last: serde_json::Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+    let last = dir.lines("out/history.jsonl").pop().unwrap();
     let found = last["parameters"]["material.body.c1"].as_f64().unwrap();
     assert!((found / 50e3 - 1.0).abs() < 1e-3, "{found}");
     // the scene with what was designed

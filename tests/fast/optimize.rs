@@ -8,8 +8,7 @@ use tests::workdir::Workdir;
 fn optimized() -> (Workdir, Vec<Value>) {
     let dir = chamber::workdir();
     dir.solver("optimize design.toml -o out").assert_good();
-    let history = dir.text("out/history.jsonl");
-    let lines = history.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let lines = dir.lines("out/history.jsonl");
     (dir, lines)
 }
 

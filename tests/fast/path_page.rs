@@ -4,7 +4,6 @@ use serde_json::json;
 use tests::chamber;
 use tests::chromium::Chromium;
 use tests::reported::number;
-use tests::workdir::Run;
 
 /// Circles of a colour in the chart.
 fn circles(color: &str, pixels: f64) -> String {

@@ -87,8 +87,7 @@ fn probes_are_columns_and_agree_with_the_report() {
     assert_eq!(report["probes"]["marker"]["kind"], "point");
     assert_eq!(report["config"]["probe"][8]["on"], "seat");
 
-    let lines: Vec<Value> =
-        dir.text("out/steps.jsonl").lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let lines = dir.lines("out/steps.jsonl");
     assert!(lines.len() >= 4, "{}", lines.len());
     for name in ["top", "inside", "marker", "bend", "apart", "wall", "bow", "air", "held", "turn"] {
         assert_eq!(&lines[lines.len() - 1]["probes"][name], last(name), "{name}");

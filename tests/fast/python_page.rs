@@ -44,8 +44,7 @@ fn every_piece_of_python_runs() {
     assert!(number(largest) >= on_tags && number(largest) < 1.5 * on_tags, "{largest} {on_tags}");
     let steps = report["steps"].as_array().unwrap().len();
     assert_eq!(printed[1].lines().count(), 1 + steps, "{}", printed[1]);
-    let history = dir.text("optimize/history.jsonl");
-    let last: serde_json::Value = serde_json::from_str(history.lines().last().unwrap()).unwrap();
+    let last = dir.lines("optimize/history.jsonl").pop().unwrap();
     let objective = number(printed[2].split_whitespace().last().unwrap());
     let expected = last["objective"].as_f64().unwrap();
     assert!((objective / expected - 1.0).abs() < 1e-5, "{objective} {expected}");

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 use tests::chamber;
-use tests::workdir::{Run, Workdir, repository};
+use tests::workdir::{Workdir, repository};
 
 use crate::samples::*;
 use crate::{
@@ -15,14 +15,19 @@ use crate::{
     symmetry, validate,
 };
 
-struct Section<'a> {
-    sample: &'a str,
-    file: &'a str,
-    command: &'a str,
+pub struct Section<'a> {
+    pub sample: &'a str,
+    pub file: &'a str,
+    pub command: &'a str,
     cases: Vec<&'a str>,
 }
 
-fn sections(text: &str) -> Vec<Section<'_>> {
+/// The text of `refused.txt`.
+pub fn of_file() -> String {
+    std::fs::read_to_string(repository().join("tests/fast/refused.txt")).unwrap()
+}
+
+pub fn sections(text: &str) -> Vec<Section<'_>> {
     let mut sections: Vec<Section> = Vec::new();
     for line in text.lines().filter(|line| !line.is_empty()) {
         if let Some(head) = line.strip_prefix("## ") {
@@ -36,13 +41,12 @@ fn sections(text: &str) -> Vec<Section<'_>> {
     sections
 }
 
-fn sample(name: &str) -> Workdir {
+pub fn sample(name: &str) -> Workdir {
     match name {
         "chamber" => chamber::workdir(),
         "fibre" => wound(FIBRE),
         "thread" => wound(WINDING),
         "profiles" => wound(&(FIBRE_PROFILES.to_owned() + WINDING_PROFILES)),
-        "depth" => deep(&WINDING.replace("pitch", "depth = 5e-3\npitch")),
         "directions" => covered("\n[[fibre]]\nname = \"weave\"\nk1 = 2e5\nslack = 0.1\n"),
         "sheet" => covered(SHEET),
         "fabric" => covered(FABRIC),
@@ -66,9 +70,50 @@ fn sample(name: &str) -> Workdir {
         "part" => symmetry::quarter(),
         "validation" => validate::workdir(),
         "mold" => groove::wound(),
+        "tags" | "model" => {
+            let dir = chamber::workdir();
+            dir.write("tags.toml", TAGS);
+            dir.write("model.toml", MODEL);
+            dir
+        }
         name => panic!("no sample {name:?}"),
     }
 }
+
+/// A tag of each kind.
+const TAGS: &str = r#"
+epsilon = 1e-4
+
+[[tag]]
+name = "a"
+point = { at = [0.0, 0.02, 0.04], angle = 40 }
+
+[[tag]]
+name = "b"
+plane = { point = [0, 0, 0.04], normal = [0, 0, 1] }
+
+[[tag]]
+name = "c"
+box = { min = [0, 0, 0], max = [0.1, 0.1, 0.1] }
+"#;
+
+const MODEL: &str = r#"
+unit = "mm"
+grid = 3
+
+[[solid]]
+name = "box"
+shape.box = { center = [0, 0, 8], size = [16, 16, 30], rounding = 1 }
+
+[[cavity]]
+name = "hole"
+shape.sphere = { center = [0, 0, 2], radius = 5 }
+
+[[cut]]
+name = "seat"
+normal = [0, 0, -1]
+offset = 0
+"#;
 
 impl Section<'_> {
     fn check(&self) {
@@ -98,7 +143,7 @@ impl Section<'_> {
 
 #[test]
 fn mistakes_are_refused_with_their_place() {
-    let text = std::fs::read_to_string(repository().join("tests/fast/refused.txt")).unwrap();
+    let text = of_file();
     let sections = sections(&text);
     assert!(sections.iter().map(|section| section.cases.len()).sum::<usize>() > 200);
     sections.par_iter().for_each(Section::check);

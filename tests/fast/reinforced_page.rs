@@ -5,7 +5,7 @@ use mesh::io::vtu::{Grid, read_vtu};
 use serde_json::{Value, json};
 use tests::chromium::Chromium;
 use tests::reported::number;
-use tests::workdir::{Run, Workdir};
+use tests::workdir::Workdir;
 
 use crate::samples::{WINDING, wound};
 

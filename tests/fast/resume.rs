@@ -3,25 +3,20 @@
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use mechanics::math::random::Random;
 use serde_json::Value;
 use tests::chamber;
+use tests::kills::{
+    history_without_times, kill_after_every_checkpoint, kill_at_random_times, killed,
+};
 use tests::workdir::Workdir;
+
+use crate::scenarios;
 
 pub const COMMAND: &str = "--threads 2 -q optimize design.toml -o out";
 
 /// What must be the same: the bytes of design.msh, and history.jsonl without times.
 pub fn results(dir: &Workdir) -> (Vec<u8>, Vec<Value>) {
-    let history = dir.text("out/history.jsonl");
-    let line = |line: &str| {
-        let mut line: Value = serde_json::from_str(line).unwrap();
-        for time in ["forward_s", "gradient_s", "time_s"] {
-            assert!(line.as_object_mut().unwrap().remove(time).is_some());
-        }
-        line
-    };
-    let design = std::fs::read(dir.path("out/design.msh")).unwrap();
-    (design, history.lines().map(line).collect())
+    (std::fs::read(dir.path("out/design.msh")).unwrap(), history_without_times(dir))
 }
 
 /// A finished run that nothing disturbed.
@@ -46,124 +41,82 @@ pub fn start(dir: &Workdir) -> Child {
     command.stderr(Stdio::null()).spawn().unwrap()
 }
 
-/// Starts the program and kills it (SIGKILL) as soon as `now` says so; false
-/// when it was finished before.
-fn killed(dir: &Workdir, mut now: impl FnMut() -> bool) -> bool {
-    let mut child = start(dir);
-    loop {
-        if let Some(status) = child.try_wait().unwrap() {
-            assert!(status.success(), "{status}");
-            return false;
-        }
-        if now() {
-            child.kill().unwrap();
-            return !child.wait().unwrap().success();
-        }
-        std::thread::sleep(Duration::from_micros(300));
-    }
-}
-
-/// Kills the program when its history has so many lines; false when it was finished before.
-pub fn killed_when_at(dir: &Workdir, lines: usize) -> bool {
-    let path = dir.path("out/history.jsonl");
-    killed(dir, || std::fs::read_to_string(&path).is_ok_and(|text| text.lines().count() >= lines))
-}
-
-/// Kills the program whenever it has written a checkpoint, until it finishes,
-/// and returns how often that was.
-fn kill_after_every_checkpoint(dir: &Workdir) -> usize {
-    let path = dir.path("out/checkpoint.json");
-    let mut kills = 0;
-    loop {
-        let before = std::fs::read(&path).ok();
-        if !killed(dir, || std::fs::read(&path).ok() != before) {
-            return kills;
-        }
-        kills += 1;
-        assert!(kills < 50, "no progress");
-    }
-}
-
-#[test]
-fn killed_after_every_checkpoint() {
-    let expected = results(&undisturbed());
+/// The chamber with a change of its design.
+fn changed(old: &str, new: &str) -> Workdir {
     let dir = chamber::workdir();
-    let kills = kill_after_every_checkpoint(&dir);
-    eprintln!("{kills} kills");
-    // two levels begin, eight states are accepted; the last kill may come too late
-    assert!(kills >= 8, "{kills}");
-    assert_same(&dir, &expected);
-}
-
-/// A folder in which every level ends as soon as it may: not after its first step, which goes down the gradient.
-fn stagnating() -> Workdir {
-    let dir = chamber::workdir();
-    let design = dir.text("design.toml").replace("first_step = 0.1", "stagnation = 0.9");
-    dir.write("design.toml", &design);
+    let sound = dir.text("design.toml");
+    assert!(sound.contains(old), "{old}");
+    dir.write("design.toml", &sound.replacen(old, new, 1));
     dir
 }
 
+/// Bounds of probes and of the slope, what they cost, and the wall lie in the checkpoint.
+fn constrained() -> Workdir {
+    let kept = "[[constraint]]\nkind = \"wall\"\nname = \"thick\"\non = \"cavity\"\nagainst = [\"top\", \"skin\"]\n\
+                least = 5e-3\n\n[[constraint]]\nkind = \"probe\"\nname = \"rise\"\nprobe = \"top\"\nmost = 1e-3\n\n\
+                [[constraint]]\nkind = \"slope\"\nname = \"slope\"\nleast = 0.9\n\n[shape]";
+    let dir = changed("[shape]", kept);
+    dir.write("p1.toml", &(dir.text("p1.toml") + chamber::PROBES));
+    dir
+}
+
+/// A weight that was found from a share at the start is that of the whole design.
+fn shared() -> Workdir {
+    let dir = scenarios::workdir("[robust]\ndeviations = 1\n");
+    let shared = dir.text("design.toml").replacen("weight = 1e10", "share = 0.9", 1);
+    dir.write("design.toml", &shared);
+    dir
+}
+
+type Design = (&'static str, fn() -> Workdir, usize);
+
+/// Designs by their names, with the least number of their checkpoints that are killed.
+const DESIGNS: [Design; 5] = [
+    // two levels begin, eight states are accepted; the last kill may come too late
+    ("plain", chamber::workdir, 8),
+    // every level ends as soon as it may: not after its first step, which goes down the gradient
+    ("stagnating", || changed("first_step = 0.1", "stagnation = 0.9"), 4),
+    // the model of the method lies in the checkpoint
+    ("gauss-newton", || changed("[optimizer]", "[optimizer]\nmethod = \"gauss-newton\""), 3),
+    ("constraints", constrained, 3),
+    ("scenarios with a share", shared, 3),
+];
+
 #[test]
-fn levels_that_stagnate_end_there_in_spite_of_kills() {
-    let dir = stagnating();
-    dir.solver(COMMAND).assert_good();
-    let expected = results(&dir);
-    assert_eq!(expected.1.len(), 6, "two steps per level");
-    for _ in 0..3 {
-        let dir = stagnating();
-        assert!(kill_after_every_checkpoint(&dir) >= 4);
-        assert_same(&dir, &expected);
+fn killed_after_every_checkpoint() {
+    for (name, folder, least) in DESIGNS {
+        let whole = folder();
+        whole.solver(COMMAND).assert_good();
+        let dir = folder();
+        let kills = kill_after_every_checkpoint(&dir, COMMAND);
+        assert!(kills >= least, "{name}: {kills} kills");
+        assert_same(&dir, &results(&whole));
+        // how a level ended before a kill is still in the report
+        let levels = |dir: &Workdir| -> Vec<Value> {
+            let report = dir.json("out/report.json");
+            report["levels"].as_array().unwrap().iter().map(|l| l["ending"].clone()).collect()
+        };
+        assert_eq!(levels(&dir), levels(&whole), "{name}");
+        if name == "stagnating" {
+            assert_eq!(levels(&dir), ["converged", "converged"]);
+        }
     }
 }
 
 #[test]
 fn killed_at_random_times() {
-    let clock = Instant::now();
     let expected = results(&undisturbed());
-    let whole = clock.elapsed().as_secs_f64();
-    let mut random = Random::new(23);
-    let (mut kills, mut folders) = (0, 0);
-    // a run may be over before its kill; then another folder is next
-    while kills < 6 {
-        folders += 1;
-        assert!(folders < 10, "only {kills} kills");
-        let dir = chamber::workdir();
-        loop {
-            let delay = Duration::from_secs_f64(whole * 0.1 * (1.0 + random.uniform()));
-            let clock = Instant::now();
-            if kills > 20 || !killed(&dir, || clock.elapsed() > delay) {
-                break;
-            }
-            kills += 1;
-        }
-        dir.solver(COMMAND).assert_good();
-        assert_same(&dir, &expected);
-    }
-    eprintln!("{kills} kills in {folders} folders, of runs of {whole:.2} s");
-}
-
-/// How a level ended before the kill is still in the report.
-#[test]
-fn the_report_does_not_depend_on_kills() {
-    let dir = stagnating();
-    dir.solver(COMMAND).assert_good();
-    let levels = dir.json("out/report.json")["levels"].clone();
-    let ended = |level: &Value| level["ending"] == "converged";
-    assert_eq!(
-        levels.as_array().unwrap().iter().filter(|level| ended(level)).count(),
-        2,
-        "{levels}"
-    );
-    dir.solver(COMMAND).assert_good();
-    assert_eq!(dir.json("out/report.json")["levels"], levels);
+    kill_at_random_times(chamber::workdir, COMMAND, |dir| assert_same(dir, &expected));
 }
 
 #[test]
 fn finished_before() {
     let dir = undisturbed();
     let expected = results(&dir);
+    let levels = dir.json("out/report.json")["levels"].clone();
     dir.solver(COMMAND).assert_good();
     assert_same(&dir, &expected);
+    assert_eq!(dir.json("out/report.json")["levels"], levels);
     dir.solver(&format!("{COMMAND} --restart")).assert_good();
     assert_same(&dir, &expected);
 }
@@ -238,42 +191,6 @@ pub fn unfinished() -> Workdir {
     let dir = chamber::workdir();
     let history = dir.path("out/history.jsonl");
     let lines = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
-    assert!(killed(&dir, || lines() > 1), "over before it was killed");
+    assert!(killed(dir.command(COMMAND), || lines() > 1), "over before it was killed");
     dir
-}
-
-/// The model of the Gauss–Newton method lies in the checkpoint.
-#[test]
-fn a_killed_gauss_newton_run_ends_as_one_that_is_not() {
-    let workdir = || {
-        let dir = chamber::workdir();
-        let method = "[optimizer]\nmethod = \"gauss-newton\"";
-        dir.write("design.toml", &dir.text("design.toml").replace("[optimizer]", method));
-        dir
-    };
-    let whole = workdir();
-    whole.solver(COMMAND).assert_good();
-    let dir = workdir();
-    assert!(kill_after_every_checkpoint(&dir) > 2, "over before it was killed");
-    assert_same(&dir, &results(&whole));
-}
-
-/// Bounds of probes and of the slope, what they cost, and the wall lie in the checkpoint.
-#[test]
-fn a_design_with_constraints_that_is_killed_ends_the_same() {
-    let workdir = || {
-        let dir = chamber::workdir();
-        dir.write("p1.toml", &(dir.text("p1.toml") + chamber::PROBES));
-        let kept = "[[constraint]]\nkind = \"wall\"\nname = \"thick\"\non = \"cavity\"\nagainst = [\"top\", \"skin\"]\n\
-                    least = 5e-3\n\n[[constraint]]\nkind = \"probe\"\nname = \"rise\"\nprobe = \"top\"\nmost = 1e-3\n";
-        let slope = "\n[[constraint]]\nkind = \"slope\"\nname = \"slope\"\nleast = 0.9\n\n";
-        let design = dir.text("design.toml") + slope + kept;
-        dir.write("design.toml", &design);
-        dir
-    };
-    let whole = workdir();
-    whole.solver(COMMAND).assert_good();
-    let dir = workdir();
-    assert!(kill_after_every_checkpoint(&dir) > 2, "over before it was killed");
-    assert_same(&dir, &results(&whole));
 }

@@ -1,10 +1,8 @@
 //! A static simulation that is killed continues after its last load steps.
 
-use std::process::Stdio;
-use std::time::Duration;
-
 use serde_json::Value;
 use tests::chamber;
+use tests::kills::killed;
 use tests::workdir::Workdir;
 
 const COMMAND: &str = "--threads 2 -q simulate sim.toml -o out";
@@ -28,10 +26,6 @@ fn work(line: &Value) -> f64 {
     line["work_of_loads"].as_f64().unwrap()
 }
 
-fn lines(dir: &Workdir) -> Vec<Value> {
-    dir.text("out/steps.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-}
-
 /// Intermediate load steps need only be solved roughly, so that they agree roughly, and so does
 /// the work of the loads, which is a sum over all of them.
 #[test]
@@ -39,14 +33,9 @@ fn killed_between_load_steps() {
     let undisturbed = workdir();
     undisturbed.solver(COMMAND).assert_good();
     let dir = workdir();
-    let mut child = dir.command(COMMAND).stderr(Stdio::null()).spawn().unwrap();
-    while !dir.path("out/checkpoint.json").exists() {
-        assert!(child.try_wait().unwrap().is_none(), "over before it was killed");
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    child.kill().unwrap();
-    assert!(!child.wait().unwrap().success(), "over before it was killed");
-    let made = lines(&dir).len();
+    let checkpoint = dir.path("out/checkpoint.json");
+    assert!(killed(dir.command(COMMAND), || checkpoint.exists()), "over before it was killed");
+    let made = dir.lines("out/steps.jsonl").len();
     assert!(
         made > 0 && dir.path("out/step_000.vtu").exists() && !dir.path("out/report.json").exists()
     );
@@ -56,7 +45,7 @@ fn killed_between_load_steps() {
     let continued = run.stderr.split("continuing after ").nth(1).expect("said so");
     let kept: usize = continued.split(' ').next().unwrap().parse().unwrap();
     assert!(kept > 0 && kept <= made, "{kept} of {made}");
-    let (found, expected) = (lines(&dir), lines(&undisturbed));
+    let (found, expected) = (dir.lines("out/steps.jsonl"), undisturbed.lines("out/steps.jsonl"));
     assert_eq!(found.len(), expected.len());
     assert_eq!(found[..kept], expected[..kept], "made before it was killed, by the same steps");
     for (i, (line, expected)) in found.iter().zip(&expected).enumerate() {

@@ -145,8 +145,7 @@ fn a_guided_body_falls_straight() {
          [time]\nend = 0.1\nsteps = 10\nmethod = \"implicit-euler\"\n",
     );
     dir.solver("simulate fall.toml -o out").assert_good();
-    let steps = dir.text("out/steps.jsonl");
-    let last: serde_json::Value = serde_json::from_str(steps.lines().last().unwrap()).unwrap();
+    let last = dir.lines("out/steps.jsonl").pop().unwrap();
     let moved = [0, 1, 2].map(|k| number(&last["rigid"]["cube"]["displacement"][k]));
     // g h² n (n + 1)/2 of implicit Euler
     let fallen = -9.81 * 0.01 * 0.01 * 55.0;

@@ -1,7 +1,7 @@
 //! A small scene of each feature: `p1.toml` in a folder, and where `design.toml` moves its shape, a design of it.
 
 use mesh::io::{read_tets, write_surface, write_tets};
-use mesh::{Vec3, Volumes, facet_key, topology};
+use mesh::{Vec3, Volumes};
 use tests::chamber::{self, PROBES, SIM, VOLUME_DESIGN};
 use tests::workdir::Workdir;
 use tests::{block, plate, tag};
@@ -102,27 +102,6 @@ pub const TIGHT: &str = "\n[solver]\nrelative_tolerance = 1e-13\nabsolute_tolera
 /// The chamber around which the tables are wound.
 pub fn wound(tables: &str) -> Workdir {
     let dir = chamber::with(&chamber::wound(1), &(AIR.to_owned() + tables));
-    dir.write("design.toml", VOLUME_DESIGN);
-    dir
-}
-
-/// The same in finer cells, with a tag `inner` 5 mm below `side`, inside the walls.
-pub fn deep(tables: &str) -> Workdir {
-    let mut body = chamber::wound(2);
-    body.tags.names.push("inner".to_owned());
-    let id = body.tags.id("inner").unwrap();
-    let is_inner = |facet: &[usize; 3]| {
-        let x = facet.map(|v| body.mesh.vertices[v]);
-        let from_axis = |x: &Vec3| (x.y - 0.02).abs().max((x.z - 0.02).abs());
-        let flat = |k: usize| x.iter().all(|p| p[k] == x[0][k]) && (x[0][k] - 0.02).abs() > 0.014;
-        x.iter().all(|x| (from_axis(x) - 0.015).abs() < 1e-9) && (flat(1) || flat(2))
-    };
-    let facets =
-        body.mesh.tets.iter().flat_map(|tet| topology::TET_FACETS.map(|f| f.map(|c| tet[c])));
-    for facet in facets.map(facet_key).filter(is_inner) {
-        body.tags.set(facet, id);
-    }
-    let dir = chamber::with(&body, &(AIR.to_owned() + tables));
     dir.write("design.toml", VOLUME_DESIGN);
     dir
 }

@@ -3,12 +3,12 @@
 //! factor, bit for bit, as all factors are powers of two. Forces are then 1e-18 to 1e18 times as large.
 
 use mechanics::body::Body;
+use mesh::Vec3;
 use mesh::io::{npy, write_surface, write_tets};
-use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 use tests::chamber;
 use tests::workdir::Workdir;
-use tests::{block, tag};
+use tests::{block, plate, tag};
 
 /// About a million.
 const MILLION: f64 = 1048576.0;
@@ -27,12 +27,7 @@ fn run(dir: &Workdir, body: &Body, scene: &str, length: f64) -> (Vec<f64>, Vec<V
     let mut mesh = body.mesh.clone();
     mesh.vertices.iter_mut().for_each(|x| *x *= length);
     write_tets(&dir.path("body.msh"), &mesh, &body.tags).unwrap();
-    let floor = SurfaceMesh {
-        vertices: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.1], [-1.0, 1.1]]
-            .map(|[x, y]| length * Vec3::new(x, y, 0.0))
-            .to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    };
+    let floor = plate([-length, length], [-length, 1.1 * length], 0.0);
     write_surface(&dir.path("floor.ply"), &floor).unwrap();
     dir.write("sim.toml", scene);
     dir.solver("simulate sim.toml -o out --restart --threads 1").assert_good();

@@ -9,8 +9,6 @@ use serde_json::Value;
 use tests::chamber;
 use tests::workdir::Workdir;
 
-use crate::resume::{assert_same, killed_when_at, results};
-
 /// How far walls are off [m].
 const WALL: f64 = 0.3e-3;
 
@@ -44,13 +42,12 @@ pub fn workdir(more: &str) -> Workdir {
     dir
 }
 
-fn first_line(dir: &Workdir, folder: &str) -> Value {
-    let history = dir.text(&format!("{folder}/history.jsonl"));
-    serde_json::from_str(history.lines().next().unwrap()).unwrap()
+pub fn first_line(dir: &Workdir, folder: &str) -> Value {
+    dir.lines(&format!("{folder}/history.jsonl")).swap_remove(0)
 }
 
 /// The objective of the design as it begins, in the history.
-fn objective_at_start(dir: &Workdir, design: &str) -> f64 {
+pub fn objective_at_start(dir: &Workdir, design: &str) -> f64 {
     dir.write("one.toml", design);
     dir.solver("-q optimize one.toml -o one --restart").assert_good();
     first_line(dir, "one")["objective"].as_f64().unwrap()
@@ -149,23 +146,4 @@ fn gradients_by_designed_pressures_are_exact() {
     let run = dir.solver("check design.toml --design-only");
     run.assert_good();
     assert!(run.stdout.contains("\"top\" by loads"), "{}", run.stdout);
-}
-
-/// As one that is not interrupted, to the bit; a weight that was found from a share at the start is that of the whole
-/// design.
-#[test]
-fn an_interrupted_design_continues() {
-    let folder = || {
-        let dir = workdir("[robust]\ndeviations = 1\n");
-        let shared = dir.text("design.toml").replacen("weight = 1e10", "share = 0.9", 1);
-        dir.write("design.toml", &shared);
-        dir
-    };
-    let dir = folder();
-    dir.solver("--threads 2 -q optimize design.toml -o out").assert_good();
-    let expected = results(&dir);
-    let dir = folder();
-    assert!(killed_when_at(&dir, 2) && killed_when_at(&dir, 5), "finished before it was killed");
-    dir.solver("--threads 1 -q optimize design.toml -o out").assert_good();
-    assert_same(&dir, &expected);
 }

@@ -1,4 +1,4 @@
-//! `solver list`, `fit` and `plot`, named silicones and enclosed gas, by the program.
+//! `solver list`, `fit` and `plot`, and named silicones, by the program.
 
 use tests::chamber;
 use tests::reported::number;
@@ -106,24 +106,4 @@ fn columns_of_runs_are_drawn() {
     assert!(png.starts_with(b"\x89PNG"));
     let run = dir.solver(&format!("{plot} --points measured.csv:load,volum"));
     run.assert_refused(2, &["measured.csv", "no column \"volum\"; there are: load, volume"]);
-}
-
-/// Gas keeps to P V = const, and presses less than a supply once it has spread.
-#[test]
-fn enclosed_gas_follows_its_volume() {
-    let dir = chamber::workdir();
-    let gas = "[[chamber]]\non = \"cavity\"\nfill = 8e3\nambient = 101.3e3\nexponent = 1.0\n";
-    let sim = dir.text("sim.toml");
-    let pressure = &sim[sim.find("[[chamber]]").unwrap()..];
-    dir.write("gas.toml", &sim.replace(pressure, gas));
-    dir.solver("simulate gas.toml -o out").assert_good();
-    let wall = &dir.json("out/report.json")["chambers"]["cavity"];
-    let [rest, volume, pressure] =
-        ["volume_rest", "volume", "pressure"].map(|key| number(&wall[key]));
-    assert!(volume > 1.001 * rest, "{wall}");
-    let expected = (8e3 + 101.3e3) * rest / volume - 101.3e3;
-    assert!((pressure / expected - 1.0).abs() < 1e-12, "{pressure} {expected}");
-
-    dir.write("both.toml", &format!("{sim}\n{gas}"));
-    dir.solver("simulate both.toml -o none").assert_refused(2, &["both.toml", "\"cavity\"", "two"]);
 }

@@ -51,36 +51,42 @@ fn a_finished_folder_is_used_again_for_other_inputs() {
     });
 }
 
-#[test]
-fn a_spoiled_folder_is_refused() {
-    let dir = undisturbed();
-    let checkpoint = dir.text("out/checkpoint.json");
-    for spoiled in ["", "{", &checkpoint[..checkpoint.len() / 2], "[1, 2]", "{\"inputs\": 3}"] {
-        dir.write("out/checkpoint.json", spoiled);
-        dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "column"]);
-    }
-    dir.write("out/checkpoint.json", &checkpoint);
-    dir.write("out/level-2.msh", "");
-    dir.solver(COMMAND).assert_refused(2, &["out/level-2.msh"]);
-}
-
-/// One digit of each file from which an interrupted design continues.
+/// A checkpoint that is none, one whose numbers do not belong to the level, a history that is too short, and one digit of
+/// each file from which an interrupted design continues.
 #[test]
 fn altered_files_are_never_used() {
     let dir = undisturbed();
-    let run = |name: &String| name.starts_with("run-");
-    let run = dir.files("out").into_iter().find(run).unwrap();
-    for name in ["checkpoint.json", "history.jsonl", "level-1.msh", "level-2.msh", &run] {
+    let checkpoint = dir.text("out/checkpoint.json");
+    let history = dir.text("out/history.jsonl");
+    let refused = |name: &str, text: &[u8], words: &[&str]| {
         let path = dir.path(&format!("out/{name}"));
         let whole = std::fs::read(&path).unwrap();
-        let mut altered = whole.clone();
+        std::fs::write(&path, text).unwrap();
+        dir.solver(COMMAND).assert_refused(2, &[&[name], words].concat());
+        std::fs::write(&path, whole).unwrap();
+    };
+    for spoiled in ["", "{", &checkpoint[..checkpoint.len() / 2], "[1, 2]", "{\"inputs\": 3}"] {
+        refused("checkpoint.json", spoiled.as_bytes(), &["column"]);
+    }
+    refused("level-2.msh", b"", &[]);
+    let first = history.lines().next().unwrap().to_owned() + "\n";
+    for lines in ["", &first] {
+        refused("history.jsonl", lines.as_bytes(), &["8"]);
+    }
+    let is_run = |name: &String| name.starts_with("run-");
+    let run = dir.files("out").into_iter().find(is_run).unwrap();
+    for name in ["checkpoint.json", "history.jsonl", "level-1.msh", "level-2.msh", &run] {
+        let mut altered = std::fs::read(dir.path(&format!("out/{name}"))).unwrap();
         let digit = altered.iter().rposition(u8::is_ascii_digit).unwrap();
         altered[digit] = if altered[digit] == b'3' { b'4' } else { b'3' };
-        std::fs::write(&path, altered).unwrap();
-        dir.solver(COMMAND).assert_refused(2, &[name, "--restart"]);
-        std::fs::write(&path, whole).unwrap();
+        refused(name, &altered, &["--restart"]);
     }
     dir.solver(COMMAND).assert_good();
+    let mut content = dir.json("out/checkpoint.json")["content"].clone();
+    content["theta"].as_array_mut().unwrap().pop();
+    let path = dir.path("out/checkpoint.json");
+    program::write_checkpoint(&path, scene::PROGRAM, &content).unwrap();
+    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "theta and gradient have"]);
 }
 
 /// History without a checkpoint does not show where to continue.
@@ -91,17 +97,6 @@ fn without_a_checkpoint_all_begins_anew() {
     std::fs::remove_file(dir.path("out/checkpoint.json")).unwrap();
     dir.solver(COMMAND).assert_good();
     assert_same(&dir, &expected);
-}
-
-#[test]
-fn a_history_that_is_too_short_is_refused() {
-    for kept in [0, 1] {
-        let dir = undisturbed();
-        let history = dir.text("out/history.jsonl");
-        let lines: String = history.lines().take(kept).flat_map(|l| [l, "\n"]).collect();
-        dir.write("out/history.jsonl", &lines);
-        dir.solver(COMMAND).assert_refused(2, &["out/history.jsonl", "8"]);
-    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use mesh::{SurfaceMesh, Vec3};
 use serde_json::Value;
 use tests::symmetric::{difference, nodes};
 use tests::workdir::Workdir;
-use tests::{block, tag};
+use tests::{block, plate, tag};
 
 /// Largest difference of displacements, relative to the largest, set before it was measured.
 const SAME: f64 = 1e-9;
@@ -34,17 +34,22 @@ fn workdir() -> Workdir {
         });
         assert!(mirror.status().unwrap().success());
     }
-    let write = |name: &str, corners: &[[f64; 2]], triangles: Vec<[usize; 3]>| {
-        let vertices = corners.iter().map(|[x, y]| Vec3::new(*x, *y, 0.0)).collect();
-        write_surface(&dir.path(name), &SurfaceMesh { vertices, triangles }).unwrap();
+    let triangle = |low: f64| SurfaceMesh {
+        vertices: [[low, -0.2], [0.3, -0.2], [0.0, 0.4]]
+            .map(|[x, y]| Vec3::new(x, y, 0.0))
+            .to_vec(),
+        triangles: vec![[0, 1, 2]],
     };
-    let square = |low: f64| [[low, -0.1], [0.1, -0.1], [0.1, 0.1], [low, 0.1]];
-    let two = || vec![[0, 1, 2], [0, 2, 3]];
-    // its mesh, too, is its own mirror image across x
-    write("triangle.stl", &[[-0.3, -0.2], [0.3, -0.2], [0.0, 0.4]], vec![[0, 1, 2]]);
-    write("half.stl", &[[0.0, -0.2], [0.3, -0.2], [0.0, 0.4]], vec![[0, 1, 2]]);
-    write("square.stl", &square(-0.1), two());
-    write("odd.stl", &square(-0.05), two());
+    let square = |low: f64| plate([low, 0.1], [-0.1, 0.1], 0.0);
+    for (name, floor) in [
+        // its mesh, too, is its own mirror image across x
+        ("triangle", triangle(-0.3)),
+        ("half", triangle(0.0)),
+        ("square", square(-0.1)),
+        ("odd", square(-0.05)),
+    ] {
+        write_surface(&dir.path(&format!("{name}.stl")), &floor).unwrap();
+    }
     dir
 }
 

@@ -99,11 +99,8 @@ fn an_optimisation_takes_the_same_way() {
     let run = |threads: usize, out: &str| -> Vec<f64> {
         let command = format!("--threads {threads} optimize design.toml -o {out}");
         dir.solver(&command).assert_good();
-        let history = dir.text(&format!("{out}/history.jsonl"));
-        let objective = |line: &str| {
-            serde_json::from_str::<serde_json::Value>(line).unwrap()["objective"].as_f64().unwrap()
-        };
-        history.lines().map(objective).collect()
+        let objective = |line: &serde_json::Value| line["objective"].as_f64().unwrap();
+        dir.lines(&format!("{out}/history.jsonl")).iter().map(objective).collect()
     };
     let (one, two) = (run(1, "one"), run(2, "two"));
     assert_eq!(one.len(), two.len());

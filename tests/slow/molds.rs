@@ -69,14 +69,6 @@ fn parts(mold: &Path) -> (Vec<Solid>, Vec<[[f64; 3]; 3]>) {
     report["parts"].as_array().unwrap().iter().map(part).unzip()
 }
 
-/// All molds of all scenes.
-fn all() -> Vec<PathBuf> {
-    let all: Vec<PathBuf> = folders().iter().flat_map(|folder| molds(folder)).collect();
-    // Chamber, gripper and worm segment take two, and the beam is there twice.
-    assert!(all.len() >= 10, "{all:?}");
-    all
-}
-
 /// All checks of `fab verify` hold for the molds in a folder.
 fn verify(folder: &Path) {
     let output =
@@ -87,23 +79,13 @@ fn verify(folder: &Path) {
     assert!(said.lines().count() > 30, "{said}");
 }
 
-#[test]
-#[ignore = "makes the molds of all scenes: runs in make test-all"]
-fn every_mold_is_verified() {
-    folders().iter().for_each(|folder| verify(folder));
-}
-
-/// Judges the molds of a body's design as those that are made here.
-fn judge_design(scene: &str) {
-    let folder = repository().join("build").join(scene).join("mold");
-    if !folder.is_dir() {
-        skip(&format!("build/{scene}/mold is not there: `make {scene}` makes it"));
-        return;
-    }
-    verify(&folder);
+/// All checks hold for the molds in a folder, and other programs agree on their parts: slicers, too, slice both files of
+/// each without a warning.
+fn judge(folder: &Path) {
+    verify(folder);
     let (python, scratch) = (python(judges::PACKAGES), tempfile::tempdir().unwrap());
     let [admesh, slicer] = ["admesh", "prusa-slicer"].map(judges::installed);
-    for mold in molds(&folder) {
+    for mold in molds(folder) {
         let (parts, places) = parts(&mold);
         if let Some(python) = &python {
             judges::trimesh_and_manifold3d_agree(python, &parts);
@@ -119,51 +101,23 @@ fn judge_design(scene: &str) {
 }
 
 #[test]
-#[ignore = "judges what `make finger` made: runs in make test-all"]
-fn molds_of_the_designed_finger() {
-    judge_design("finger");
-}
-
-#[test]
-#[ignore = "judges what `make frog` made: runs in make test-all"]
-fn molds_of_the_designed_frog() {
-    judge_design("frog");
-}
-
-#[test]
-#[ignore = "judges what `make gripper` made: runs in make test-all"]
-fn molds_of_the_designed_gripper() {
-    judge_design("gripper");
-}
-
-#[test]
 #[ignore = "makes the molds of all scenes: runs in make test-all"]
-fn trimesh_and_manifold3d_agree_on_every_part() {
-    let Some(python) = python(judges::PACKAGES) else { return };
-    for mold in all() {
-        let (parts, places) = parts(&mold);
-        judges::trimesh_and_manifold3d_agree(&python, &parts);
-        judges::trimesh_reads_3mf(&python, &parts, &places);
-    }
+fn every_mold_is_verified_and_judged_by_others() {
+    let folders = folders();
+    // Chamber, gripper and worm segment take two, and the beam is there twice.
+    let count: usize = folders.iter().map(|folder| molds(folder).len()).sum();
+    assert!(count >= 10, "{count}");
+    folders.iter().for_each(|folder| judge(folder));
 }
 
 #[test]
-#[ignore = "makes the molds of all scenes: runs in make test-all"]
-fn admesh_repairs_no_part() {
-    if judges::installed("admesh") {
-        all().iter().for_each(|mold| judges::admesh_repairs_nothing(&parts(mold).0));
-    }
-}
-
-/// Both files of every part are sliced without a warning, and all of the part is printed.
-#[test]
-#[ignore = "makes the molds of all scenes: runs in make test-all"]
-fn prusa_slicer_slices_every_part() {
-    if !judges::installed("prusa-slicer") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    for part in all().iter().flat_map(|mold| parts(mold).0) {
-        judges::prusa_slicer_slices(&part, folder.path());
+#[ignore = "judges what `make finger frog gripper` made: runs in make test-all"]
+fn molds_of_designs_are_judged() {
+    for scene in ["finger", "frog", "gripper"] {
+        let folder = repository().join("build").join(scene).join("mold");
+        match folder.is_dir() {
+            true => judge(&folder),
+            false => skip(&format!("build/{scene}/mold is not there: `make {scene}` makes it")),
+        }
     }
 }

@@ -13,12 +13,7 @@ use tests::workdir::{Workdir, program, repository};
 /// A folder like a template, and where it is.
 fn new_folder(name: &str) -> (Workdir, PathBuf) {
     let dir = Workdir::new();
-    let new = Command::new(program("cad2fem"))
-        .args(["new", "mine", "--like", name])
-        .current_dir(dir.path(""))
-        .output()
-        .unwrap();
-    assert!(new.status.success(), "{new:?}");
+    dir.run("cad2fem", &format!("new mine --like {name}")).assert_good();
     let folder = dir.path("mine");
     (dir, folder)
 }
@@ -104,7 +99,7 @@ fn a_body_imported_by_hand_is_made_again_from_its_package() {
     cube("body.stl", [0.0; 3], [40.0, 16.0, 14.0]);
     cube("air.stl", [-5.0, 4.0, 4.0], [34.0, 12.0, 10.0]);
     let import = "import body.stl --subtract air.stl --split 40 -o mine/build/model";
-    crate::run(&mut dir.command_of("cad2fem", import));
+    dir.run("cad2fem", import).assert_good();
     crate::make(&format!("-C {}", folder.display()));
     crate::run(
         Command::new("python3")

@@ -114,9 +114,9 @@ impl Builder {
     }
 }
 
-pub type Point = [f64; 3];
+type Point = [f64; 3];
 
-pub fn sphere(center: Point, radius: f64) -> String {
+fn sphere(center: Point, radius: f64) -> String {
     format!("sphere = {{ center = {}, radius = {radius:.4} }}", list(center))
 }
 
@@ -124,7 +124,7 @@ fn ellipsoid(center: Point, radii: Point) -> String {
     format!("ellipsoid = {{ center = {}, radii = {} }}", list(center), list(radii))
 }
 
-pub fn capsule(from: Point, to: Point, radii: [f64; 2]) -> String {
+fn capsule(from: Point, to: Point, radii: [f64; 2]) -> String {
     let [r, s] = radii;
     format!("capsule = {{ from = {}, to = {}, radii = [{r:.4}, {s:.4}] }}", list(from), list(to))
 }
@@ -133,7 +133,7 @@ fn cylinder(from: Point, to: Point, radius: f64) -> String {
     format!("cylinder = {{ from = {}, to = {}, radius = {radius:.4} }}", list(from), list(to))
 }
 
-pub fn block(center: Point, size: Point, rounding: f64) -> String {
+fn block(center: Point, size: Point, rounding: f64) -> String {
     format!(
         "box = {{ center = {}, size = {}, rounding = {rounding:.4} }}",
         list(center),

@@ -73,13 +73,7 @@ impl Equilibrium {
     /// Moves on to the equilibrium at a fraction of the load.
     pub fn solve(&mut self, load: f64) {
         // slender bodies cancel large inner forces: 1e-10 is below their rounding
-        let newton = Newton {
-            iterations: 40,
-            relative: 1e-9,
-            absolute: 0.0,
-            negligible: 0.0,
-            ballooned: None,
-        };
+        let newton = newton(40, 1e-9);
         self.balance(&newton, load).unwrap_or_else(|failure| panic!("load {load}: {failure}"));
         certificate(&self.problem.space, &self.rest, &self.u)
             .unwrap_or_else(|found| panic!("load {load}: {found}"));
@@ -138,10 +132,14 @@ impl Equilibrium {
     }
 }
 
+/// Newton's method to a part of the forces.
+pub fn newton(iterations: usize, relative: f64) -> Newton {
+    Newton { iterations, relative, absolute: 0.0, negligible: 0.0, ballooned: None }
+}
+
 /// How a path is followed, from rest.
 fn at_rest(problem: &Problem) -> (Stepping, Integrator) {
-    let newton =
-        Newton { iterations: 30, relative: 1e-9, absolute: 0.0, negligible: 0.0, ballooned: None };
+    let newton = newton(30, 1e-9);
     let zero = vec![0.0; problem.dofs()];
     let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
     (stepping, Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero)))

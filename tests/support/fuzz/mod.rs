@@ -6,7 +6,6 @@
 
 mod corpus;
 mod mutation;
-pub mod numbers;
 
 use std::path::Path;
 
