@@ -53,7 +53,8 @@ fn lies_between(mesh: &mesh::TetMesh, low: [f64; 3], high: [f64; 3]) {
 }
 
 fn pressure(scene: &Scene, on: &str, t: f64) -> f64 {
-    scene.config.chamber.iter().find(|c| c.name == on).unwrap().gas.pressure().unwrap().at(t)
+    let chamber = scene.config.chamber.iter().find(|c| c.name == on).unwrap();
+    scene.config.schedule(chamber.gas.pressure().unwrap()).at(t)
 }
 
 fn close(found: f64, expected: f64, relative: f64) {

@@ -16,7 +16,7 @@
 use std::sync::Arc;
 
 use anyhow::{Result, ensure};
-use mechanics::schedule::{Field, axes};
+use mechanics::schedule::{Field, WrittenField, axes};
 use mesh::Vec3;
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
@@ -53,7 +53,7 @@ macro_rules! keys {
             on: Names,
             /// w [m]: numbers, expressions in t, x, y, z, or tables
             #[schemars(with = "FieldSchema")]
-            $wanted: Field,
+            $wanted: WrittenField,
             /// axes that count, such as "xz" ("xyz")
             #[serde(default = "all_axes")]
             components: String,
@@ -69,9 +69,9 @@ macro_rules! keys {
 
             fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
                 let facets = site.facets(&self.on)?;
-                site.check_wanted(stringify!($wanted), &self.$wanted, &facets)?;
+                let wanted = site.wanted(stringify!($wanted), &self.$wanted, &facets)?;
                 let patch = Patch::new(site.space, &facets, self.measure);
-                let (wanted, axes) = (self.$wanted.clone(), axes(&self.components));
+                let axes = axes(&self.components);
                 Ok(Arc::new(Motion { patch, compared: $compared, wanted, axes }))
             }
         }

@@ -5,7 +5,6 @@ use std::borrow::Cow;
 
 use anyhow::{Result, ensure};
 use measure::written::Names;
-use mechanics::energy::{GasLaw, Isobaric};
 use program::schema::add_keys;
 use program::{KeyPath, Misfit, misfit, read_key};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -14,7 +13,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 
-use super::gas;
+use super::gas::{self, GasConfig};
 
 /// A chamber of a scene: the tags of its wall, and the keys of one of the laws in
 /// [`GAS_LAWS`](mechanics::energy::gas_law::GAS_LAWS).
@@ -27,16 +26,13 @@ pub struct ChamberConfig {
     /// Whether plugs close what is open of it.
     pub plug: bool,
     /// What is behind it.
-    pub gas: Box<dyn GasLaw>,
+    pub gas: GasConfig,
 }
 
 impl ChamberConfig {
     /// What messages call it.
     pub fn title(&self) -> KeyPath {
-        match &self.on {
-            Names::One(tag) if *tag == self.name => title(tag),
-            _ => KeyPath::list("chamber").named(&self.name),
-        }
+        title_of(&self.name, &self.on)
     }
 
     /// Whether a tag is of its wall.
@@ -57,15 +53,19 @@ impl ChamberConfig {
                 ));
             }
         };
-        let mut chamber =
-            Self { name, on, plug: false, gas: Box::new(Isobaric { pressure: 0.0.into() }) };
-        let title = chamber.title();
+        let title = title_of(&name, &on);
         let plug =
             read_key(&keys, "plug").map_err(|what| what.titled(title.clone().key("plug")))?;
         keys.retain(|key, _| !["name", "on", "plug"].contains(&key));
-        chamber.gas = gas::read(&keys).map_err(|what| what.titled(title))?;
-        chamber.plug = plug.unwrap_or(false);
-        Ok(chamber)
+        let gas = GasConfig::read(&keys).map_err(|what| what.titled(title))?;
+        Ok(Self { name, on, plug: plug.unwrap_or(false), gas })
+    }
+}
+
+fn title_of(name: &str, on: &Names) -> KeyPath {
+    match on {
+        Names::One(tag) if tag == name => title(tag),
+        _ => KeyPath::list("chamber").named(name),
     }
 }
 
@@ -83,7 +83,7 @@ impl Serialize for ChamberConfig {
         if self.plug {
             map.serialize_entry("plug", &true)?;
         }
-        for (key, value) in gas::written(self.gas.as_ref()) {
+        for (key, value) in self.gas.written() {
             map.serialize_entry(&key, &value)?;
         }
         map.end()

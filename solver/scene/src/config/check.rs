@@ -2,10 +2,11 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::element::HIGHEST_DEGREE;
-use mechanics::schedule::{Field, Schedule, is_free_name};
+use mechanics::energy::GasLaw;
+use mechanics::schedule::{Field, Malformed, Schedule, Written, WrittenField, is_free_name};
 use program::{KeyPath, misfit};
 
-use super::{ContactConfig, SimConfig, TimeConfig};
+use super::{ChamberConfig, ContactConfig, Fixed, SimConfig, TimeConfig};
 
 /// Most time steps of a scene or a level.
 pub(super) const MOST_STEPS: usize = 1_000_000;
@@ -15,17 +16,33 @@ pub(super) const MOST_STEPS: usize = 1_000_000;
 const MOMENTS: usize = 8;
 
 impl SimConfig {
-    /// This configuration with the values of `[parameters]` and the end of the first time step in its
-    /// schedules, if all settings that can be checked without a body are sound. A configuration that was read
-    /// or changed has to go through here: schedules have no values before.
-    pub fn bound(mut self) -> Result<Self> {
-        self.check()?;
-        self.bind()?;
-        self.check_parts()?;
-        Ok(self)
+    /// Whether all settings that can be checked without a body are sound.
+    pub(super) fn check(&self) -> Result<()> {
+        self.check_settings()?;
+        self.check_schedules()?;
+        self.check_parts()
     }
 
-    fn check(&self) -> Result<()> {
+    /// What is written of a number, with the values of `[parameters]` and the end of the first time step.
+    pub fn schedule(&self, written: &Written) -> Schedule {
+        self.valued(written).expect("names that were checked as the scene was read")
+    }
+
+    fn valued(&self, written: &Written) -> Result<Schedule, Malformed> {
+        written.schedule(&self.parameters, self.times()[0])
+    }
+
+    /// What is written of a vector, as [`Self::schedule`].
+    pub fn field(&self, written: &WrittenField) -> Field {
+        Field(written.0.each_ref().map(|component| self.schedule(component)))
+    }
+
+    /// The gas law of one of its chambers.
+    pub fn gas_law(&self, chamber: &ChamberConfig) -> Box<dyn GasLaw> {
+        chamber.gas.law(self.schedule(&chamber.gas.value))
+    }
+
+    fn check_settings(&self) -> Result<()> {
         ensure!(
             (1..=HIGHEST_DEGREE).contains(&self.degree),
             misfit!(KeyPath::of("degree"), " = {}: must be 1, 2 or 3", self.degree)
@@ -57,12 +74,10 @@ impl SimConfig {
         Ok(())
     }
 
-    fn bind(&mut self) -> Result<()> {
-        let (first, moments) = (self.times()[0], self.moments());
-        let parameters = self.parameters.clone();
-        for (name, may_use_position, schedule) in self.schedules() {
-            schedule.bind(&parameters).with_context(|| name.clone())?;
-            schedule.begin(first);
+    fn check_schedules(&self) -> Result<()> {
+        let moments = self.moments();
+        for (name, may_use_position, written) in self.schedules() {
+            let schedule = self.valued(written).with_context(|| name.clone())?;
             if schedule.uses_position() {
                 ensure!(may_use_position, misfit!(name, " = {schedule}: must depend on t alone"));
             } else {
@@ -74,6 +89,7 @@ impl SimConfig {
 
     /// Checks what schedules are a part of.
     fn check_parts(&self) -> Result<()> {
+        self.fixed.iter().try_for_each(Fixed::check)?;
         self.check_symmetry()?;
         self.check_membranes()?;
         self.check_fibres()?;
@@ -158,30 +174,30 @@ impl SimConfig {
 
     /// All values that may change with time: what they are called in messages,
     /// and whether they may change with the position; those of chambers come first.
-    pub fn schedules(&mut self) -> Vec<(KeyPath, bool, &mut Schedule)> {
+    pub fn schedules(&self) -> Vec<(KeyPath, bool, &Written)> {
         let mut all = Vec::new();
-        for c in &mut self.chamber {
-            all.push((c.title().key(c.gas.key()), false, c.gas.schedule_mut()));
+        for c in &self.chamber {
+            all.push((c.title().key(c.gas.key()), false, &c.gas.value));
         }
-        for c in &mut self.fixed {
+        for c in &self.fixed {
             let name = KeyPath::list("fixed").on(&c.on).key("displacement");
-            all.extend(along(name, true, &mut c.displacement));
+            all.extend(along(name, true, &c.displacement));
         }
-        for c in &mut self.body_force {
-            all.extend(along(KeyPath::list("body_force").key("force"), true, &mut c.force));
+        for c in &self.body_force {
+            all.extend(along(KeyPath::list("body_force").key("force"), true, &c.force));
         }
-        all.extend(along(KeyPath::of("gravity"), true, &mut self.gravity));
-        for c in &mut self.obstacle {
+        all.extend(along(KeyPath::of("gravity"), true, &self.gravity));
+        for c in &self.obstacle {
             let name = KeyPath::list("obstacle").named(&c.name).key("displacement");
-            all.extend(along(name, false, &mut c.displacement));
+            all.extend(along(name, false, &c.displacement));
         }
-        for c in &mut self.traction {
+        for c in &self.traction {
             let name = KeyPath::list("traction").on(&c.on).key("traction");
-            all.extend(along(name, true, &mut c.traction));
+            all.extend(along(name, true, &c.traction));
         }
-        for part in &mut self.rigid {
-            let name = part.title().key("force");
-            all.extend(along(name, false, &mut part.force));
+        for part in &self.rigid {
+            all.extend(along(part.title().key("force"), false, &part.force));
+            all.extend(along(part.title().key("moment"), false, &part.moment));
         }
         all
     }
@@ -211,7 +227,7 @@ impl SimConfig {
     fn check_chambers(&self) -> Result<()> {
         let moments = self.moments();
         for (i, chamber) in self.chamber.iter().enumerate() {
-            chamber.gas.check(&moments).with_context(|| chamber.title())?;
+            self.gas_law(chamber).check(&moments).with_context(|| chamber.title())?;
             let earlier = &self.chamber[..i];
             for (k, tag) in chamber.on.all().iter().enumerate() {
                 let taken = earlier.iter().any(|other| other.is_on(tag));
@@ -236,9 +252,9 @@ impl SimConfig {
 fn along(
     name: KeyPath,
     may_use_position: bool,
-    field: &mut Field,
-) -> impl Iterator<Item = (KeyPath, bool, &mut Schedule)> {
-    let components = field.0.iter_mut().enumerate();
+    field: &WrittenField,
+) -> impl Iterator<Item = (KeyPath, bool, &Written)> {
+    let components = field.0.iter().enumerate();
     components.map(move |(axis, value)| (name.clone().along(axis), may_use_position, value))
 }
 

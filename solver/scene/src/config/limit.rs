@@ -52,7 +52,7 @@ impl SimConfig {
 
     /// Checks that pressures can grow at the end.
     fn check_growing(&self, place: &KeyPath, on: &[String]) -> Result<()> {
-        let moves = self.obstacle.iter().any(|o| !o.displacement.0.iter().all(|d| d.is_zero()));
+        let moves = self.obstacle.iter().any(|o| !o.displacement.is_zero());
         let history = [
             (self.time.is_some(), "[time]"),
             (!self.relaxation.is_empty(), "[[relaxation]]"),

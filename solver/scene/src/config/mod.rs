@@ -37,6 +37,7 @@ use serde::{Deserialize, Serialize};
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
 pub use fibre::{FibreConfig, Source};
+pub use gas::GasConfig;
 pub use limit::LimitConfig;
 pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
@@ -61,7 +62,7 @@ pub use design::{
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;
 use mechanics::forward::{Method, Steps};
-use mechanics::schedule::{Field, axes};
+use mechanics::schedule::{WrittenField, axes};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 pub use winding::{Climb, WindingConfig};
 
@@ -104,7 +105,7 @@ pub struct SimConfig {
     /// Acceleration by gravity [m/s²].
     #[serde(default)]
     #[schemars(with = "FieldSchema")]
-    pub gravity: Field,
+    pub gravity: WrittenField,
     /// What happens where surfaces meet. Without it they pass through each other, and a run at whose
     /// end they have is not usable, unless it is "ignored".
     pub contact: Option<ContactChoice>,
@@ -169,10 +170,20 @@ impl SimConfig {
         Settings::read(path, changes, SCENE_KEYS)
     }
 
-    /// The scene in a file.
+    /// The scene in a file, of which everything is sound that can be checked without a body.
     pub fn of(settings: &Settings) -> Result<Self> {
         refuse_outside_of_chambers(settings)?;
-        settings.parse()
+        let config: Self = settings.parse()?;
+        settings.checked(|_| config.check())?;
+        Ok(config)
+    }
+
+    /// These settings with others in place of some, checked as those of a file.
+    pub fn with(&self, change: impl FnOnce(&mut Self)) -> Result<Self> {
+        let mut changed = self.clone();
+        change(&mut changed);
+        changed.check()?;
+        Ok(changed)
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].
@@ -294,7 +305,7 @@ pub struct ObstacleConfig {
     /// How far it has moved [m].
     #[serde(default)]
     #[schemars(with = "FieldSchema")]
-    pub displacement: Field,
+    pub displacement: WrittenField,
 }
 
 /// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
@@ -333,7 +344,7 @@ pub struct Fixed {
     /// Displacement, zero along axes that are not fixed [m].
     #[serde(default)]
     #[schemars(with = "FieldSchema")]
-    pub displacement: Field,
+    pub displacement: WrittenField,
 }
 
 fn all_axes() -> String {
@@ -345,6 +356,29 @@ impl Fixed {
     pub fn axes(&self) -> [bool; 3] {
         axes(&self.components)
     }
+
+    fn check(&self) -> Result<()> {
+        let Self { on, components, displacement } = self;
+        let axes = self.axes();
+        let title = KeyPath::list("fixed").on(on);
+        ensure!(
+            components.len() == axes.iter().filter(|a| **a).count() && !components.is_empty(),
+            misfit!(
+                title.key("components"),
+                " = \"{components}\": must be some of x, y, z, each once"
+            )
+        );
+        for (free, value) in axes.iter().map(|a| !a).zip(&displacement.0) {
+            ensure!(
+                !free || value.is_zero(),
+                misfit!(
+                    title.key("displacement"),
+                    " {value}: must be zero along axes that are not in components = \"{components}\""
+                )
+            );
+        }
+        Ok(())
+    }
 }
 
 /// A force per rest volume.
@@ -353,7 +387,7 @@ impl Fixed {
 pub struct BodyForceConfig {
     /// Force per volume, for gravity density times acceleration [N/m³].
     #[schemars(with = "FieldSchema")]
-    pub force: Field,
+    pub force: WrittenField,
 }
 
 /// A force per rest area.
@@ -364,7 +398,7 @@ pub struct TractionConfig {
     pub on: String,
     /// Force per area [Pa].
     #[schemars(with = "FieldSchema")]
-    pub traction: Field,
+    pub traction: WrittenField,
 }
 
 /// `path` as seen from the folder of the file `from`.

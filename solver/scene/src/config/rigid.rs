@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use measure::written::FieldSchema;
-use mechanics::schedule::{Field, Schedule, axes};
+use mechanics::schedule::{WrittenField, axes};
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,12 +28,12 @@ pub struct RigidConfig {
     /// Force on the middle of the tag, or of the body's surface [N].
     #[serde(default)]
     #[schemars(with = "FieldSchema")]
-    pub force: Field,
+    pub force: WrittenField,
     /// Moments about axes through it that keep the directions of x, y and z [N m]. Each works by the angle by which the
     /// part has turned about its axis, as seen along that: up to half a turn.
     #[serde(default)]
     #[schemars(with = "FieldSchema")]
-    pub moment: Field,
+    pub moment: WrittenField,
 }
 
 fn all_axes() -> String {
@@ -109,8 +109,7 @@ impl SimConfig {
                 self.rigid[..i].iter().all(|other| other.on != part.on),
                 misfit!(part.title(), " is given twice")
             );
-            let counts =
-                self.method().has_inertia() || !self.gravity.0.iter().all(Schedule::is_zero);
+            let counts = self.method().has_inertia() || !self.gravity.is_zero();
             ensure!(
                 part.mass == 0.0 || counts,
                 misfit!(

@@ -113,7 +113,7 @@ impl UncertaintyConfig {
             pressure.is_none() || scene.chamber.iter().any(|c| is_pressure(c.gas.key())),
             misfit!(KeyPath::of("pressure"), ": no [[chamber]] has a pressure or fill")
         );
-        let weighs = scene.method().has_inertia() || scene.gravity.0.iter().any(|g| !g.is_zero());
+        let weighs = scene.method().has_inertia() || !scene.gravity.is_zero();
         ensure!(
             density.is_none() || weighs,
             misfit!(KeyPath::of("density"), ": the scene has no gravity and no inertia")

@@ -84,10 +84,9 @@ pub struct ScenePart {
 impl Scene {
     /// This scene with the degree and the time steps of a level of a design.
     pub fn with_fidelity(&self, level: &LevelConfig) -> Result<Self> {
-        let mut scene = self.clone();
-        scene.config.degree = level.degree.unwrap_or(self.config.degree);
+        let mut time = self.config.time.clone();
         if let Some(LevelTime { steps, end }) = level.time {
-            let own = scene.config.time.as_mut().ok_or_else(|| {
+            let own = time.as_mut().ok_or_else(|| {
                 KeyPath::list("shape.level").key("time").told(
                     "[[shape.level]] time: the scene has no [time]; expected a level without it",
                 )
@@ -95,9 +94,12 @@ impl Scene {
             let end = end.unwrap_or_else(|| self.end());
             *own = TimeConfig { end: Some(end), steps: Some(steps), at: None, method: own.method };
         }
+        let changed = self.config.with(|config| {
+            config.degree = level.degree.unwrap_or(config.degree);
+            config.time = time;
+        });
         let context = || format!("{}, as a [[shape.level]] has it", self.path.display());
-        scene.config = scene.config.bound().with_context(context)?;
-        Ok(scene)
+        Ok(Self { config: changed.with_context(context)?, ..self.clone() })
     }
 
     /// Density of a body or volume [kg/m³].
@@ -178,7 +180,7 @@ impl Scene {
     /// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
     pub fn check_loads(&self) -> Result<()> {
         let flies = self.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
-        let mut config = self.config.clone();
+        let config = &self.config;
         if flies || config.schedules().iter().any(|(_, _, value)| !value.is_zero()) {
             return Ok(());
         }
@@ -241,7 +243,7 @@ impl Scene {
 
     /// Whether the density of a law matters, by its place among all.
     pub fn weighs(&self, law: usize) -> bool {
-        let falls = self.config.gravity.0.iter().any(|g| !g.is_zero());
+        let falls = !self.config.gravity.is_zero();
         let known = self.laws[law].material.density.is_some();
         known && (falls || self.config.method().has_inertia())
     }
@@ -269,18 +271,21 @@ impl Scene {
         self.check_apart(body, space)?;
         self.check_symmetric(body)?;
         let nodes = space.node_positions(&body.mesh.vertices);
-        self.check_field(KeyPath::of("gravity"), &self.config.gravity, &nodes)?;
+        let gravity = self.config.field(&self.config.gravity);
+        self.check_field(KeyPath::of("gravity"), &gravity, &nodes)?;
         for load in &self.config.body_force {
-            self.check_field(KeyPath::list("body_force").key("force"), &load.force, &nodes)?;
-            energies.body_forces.push(BodyForce::whole(load.force.clone()));
+            let force = self.config.field(&load.force);
+            self.check_field(KeyPath::list("body_force").key("force"), &force, &nodes)?;
+            energies.body_forces.push(BodyForce::whole(force));
         }
         for load in &self.config.traction {
             let facets = body.facets(&load.on)?;
             let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
             let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
             let name = KeyPath::list("traction").on(&load.on).key("traction");
-            self.check_field(name, &load.traction, &places)?;
-            energies.tractions.push(Traction::new(space, &facets, load.traction.clone()));
+            let traction = self.config.field(&load.traction);
+            self.check_field(name, &traction, &places)?;
+            energies.tractions.push(Traction::new(space, &facets, traction));
         }
         Ok(energies)
     }
@@ -297,7 +302,7 @@ impl Scene {
         energies.fibres = self.fibres(body, space)?;
         energies.windings = self.windings(body, space)?;
         for (i, chamber) in self.config.chamber.iter().enumerate() {
-            energies.set_gas_law(ChamberId::of(i), chamber.gas.clone());
+            energies.set_gas_law(ChamberId::of(i), self.config.gas_law(chamber));
         }
         let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
         energies.friction = energies.friction.map(|own| own.with_coefficient(coefficient));
@@ -338,10 +343,9 @@ impl Scene {
         supports: &Supports,
     ) -> Result<BodyEnergies> {
         let (gravity, tets) = (&self.config.gravity, law.elements(body));
-        let falls = gravity.0.iter().any(|g| !g.is_zero());
-        let weight = falls.then(|| {
-            let density = self.density(law)?;
-            Ok::<_, anyhow::Error>(BodyForce::weight(gravity.clone(), density, tets.clone()))
+        let weight = (!gravity.is_zero()).then(|| {
+            let (gravity, density) = (self.config.field(gravity), self.density(law)?);
+            Ok::<_, anyhow::Error>(BodyForce::weight(gravity, density, tets.clone()))
         });
         let inertia = if self.config.method().has_inertia() {
             Some(Inertia::new(space, self.density(law)?, tets.clone()))

@@ -26,18 +26,16 @@ pub fn under(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
     let ScenarioConfig { modulus, density, membrane, friction, pressure, parameters, .. } =
         scenario;
     let mut changed = scene.clone();
-    let own = &mut changed.config.parameters;
-    for (name, value) in parameters {
-        let known: Vec<&str> = own.keys().map(String::as_str).collect();
+    let known: Vec<&str> = scene.config.parameters.keys().map(String::as_str).collect();
+    for name in parameters.keys() {
         ensure!(
-            own.contains_key(name),
+            scene.config.parameters.contains_key(name),
             "parameters: {} has no {name} in [parameters]; expected some of: {}",
             scene.path.display(),
             known.join(", ")
         );
-        own.insert(name.clone(), *value);
     }
-    changed.config = changed.config.bound()?;
+    changed.config = scene.config.with(|config| config.parameters.extend(parameters.clone()))?;
     type Of = fn(&Scene, Option<&str>) -> Group;
     let factors: [(&str, &Option<FactorConfig>, Of); 3] = [
         ("modulus", modulus, Group::modulus),

@@ -75,20 +75,12 @@ impl GasLaw for IdealGas {
         &mut self.fill
     }
 
-    fn key(&self) -> &'static str {
-        "fill"
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        vec![self.ambient, self.exponent]
-    }
-
     fn check(&self, moments: &[f64]) -> Result<(), Refused> {
         let &Self { ref fill, ambient, exponent } = self;
         if !(ambient > 0.0 && exponent >= 1.0 && (ambient + exponent).is_finite()) {
             return Err(Refused::Gas { ambient, exponent });
         }
-        check_full(self.key(), fill, ambient, moments)
+        check_full("fill", fill, ambient, moments)
     }
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, _: &Moment) -> Option<f64> {

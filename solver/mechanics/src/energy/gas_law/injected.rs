@@ -58,14 +58,6 @@ impl GasLaw for InjectedLiquid {
         &mut self.injected
     }
 
-    fn key(&self) -> &'static str {
-        "injected"
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        vec![self.compliance]
-    }
-
     fn check(&self, _: &[f64]) -> Result<(), Refused> {
         let compliance = self.compliance;
         let good = compliance > 0.0 && compliance.is_finite();

@@ -26,6 +26,7 @@ pub const GAS_LAWS: &[Row] =
     &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW, injected::ROW, supplied::ROW];
 
 /// A gas law: what to write, what it means, how to build it.
+#[derive(Debug)]
 pub struct Row {
     /// What lists call it.
     pub name: &'static str,
@@ -42,6 +43,7 @@ pub struct Row {
 }
 
 /// A key of a gas law in `[[chamber]]`.
+#[derive(Debug)]
 pub struct Key {
     /// As it is written.
     pub name: &'static str,
@@ -120,12 +122,6 @@ pub trait GasLaw: Debug + Send + Sync {
     fn schedule(&self) -> &Schedule;
     /// The schedule of that number, to be changed.
     fn schedule_mut(&mut self) -> &mut Schedule;
-    /// Key of that number in `[[chamber]]`.
-    fn key(&self) -> &'static str;
-    /// The numbers of the other keys, in the order of [`Row::keys`].
-    fn numbers(&self) -> Vec<f64> {
-        Vec::new()
-    }
     /// Checks what can be checked without a body, at the moments of the scene [s].
     ///
     /// # Errors

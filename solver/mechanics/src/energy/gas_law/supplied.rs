@@ -158,21 +158,13 @@ impl GasLaw for SuppliedGas {
         &mut self.supply
     }
 
-    fn key(&self) -> &'static str {
-        if self.checked { CHECKED } else { SUPPLY }
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        vec![self.resistance, self.leak, self.ambient]
-    }
-
     fn check(&self, moments: &[f64]) -> Result<(), Refused> {
         let &Self { ref supply, resistance, leak, ambient, .. } = self;
         let sound = resistance > 0.0 && ambient > 0.0 && leak >= 0.0;
         if !(sound && (resistance + ambient + leak).is_finite()) {
             return Err(Refused::Line { resistance, leak, ambient });
         }
-        check_full(self.key(), supply, ambient, moments)
+        check_full(if self.checked { CHECKED } else { SUPPLY }, supply, ambient, moments)
     }
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, moment: &Moment) -> Option<f64> {
