@@ -158,10 +158,11 @@ docs:  ## documentation of the libraries, in target/doc
 
 book: export PATH := $(CURDIR)/.cargo-tools/bin:$(PATH)
 book: export MDBOOK_PREPROCESSOR__FORMULAS__COMMAND := $(CURDIR)/.cargo-tools/book/bin/python -B $(CURDIR)/.ci/formulas.py
-book: .cargo-tools/book/installed  ## the book, as pages that load nothing from the network: build/book/index.html
+book: setup .cargo-tools/book/installed  ## the book, as pages that load nothing from the network: build/book/index.html
 	@mdbook --version 2> /dev/null | grep --quiet "$(MDBOOK)" || \
 		cargo install --locked --version $(MDBOOK) --no-default-features --features search --root .cargo-tools mdbook
 	rm -rf build/book
+	$(PYTHON) pipelines/book/generate.py $(BIN) pipelines/book
 	mdbook build pipelines/book
 	find pipelines cad2fem/page/pictures \( -name '*.png' -o -name '*.svg' \) -print0 | xargs -0 cp --parents --target-directory build/book --
 	echo '<meta http-equiv="refresh" content="0; url=pipelines/book/index.html">' > build/book/index.html

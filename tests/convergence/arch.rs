@@ -12,9 +12,10 @@
 use std::f64::consts::PI;
 
 use mechanics::energy::{BodyForce, Energies};
-use mechanics::forward::{First, Kind};
+use mechanics::forward::Singularity;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::{Field, Schedule};
+use mechanics::stability::FirstLimit;
 use mesh::{TetMesh, Vec3};
 use tests::block;
 use tests::equilibrium::{Equilibrium, draw_path};
@@ -77,9 +78,9 @@ fn crown(arch: &Equilibrium, height: f64) -> usize {
 }
 
 /// p and b at the first limit.
-fn first_limit(rise: f64, to: f64, h: f64, cells: usize, kind: Kind) -> [f64; 2] {
+fn first_limit(rise: f64, to: f64, h: f64, cells: usize, kind: Singularity) -> [f64; 2] {
     let mut arch = arch(rise, to, h, cells);
-    let First::Found(limit, _) = arch.first_limit(|_| ()) else { panic!("no limit") };
+    let FirstLimit::Found(limit, _) = arch.first_limit(|_| ()) else { panic!("no limit") };
     assert!(limit.kind == kind && limit.others == 0, "{:?}", limit.kind);
     [limit.load * to, rise + limit.u[3 * crown(&arch, rise * h) + 2] / h]
 }
@@ -90,7 +91,7 @@ fn tends_to(coarse: [f64; 2], fine: [f64; 2]) -> [f64; 2] {
 }
 
 /// The limit for cells, and then for thickness, that tend to zero. Threshold, set before: 1e-3 of load and amplitude.
-fn check(rise: f64, exact: [f64; 2], to: f64, kind: Kind) {
+fn check(rise: f64, exact: [f64; 2], to: f64, kind: Singularity) {
     eprintln!("arch of rise {rise}: p, b {exact:.6?}");
     let thick = [0.02, 0.01].map(|h| {
         let found = [40, 80].map(|cells| first_limit(rise, to, h, cells, kind));
@@ -109,7 +110,7 @@ fn a_shallow_arch_snaps_at_its_closed_form() {
     let rise: f64 = 1.5;
     let turn = ((rise * rise - 4.0 / 3.0) / 3.0).sqrt();
     let top = load(rise, turn);
-    check(rise, [top, turn], 1.2 * top, Kind::LimitPoint);
+    check(rise, [top, turn], 1.2 * top, Singularity::LimitPoint);
 }
 
 #[test]
@@ -121,7 +122,7 @@ fn a_higher_arch_bends_sideways_at_its_closed_form() {
     // N L²/(EI) = 12 (2π)² (a² − b²)/16
     let amplitude = (rise * rise - 16.0 * x * x / (12.0 * PI * PI)).sqrt();
     let leaves = load(rise, amplitude);
-    check(rise, [leaves, amplitude], 1.5 * leaves, Kind::Bifurcation);
+    check(rise, [leaves, amplitude], 1.5 * leaves, Singularity::Bifurcation);
 }
 
 /// The load falls after the snap and rises again. Threshold, set before: 1 % of the largest load.

@@ -7,9 +7,10 @@
 //! dilatation. What compressibility changes is found by the radial equation.
 
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{BodyEnergies, Elastic, Energies, Isobaric};
-use mechanics::forward::{First, Kind};
+use mechanics::energy::{Elastic, Energies, Isobaric};
+use mechanics::forward::Singularity;
 use mechanics::material::{Lame, Material, MooneyRivlin, NeoHookean, Ogden};
+use mechanics::stability::FirstLimit;
 use mesh::{TetMesh, Vec3};
 use tests::equilibrium::{Equilibrium, draw_path, facets_where, scientific};
 use tests::meshes::{ring_quarter, shell_octant};
@@ -51,7 +52,7 @@ impl Body {
             SymmetricGas::new(space, &wall, planes, gas)
         };
         let elastic = Elastic::whole(law).with_mean_dilatation().unwrap();
-        let bodies = || vec![BodyEnergies::new(elastic.clone())];
+        let bodies = || vec![elastic.clone()];
         let held = |p: Vec3| {
             let [x, y, z] = [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
             [x, y, z || (slab && p.z > top - 1e-9 * A)]
@@ -63,7 +64,7 @@ impl Body {
     }
 
     /// What comes first, and stretch of the inner wall and pressure [Pa] of the states before it.
-    fn search(&mut self) -> (First, Vec<[f64; 2]>) {
+    fn search(&mut self) -> (FirstLimit, Vec<[f64; 2]>) {
         let mut states = Vec::new();
         let found = self.part.first_limit(|step| states.push((step.time, step.u.clone())));
         let measured = |(load, u): &(f64, Vec<f64>)| [self.stretch(u), load * self.pressure];
@@ -72,8 +73,8 @@ impl Body {
 
     /// Stretch of the inner wall and pressure [Pa] at the limit.
     fn limit(&mut self) -> [f64; 2] {
-        let (First::Found(limit, _), _) = self.search() else { panic!("no limit") };
-        assert!(limit.kind == Kind::LimitPoint && limit.others == 0);
+        let (FirstLimit::Found(limit, _), _) = self.search() else { panic!("no limit") };
+        assert!(limit.kind == Singularity::LimitPoint && limit.others == 0);
         [self.stretch(&limit.u), limit.load * self.pressure]
     }
 
@@ -192,7 +193,7 @@ fn a_sphere_that_stiffens_has_no_limit() {
     let closed = closed_form(B, 3, in_sphere(0.25));
     assert_eq!(maximum(STRETCHES, &closed), None);
     let (found, states) = Body::sphere(B, [8, 4], mooney_rivlin(0.25, 1e4 * MU), 80e3).search();
-    assert!(matches!(found, First::None));
+    assert!(matches!(found, FirstLimit::None));
     let [stretch, pressure] = *states.last().expect("states");
     assert!(pressure == 80e3 && stretch > 2.4, "{stretch} {pressure}");
     for [stretch, pressure] in states {
@@ -214,7 +215,7 @@ fn a_long_tube_in_plane_strain_has_no_limit_point() {
         [("neo-Hooke", neo_hookean(bulk)), ("Mooney-Rivlin", mooney_rivlin(0.25, bulk))]
     {
         let (found, states) = Body::tube([24, 6], law, 38e3).search();
-        assert!(matches!(found, First::None));
+        assert!(matches!(found, FirstLimit::None));
         let [stretch, pressure] = *states.last().expect("states");
         assert!(pressure == 38e3 && stretch > 2.3, "{stretch} {pressure}");
         let errors = states.iter().map(|[l, p]| (p / closed(*l) - 1.0).abs());

@@ -4,7 +4,7 @@
 //! Its clamped end does not turn but may contract sideways; one that is fixed along all
 //! axes is stiffer, by an amount that cubic elements give.
 
-use mechanics::energy::{BodyEnergies, Elastic, Energies, Traction};
+use mechanics::energy::{Elastic, Energies, Traction};
 use mechanics::material::{Lame, NeoHookean};
 use mesh::{TetMesh, Vec3};
 use tests::block;
@@ -62,8 +62,8 @@ fn ratio_of(
     let end = facets_where(&mesh, |p| p.x > LENGTH - 1e-9);
     let energies = |space: &_| {
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
-        let mut energies = Energies::bodies(vec![BodyEnergies::new(elastic.clone())]);
-        energies.tractions.push(Traction::new(space, &end, shear.into()));
+        let mut energies = Energies::bodies([elastic.clone()]);
+        energies = energies.with(Traction::new(space, &end, shear.into()));
         energies
     };
     let mut problem = Equilibrium::new(mesh, degree, energies, |p| end_held.held(p));

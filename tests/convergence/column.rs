@@ -11,9 +11,10 @@
 use std::f64::consts::PI;
 
 use mechanics::energy::{Energies, Traction};
-use mechanics::forward::{First, Kind};
+use mechanics::forward::Singularity;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::Field;
+use mechanics::stability::FirstLimit;
 use mesh::Vec3;
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where};
@@ -59,7 +60,7 @@ fn found(slenderness: f64, poisson: f64, degree: usize, along: usize, plane: boo
         let law = NeoHookean(Lame::new(YOUNG, poisson));
         let mut energies = Energies::elastic(Box::new(law));
         let pushed: Field = Vec3::new(full, 0.0, 0.0).into();
-        energies.tractions.push(Traction::new(space, &end, pushed));
+        energies = energies.with(Traction::new(space, &end, pushed));
         energies
     };
     let held = |p: Vec3| {
@@ -69,8 +70,8 @@ fn found(slenderness: f64, poisson: f64, degree: usize, along: usize, plane: boo
         [middle, plane || p.y < 1e-9, hinged]
     };
     let mut column = Equilibrium::new(mesh, degree, energies, held);
-    let First::Found(limit, _) = column.first_limit(|_| ()) else { panic!("no limit") };
-    assert!(limit.kind == Kind::Bifurcation && limit.others == 0);
+    let FirstLimit::Found(limit, _) = column.first_limit(|_| ()) else { panic!("no limit") };
+    assert!(limit.kind == Singularity::Bifurcation && limit.others == 0);
     limit.load * full
 }
 

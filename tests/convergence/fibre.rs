@@ -7,8 +7,8 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    Along, Axis, Climb, Direction, Energies, Fibres, Helix, Isobaric, Profile, Traction, Winding,
-    helix,
+    Along, Axis, Direction, Energies, Fibres, Helix, Isobaric, Lead, Profile, Term, Traction,
+    Winding, helix,
 };
 use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::fibre::Fibre;
@@ -41,7 +41,7 @@ impl Model {
     fn energies(&self, directions: &[Direction], count: usize) -> Energies {
         let mut energies = Energies::elastic(Box::new(NeoHookean(self.lame)));
         let all = directions.iter().map(|&direction| Fibres::new(self.law, direction, 0..count));
-        energies.fibres.extend(all);
+        energies.extend(all.map(Term::new));
         energies
     }
 
@@ -130,7 +130,7 @@ fn pulled(model: &Model, angle: f64, stress: f64) -> [f64; 4] {
         for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
             let pull: Schedule = format!("{} * t", sign * stress).parse().expect("a function");
             let pull = Field([pull, 0.0.into(), 0.0.into()]);
-            energies.tractions.push(Traction::new(space, end, pull));
+            energies = energies.with(Traction::new(space, end, pull));
         }
         energies
     };
@@ -189,10 +189,10 @@ fn elongation(cells: usize, lame: Lame) -> f64 {
         let mut energies = Energies::elastic(Box::new(NeoHookean(lame)));
         let k1 = Profile::new(axis, [0.0, 1.0], ALONG.to_vec());
         let family = Fibres::new(law, Direction::Constant(Vec3::x()), 0..count);
-        energies.fibres.push(family.with_stiffness(k1));
+        energies = energies.with(family.with_stiffness(k1));
         let pull: Schedule = format!("{PULL} * t").parse().expect("a function");
         let pull = Field([pull, 0.0.into(), 0.0.into()]);
-        energies.tractions.push(Traction::new(space, &end, pull));
+        energies = energies.with(Traction::new(space, &end, pull));
         energies
     };
     let mut body = Equilibrium::new(mesh, 2, energies, |p| [p.x < 1e-9; 3]);
@@ -468,10 +468,10 @@ fn widened(pitch: Option<f64>) -> f64 {
         for hand in [1.0, -1.0] {
             for i in 0..starts {
                 let phase = std::f64::consts::TAU * i as f64 / starts as f64;
-                let climb = Climb::Pitch(Along::Number(hand * climb));
+                let climb = Lead::Pitch(Along::Number(hand * climb));
                 let own = Helix::new(Z, climb, [0.0, height], phase);
                 let pieces = helix(&skin, &vertices, &own).expect("it lies on the skin");
-                energies.windings.push(Winding::new(space, &pieces, [stiffness, 0.0, 1e-4]));
+                energies = energies.with(Winding::new(space, &pieces, [stiffness, 0.0, 1e-4]));
             }
         }
         energies

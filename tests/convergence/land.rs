@@ -6,10 +6,8 @@
 //! The load has a free rim, hence no potential: it is found as the limit of dead
 //! loads, each of which is the follower load of the equilibrium before.
 
-use std::sync::Arc;
-
 use mechanics::element::at;
-use mechanics::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Wall};
+use mechanics::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Nature, Wall};
 use mechanics::forward::Newton;
 use mechanics::material::{Kinematics, Material};
 use mechanics::math::sparse::BlockMatrix;
@@ -90,6 +88,10 @@ impl Energy for Dead {
     fn name(&self) -> &'static str {
         "dead"
     }
+
+    fn nature(&self) -> Nature {
+        Nature::Other
+    }
     fn value(&self, at: &Iterate) -> f64 {
         -at.time * self.force.iter().zip(at.u).map(|(f, u)| f * u).sum::<f64>()
     }
@@ -110,12 +112,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
     let elastic = |_: &_| Energies::elastic(Box::new(Guccione));
     let mut body = Equilibrium::new(mesh, degree, elastic, |p| [p.x < 1e-9; 3]);
     let wall = Wall::new(&body.problem.space, &below);
-    let gas = Chamber {
-        wall,
-        gas: Box::new(Isobaric { pressure: 4.0.into() }),
-        multiplier: None,
-        memory: None,
-    };
+    let gas = Chamber::new(wall, Box::new(Isobaric { pressure: 4.0.into() }));
     let newton =
         Newton { iterations: 60, relative: 1e-8, absolute: 0.0, negligible: 0.0, ballooned: None };
     let tip = |p: &(Vec3, Vec3)| (p.0 - Vec3::new(10e-3, 0.5e-3, 1e-3)).norm() < 1e-9;
@@ -127,7 +124,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
         let mut force = vec![0.0; body.u.len()];
         gas.add_gradient(&body.problem.iterate(&body.rest, &body.u, load), &mut force);
         force.iter_mut().for_each(|f| *f = -*f);
-        body.problem.energies.others = vec![Arc::new(Dead { force })];
+        body.problem.energies = Energies::elastic(Box::new(Guccione)).with(Dead { force });
         body.balance(&newton, 1.0).unwrap();
         let now = 1e3 * (1e-3 + at(&body.u, node).z);
         if load == 1.0 && (now - last).abs() < 1e-5 {

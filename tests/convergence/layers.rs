@@ -4,7 +4,7 @@
 //! EI = E₁ b h³/96 · (1 + 14 r + r²)/(1 + r), the formula of a bimetal; the end moves by
 //! δ = F L³/(3EI) + k F L/(μ₁ b h).
 
-use mechanics::energy::{BodyEnergies, Elastic, Energies, Traction};
+use mechanics::energy::{Elastic, Energies, Traction};
 use mechanics::material::{Lame, NeoHookean};
 use mesh::Vec3;
 use tests::block;
@@ -33,9 +33,9 @@ fn deflection(ratio: f64) -> f64 {
         let law = |young: f64| Box::new(NeoHookean(Lame::new(young, POISSON)));
         let layers =
             [Elastic::part(law(YOUNG), 0..below), Elastic::part(law(ratio * YOUNG), below..all)];
-        let mut energies = Energies::bodies(layers.map(BodyEnergies::new).into());
+        let mut energies = Energies::bodies(layers);
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
-        energies.tractions.push(Traction::new(space, &end, shear.into()));
+        energies = energies.with(Traction::new(space, &end, shear.into()));
         energies
     };
     Equilibrium::rise_of_end(mesh, energies, SIDE, LENGTH)

@@ -30,12 +30,7 @@ fn energies(body: &Body, space: &FunctionSpace) -> Vec<Box<dyn Energy>> {
     let wall = Wall::new(space, &body.facets("hole").unwrap());
     vec![
         Box::new(Elastic::whole(Box::new(SILICONE))),
-        Box::new(Chamber {
-            wall,
-            gas: Box::new(Isobaric { pressure: 20e3.into() }),
-            multiplier: None,
-            memory: None,
-        }),
+        Box::new(Chamber::new(wall, Box::new(Isobaric { pressure: 20e3.into() }))),
         Box::new(BodyForce::whole(FORCE.into())),
         Box::new(BodyForce::whole(field(["1e3*x*y/z", "5e4*sin(50*z)*t", "-9810*(1 + x^2)"]))),
         Box::new(Traction::new(space, &body.facets("side").unwrap(), TRACTION.into())),

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use mechanics::element::{FunctionSpace, add_at, at, quadrature, tabulate};
-use mechanics::energy::{Energies, Energy, Hessian, Iterate};
+use mechanics::energy::{Energies, Energy, Hessian, Iterate, Nature};
 use mechanics::forward::{Configuration, Newton, Problem, Workspace};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
 use mechanics::math::sparse::BlockMatrix;
@@ -82,6 +82,10 @@ impl Forcing {
 impl Energy for Forcing {
     fn name(&self) -> &'static str {
         "manufactured force"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Other
     }
     fn value(&self, at: &Iterate) -> f64 {
         -self.nodal.iter().zip(at.u).map(|(f, u)| f * u).sum::<f64>()

@@ -7,7 +7,7 @@
 //! δ = F L³/(3EI) + k F L/(G b h). A sheet in the middle has no part in bending.
 
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{Energies, Isobaric, Membrane, Traction};
+use mechanics::energy::{Energies, Isobaric, Membrane, Term, Traction};
 use mechanics::forward::{Newton, Problem, Stepping, Workspace, solve_in_time};
 use mechanics::material::sheet::{self, Sheet, TensionField};
 use mechanics::material::{Lame, NeoHookean};
@@ -35,7 +35,7 @@ fn inflated(degree: usize, arcs: usize, stretch: f64) -> f64 {
         let soft = NeoHookean(Lame::new(0.2, 0.3));
         let mut energies = Energies::elastic(Box::new(soft));
         let skin = Box::new(sheet::NeoHookean { mu: MU });
-        energies.membranes.push(Membrane::new(space, &facets, THIN, skin));
+        energies = energies.with(Membrane::new(space, &facets, THIN, skin));
         let gas = Box::new(Isobaric { pressure: balloon(stretch).into() });
         energies.with(SymmetricGas::new(space, &facets, Planes::ThroughOrigin, gas))
     };
@@ -101,11 +101,11 @@ fn deflection(n: f64, height: f64) -> f64 {
     let energies = |space: &_| {
         let mut energies = Energies::elastic(Box::new(SILICONE));
         let shear = Vec3::new(0.0, 0.0, FORCE / (SIDE * SIDE));
-        energies.tractions.push(Traction::new(space, &end, shear.into()));
+        energies = energies.with(Traction::new(space, &end, shear.into()));
         // as thin as paper
         let thickness = 1e-4;
         let law = sheet::Linear { young: n * young * SIDE / thickness, poisson };
-        energies.membranes.push(Membrane::new(space, &layer, thickness, Box::new(law)));
+        energies = energies.with(Membrane::new(space, &layer, thickness, Box::new(law)));
         energies
     };
     Equilibrium::rise_of_end(mesh, energies, SIDE, LENGTH)
@@ -150,7 +150,7 @@ fn squeezed(skin: Option<Box<dyn Sheet>>, by: [f64; 2]) -> [f64; 2] {
     let TetMesh { vertices: rest, tets } = mesh;
     let space = FunctionSpace::new(2, rest.len(), tets);
     let mut energies = Energies::elastic(Box::new(SILICONE));
-    energies.membranes.extend(skin.map(|skin| Membrane::new(&space, &top, THIN, skin)));
+    energies.extend(skin.map(|skin| Term::new(Membrane::new(&space, &top, THIN, skin))));
     let places = space.node_positions(&rest);
     let far = |c: f64| c > WIDTH - 1e-9;
     let side = |c: f64| c < 1e-9 || far(c);

@@ -87,7 +87,7 @@ fn throw(seed: u64, steps: usize) -> f64 {
             assert!(inside, "seed {seed}: {x:?} at step {step}");
         }
     }
-    let contact = pile.problem.energies.contact.clone().expect("the scene has contact");
+    let contact = pile.problem.energies.contact().expect("the scene has contact");
     let surface = contact.surface();
     let x =
         surface.positions(&pile.problem.space, &scene_body, pile.u(), pile.stepper.progress.time);

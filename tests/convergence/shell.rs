@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use mechanics::energy::{
-    BodyEnergies, Elastic, Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume,
+    Elastic, Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume,
 };
 use mechanics::forward::{Newton, Stepping, Workspace, solve_in_time};
 use mechanics::material::{Lame, Material, NeoHookean};
@@ -56,7 +56,7 @@ impl Shell {
         let mesh = shell_octant(A, B, n, layers);
         let facets = facets_where(&mesh, |p| p.norm() < A * (1.0 + 1e-9));
         let gas = |space: &_| SymmetricGas::new(space, &facets, Planes::ThroughOrigin, law.boxed());
-        let bodies = || vec![BodyEnergies::new(elastic.clone())];
+        let bodies = || vec![elastic.clone()];
         let energies = |space: &_| Energies::bodies(bodies()).with(gas(space));
         let on_plane = |p: Vec3| [p.x, p.y, p.z].map(|c| c < 1e-9 * A);
         let body = Equilibrium::new(mesh, degree, energies, on_plane);

@@ -1,18 +1,14 @@
-//! The book in pipelines/book: its commands work, its tables are those of the programs, its pictures are
-//! there, and it loads nothing from the network.
+//! The book in pipelines/book: its commands work, the chapters that programs print can be made, its pictures and
+//! links are there, and it loads nothing from the network.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use tests::book::{Chapter, chapters, readmes};
+use tests::book::{Chapter, chapters, printed, readmes};
 use tests::skip::skip;
-use tests::workdir::{Workdir, program, repository};
-
-/// A generated part of a chapter: the command that prints it, between these.
-const BEGIN: &str = "<!-- $ ";
-const END: &str = "<!-- end -->";
+use tests::workdir::{Workdir, repository};
 
 #[test]
 fn commands_that_take_seconds_work() {
@@ -33,71 +29,33 @@ fn every_block_of_commands_is_checked() {
     }
 }
 
-/// The chapter with what the programs print today, and how many commands it has.
-fn current(chapter: &Chapter, dir: &Workdir) -> (String, usize) {
-    let (mut current, mut rest, mut count) = (String::new(), &chapter.text[..], 0);
-    while let Some((before, after)) = rest.split_once(BEGIN) {
-        let (command, after) = after.split_once(" -->\n").expect("a command ends");
-        let (_, after) = after.split_once(END).expect("every table ends");
-        let words: Vec<&str> = command.split(' ').collect();
-        let mut run = match words[0].ends_with(".py") {
-            true => Command::new("python3"),
-            false => Command::new(program(words[0])),
-        };
-        if words[0].ends_with(".py") {
-            run.arg(repository().join(words[0]));
-        }
-        let run = run.args(&words[1..]).current_dir(dir.path("")).output().unwrap();
-        assert!(run.status.success(), "{command}: {run:?}");
-        let printed = String::from_utf8(run.stdout).unwrap();
-        current += &format!("{before}{BEGIN}{command} -->\n\n{printed}{END}");
-        (rest, count) = (after, count + 1);
-    }
-    (current + rest, count)
-}
-
-#[test]
-fn tables_are_those_of_the_programs() {
-    let (dir, mut tables, mut old) = (Workdir::new(), 0, Vec::new());
-    for chapter in chapters() {
-        let (text, count) = current(&chapter, &dir);
-        tables += count;
-        if text != chapter.text {
-            let fresh = repository().join("build/fresh").join(chapter.path.file_name().unwrap());
-            fs::create_dir_all(fresh.parent().unwrap()).unwrap();
-            fs::write(&fresh, text).unwrap();
-            old.push(format!("cp {} {}", fresh.display(), chapter.path.display()));
-        }
-    }
-    assert!(old.is_empty(), "tables that are not current; put in their place:\n{}", old.join("\n"));
-    assert_eq!(tables, 15, "each file that people write, each report, and the Python package");
-}
-
 #[test]
 fn chapters_pictures_and_links_are_there() {
-    let chapters = chapters();
-    let summary = chapters.iter().find(|c| c.path.ends_with("SUMMARY.md")).unwrap();
-    let listed: BTreeSet<&str> = targets(&summary.text).into_iter().collect();
-    for chapter in &chapters {
+    let (dir, mut book) = (Workdir::new(), chapters());
+    let summary = book.iter().find(|c| c.path.ends_with("SUMMARY.md")).unwrap().text.clone();
+    let listed: BTreeSet<&str> = targets(&summary).into_iter().collect();
+    let printed = printed(&dir.path(""));
+    let keys = |name: &&&str| name.starts_with("keys-");
+    assert_eq!(printed.len(), listed.iter().filter(keys).count() + 1, "and the Python package");
+    book.extend(printed);
+    for chapter in &book {
         let name = chapter.path.file_name().unwrap().to_str().unwrap();
-        // the paper is for a journal, which has its own form
-        let apart = ["SUMMARY.md", "paper.md"].contains(&name);
-        assert!(apart || listed.contains(name), "{name} is not in SUMMARY.md");
+        assert!(name == "SUMMARY.md" || listed.contains(name), "{name} is not in SUMMARY.md");
         for target in targets(&chapter.text) {
             let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
             if target.starts_with("https:") {
                 continue;
             }
+            let linked = match file.is_empty() {
+                true => Some(chapter),
+                false => book.iter().find(|c| c.path.ends_with(file)),
+            };
             if !anchor.is_empty() {
-                let linked = chapters.iter().find(|c| !file.is_empty() && c.path.ends_with(file));
-                let anchors = linked.unwrap_or(chapter).anchors();
+                let anchors = linked.unwrap_or_else(|| panic!("{name}: {target}")).anchors();
                 assert!(anchors.contains(anchor), "{name}: there is no {target}, but {anchors:?}");
             }
-            if file.is_empty() {
-                continue;
-            }
-            let there = chapter.path.parent().unwrap().join(file);
-            assert!(there.is_file(), "{name}: there is no {target}");
+            let there = || chapter.path.parent().unwrap().join(file).is_file();
+            assert!(linked.is_some() || there(), "{name}: there is no {target}");
             // make book takes pictures of pipelines along, and nothing else
             let picture = [".png", ".svg"].iter().any(|end| file.ends_with(end));
             assert!(!file.contains("..") || picture, "{name}: {target} is not in the book");
@@ -143,12 +101,13 @@ fn targets(text: &str) -> Vec<&str> {
 /// `<!-- from PAGE: TEXT | TEXT -->` in the paper says where its numbers are from; what it cites is in `paper.bib`.
 #[test]
 fn numbers_of_the_paper_are_those_of_the_book() {
-    let book = repository().join("pipelines/book");
-    let read = |name: &str| fs::read_to_string(book.join(name)).unwrap();
-    let (paper, sources, mut count) = (read("paper.md"), read("paper.bib"), 0);
+    let root = repository();
+    let read = |name: &str| fs::read_to_string(root.join(name)).unwrap();
+    let (paper, sources, mut count) =
+        (read("pipelines/paper/paper.md"), read("pipelines/paper/paper.bib"), 0);
     for from in paper.split("<!-- from ").skip(1) {
         let (page, texts) = from.split_once(" -->").unwrap().0.split_once(": ").unwrap();
-        let text = read(page).replace('\n', " ");
+        let text = read(&format!("pipelines/book/{page}")).replace('\n', " ");
         for words in texts.split(" | ") {
             assert!(text.contains(words), "{page} does not say {words}");
             count += 1;
@@ -191,6 +150,22 @@ fn the_linter_of_prose_finds_what_readers_read_twice() {
     assert!(printed.ends_with("prose: 5 findings in 1 files\n"), "{printed}");
 }
 
+/// The sentences of the programs are held to what those of the book are.
+#[test]
+fn the_linter_of_prose_finds_nothing_in_what_programs_print() {
+    let python = repository().join(".cargo-tools/prose/bin/python");
+    if !python.is_file() {
+        return skip("proselint (make lint installs it)");
+    }
+    let dir = Workdir::new();
+    let files = printed(&dir.path("")).len();
+    let pages = dir.files("").into_iter().map(|name| dir.path(&name));
+    let script = repository().join(".ci/prose.py");
+    let run = Command::new(python).arg("-B").arg(script).args(pages).output().unwrap();
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(run.status.success() && said.ends_with(&format!("in {files} files\n")), "{said}");
+}
+
 #[test]
 fn the_book_loads_nothing_from_the_network() {
     let mdbook = repository().join(".cargo-tools/bin/mdbook");
@@ -198,9 +173,18 @@ fn the_book_loads_nothing_from_the_network() {
         return skip("mdbook (make book installs it)");
     }
     let dir = Workdir::new();
+    let source = dir.path("book");
+    fs::create_dir(&source).unwrap();
+    printed(&source);
+    for entry in fs::read_dir(repository().join("pipelines/book")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            fs::copy(&path, source.join(path.file_name().unwrap())).unwrap();
+        }
+    }
     let run = Command::new(mdbook)
         .arg("build")
-        .arg(repository().join("pipelines/book"))
+        .arg(source)
         .arg("--dest-dir")
         .arg(dir.path("html"))
         .output()

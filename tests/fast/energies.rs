@@ -87,12 +87,8 @@ fn cases() -> Vec<Case> {
                             Box::new(IdealGas { fill, ambient, exponent: 1.4 })
                         }
                     };
-                    Box::new(Chamber {
-                        wall,
-                        gas,
-                        multiplier: (name == "volume").then_some(0),
-                        memory: None,
-                    })
+                    let multiplier = (name == "volume").then_some(0);
+                    Box::new(Chamber { multiplier, ..Chamber::new(wall, gas) })
                 }
             };
             let at = mask.iter().map(|m| m * 1e-3 * random.uniform()).collect();
@@ -266,7 +262,7 @@ fn a_closed_wall_feels_no_net_force_or_torque() {
     let mut random = Random::new(3);
     let u: Vec<f64> = (0..3 * nodes.len()).map(|_| 1e-3 * random.uniform()).collect();
     let gas = Box::new(Isobaric { pressure: 1e3.into() });
-    let pressure = Chamber { wall, gas, multiplier: None, memory: None };
+    let pressure = Chamber::new(wall, gas);
     let mut g = vec![0.0; u.len()];
     let at = Iterate::new(&space, &body.mesh.vertices, &u, 1.0);
     pressure.add_gradient(&at, &mut g);

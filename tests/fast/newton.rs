@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use mechanics::energy::{BodyForce, Energies};
-use mechanics::forward::{Failure, Newton, SoftestMode, Workspace};
+use mechanics::forward::{Failure, Newton, Workspace};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
 use mechanics::math::linear::{
     BadPivots, Cost, DirectSolver, Factor, Precision, SparseSolver, Structure, Symmetric, Triangle,
     one_by_one,
 };
 use mechanics::math::tensor::{Mat3, Mat9};
+use mechanics::stability::SoftestMode;
 use mesh::Vec3;
 use tests::block;
 use tests::equilibrium::{Equilibrium, SILICONE};
@@ -45,9 +46,8 @@ fn bar(cells: [usize; 3], edge: f64, force: f64, law: fn() -> Box<dyn Material>)
         block(cells, edge, |_| false, |p| p),
         2,
         |_| {
-            let mut energies = Energies::elastic(law());
-            energies.body_forces.push(BodyForce::whole(Vec3::new(0.0, 0.0, -force).into()));
-            energies
+            let down = Vec3::new(0.0, 0.0, -force);
+            Energies::elastic(law()).with(BodyForce::whole(down.into()))
         },
         |p| [p.x < 1e-9; 3],
     )

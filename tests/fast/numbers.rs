@@ -232,6 +232,6 @@ fn a_path_that_is_none_is_refused_with_those_there_are() {
 fn the_book_has_all_kinds() {
     let row = |kind: &scene::number::Kind| format!("| `{}` | {} |\n", kind.path, kind.meaning);
     let rows: String = KINDS.iter().map(row).collect();
-    let chapter = std::fs::read_to_string(repository().join("pipelines/book/numbers.md")).unwrap();
-    assert!(chapter.contains(&rows), "expected in pipelines/book/numbers.md:\n{rows}");
+    let chapter = std::fs::read_to_string(repository().join("pipelines/book/scenes.md")).unwrap();
+    assert!(chapter.contains(&rows), "expected in pipelines/book/scenes.md:\n{rows}");
 }

@@ -21,7 +21,7 @@ fn compare(degree: usize, reference: &str) {
     let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
     let wall = Wall::new(&space, &body.facets("cavity").unwrap());
     let gas = Box::new(Isobaric { pressure: 5e3.into() });
-    let chamber = Chamber { wall, gas, multiplier: None, memory: None };
+    let chamber = Chamber::new(wall, gas);
     let energies = Energies::elastic(Box::new(law)).with_chamber("cavity", chamber);
     let problem = Problem::new(space, energies, &fixed);
     let mut workspace = Workspace::new(&problem);

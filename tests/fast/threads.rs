@@ -46,7 +46,7 @@ fn assembled(dir: &Workdir, scene: &str) -> Vec<(String, Vec<u64>)> {
         time: 1.0,
         contact: &[],
         reaction: &[],
-        threads: &[],
+        energies: &problem.energies,
     };
     for term in builder.build(&scene, &scene.body, &problem.space).unwrap() {
         let [mut du, mut contact, mut reaction] = [0, 1, 2].map(|_| vec![0.0; u.len()]);

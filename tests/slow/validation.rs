@@ -1,4 +1,4 @@
-//! `make validation`: the tolerances of pipelines/book/trust.md, which were stated before
+//! `make validation`: the tolerances of pipelines/validation/README.md, which were stated before
 //! the simulations, and the plain membrane beside membrane theory.
 
 use std::f64::consts::PI;
@@ -71,7 +71,7 @@ fn a_capsule_buckles_and_comes_back_as_measured() {
 
 /// Height up to which the membrane is simulated [mm]: beyond it folds at the clamp.
 const REACHED: f64 = 55.0;
-/// Largest difference of the membrane from theory: pipelines/book/trust.md gives the reasons.
+/// Largest difference of the membrane from theory: pipelines/validation/README.md gives the reasons.
 const THEORY: f64 = 0.03;
 
 #[test]

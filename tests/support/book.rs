@@ -20,13 +20,35 @@ pub struct Chapter {
     pub text: String,
 }
 
-/// All chapters, by their names.
-///
-/// # Panics
-/// When one cannot be read.
+/// All chapters that people write, by their names.
 pub fn chapters() -> Vec<Chapter> {
-    let folder = repository().join("pipelines/book");
-    let entries = fs::read_dir(folder).expect("the book");
+    let mut chapters = pages(&repository().join("pipelines/book"));
+    // `make book` leaves those that programs print beside them
+    chapters.retain(|chapter| {
+        let name = chapter.path.file_name().expect("a file").to_string_lossy();
+        !name.starts_with("keys-") && name != "python-api.md"
+    });
+    chapters
+}
+
+/// All chapters that programs print, made in the folder, as if they stood in the book.
+pub fn printed(folder: &Path) -> Vec<Chapter> {
+    let (book, programs) = (repository().join("pipelines/book"), program("solver"));
+    let made = Command::new("python3")
+        .arg("-B")
+        .arg(book.join("generate.py"))
+        .args([programs.parent().expect("a folder"), folder])
+        .output()
+        .expect("python3");
+    assert!(made.status.success(), "{made:?}");
+    let beside =
+        |page: Chapter| Chapter { path: book.join(page.path.file_name().expect("a file")), ..page };
+    pages(folder).into_iter().map(beside).collect()
+}
+
+/// The Markdown in a folder, by its names.
+fn pages(folder: &Path) -> Vec<Chapter> {
+    let entries = fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());
     let mut paths: Vec<PathBuf> =
         paths.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
@@ -39,9 +61,6 @@ pub fn chapters() -> Vec<Chapter> {
 }
 
 /// The READMEs of the project and of its programs, whose commands are marked as those of chapters.
-///
-/// # Panics
-/// When one cannot be read.
 pub fn readmes() -> Vec<Chapter> {
     let read = |folder: &str| {
         let path = repository().join(folder).join("README.md");
@@ -112,9 +131,6 @@ impl Chapter {
     }
 
     /// Runs its commands with these marks, if there are any; `make` is that of the checkout.
-    ///
-    /// # Panics
-    /// When one fails.
     pub fn run(&self, marks: &[&str]) -> usize {
         let commands = self.commands(marks);
         if commands.is_empty() {

@@ -5,10 +5,11 @@ use std::ops::ControlFlow;
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Energies;
 use mechanics::forward::{
-    ArcFollower, ArcLength, Configuration, Converged, Failure, First, Integrator, LimitSearch,
-    LoadStep, Method, Newton, Problem, State, Stepping, TimeStepper, Workspace, certificate,
+    Configuration, Converged, Failure, Integrator, LoadStep, Method, Newton, Problem, State,
+    Stepping, TimeStepper, Workspace, certificate,
 };
 use mechanics::material::MooneyRivlin;
+use mechanics::stability::{ArcLength, Continuation, FirstLimit, LimitSearch};
 use mesh::{TetMesh, Vec3};
 use solver::plot::{Axes, Series, Style, draw};
 
@@ -100,12 +101,12 @@ impl Equilibrium {
     }
 
     /// The first limit on the path from rest to the full load, whose states are shown to `observe`.
-    pub fn first_limit(&mut self, mut observe: impl FnMut(&LoadStep)) -> First {
+    pub fn first_limit(&mut self, mut observe: impl FnMut(&LoadStep)) -> FirstLimit {
         let zero = vec![0.0; self.problem.dofs()];
         let start = self.problem.iterate(&self.rest, &zero, 0.0);
         let (stepping, integrator) = at_rest(&self.problem);
         let search = LimitSearch { stepping, most: 1.0 };
-        search.from(&self.problem, &mut self.workspace, (&start, integrator), |step| {
+        search.from(&self.problem, &mut self.workspace, &start, integrator, |step| {
             observe(step);
             ControlFlow::Continue(())
         })
@@ -119,7 +120,7 @@ impl Equilibrium {
         let (stepping, integrator) = at_rest(&self.problem);
         let mut stepper = TimeStepper::new(stepping, integrator);
         let path = ArcLength { first: 0.1, largest, smallest: 1e-3, end: 1.0 };
-        let mut follower = ArcFollower::new(path);
+        let mut follower = Continuation::new(path);
         let mut steps = Vec::new();
         loop {
             let step = follower.next(&mut stepper, &self.problem, &mut self.workspace, &self.rest);

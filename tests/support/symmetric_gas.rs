@@ -2,7 +2,7 @@
 
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::{
-    Constraint, Energy, GasLaw, Hessian, Iterate, Moment, Potential, RankOne, Wall,
+    Constraint, Energy, GasLaw, Hessian, Iterate, Moment, Nature, Potential, RankOne, Wall,
 };
 use mechanics::math::sparse::BlockMatrix;
 use mesh::Vec3;
@@ -78,6 +78,10 @@ fn deformed<'a>(iterate: &Iterate<'a>) -> impl Fn(usize) -> Vec3 + use<'a> {
 impl Energy for SymmetricGas {
     fn name(&self) -> &'static str {
         "chamber"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Gas
     }
     fn value(&self, at: &Iterate) -> f64 {
         self.state(at).2.value

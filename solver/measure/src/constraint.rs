@@ -127,9 +127,6 @@ impl ConstraintConfig {
     }
 
     /// Checks what can be checked without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check(&self) -> Result<()> {
         self.check_keys().with_context(|| self.title())
     }
@@ -166,9 +163,6 @@ impl ConstraintConfig {
     }
 
     /// The inequalities on the rest shape of a body; none of a probe.
-    ///
-    /// # Errors
-    /// When a tag is missing or the sides of a wall touch.
     pub fn build(&self, body: &Body) -> Result<Option<Constraint>> {
         let (built, unit) = match self {
             Self::Wall(wall) => (wall.build(body), "m"),

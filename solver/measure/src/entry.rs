@@ -21,16 +21,10 @@ pub trait Common: Clone + Serialize + DeserializeOwned + JsonSchema {
     /// What reports call the entry.
     fn name(&self) -> &str;
     /// Checks that there are as many keys as must be.
-    ///
-    /// # Errors
-    /// With what was expected.
     fn complete(&self) -> Result<(), Misfit> {
         Ok(())
     }
     /// Checks what can be checked without a body, for a quantity that may be maximised or not.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     fn check(&self, may_be_maximised: bool) -> Result<()>;
     /// Adds to the schema of a kind what the types of the keys do not say.
     fn describe(_schema: &mut Schema) {}
@@ -64,9 +58,6 @@ impl<C: Common> Entry<C> {
     }
 
     /// Checks what can be checked without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     pub fn check(&self) -> Result<()> {
         let may_be_maximised = self.kind.may_be_maximised && self.own.may_be_maximised();
         let checked = self.common.check(may_be_maximised).and_then(|()| self.own.check());
@@ -74,9 +65,6 @@ impl<C: Common> Entry<C> {
     }
 
     /// Builds the quantity on bodies.
-    ///
-    /// # Errors
-    /// When a tag, a body or a file is missing, or does not fit.
     pub fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         self.own.build(site).with_context(|| self.title())
     }

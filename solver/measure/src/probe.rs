@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::entry::{Common, Entry};
-use crate::quantity::{Equilibrium, Kind, List, Quantity};
+use crate::quantity::{Equilibrium, Forces, Kind, List, Quantity};
 
 /// A probe of a scene.
 pub type ProbeConfig = Entry<ProbeKeys>;
@@ -55,15 +55,13 @@ pub struct Probe {
 
 /// Values of probes at a state, by their names, in the units of their kinds.
 pub fn measure(probes: &[Probe], problem: &Problem, at: &Iterate) -> BTreeMap<String, f64> {
-    let (mut contact, mut reaction) = (Vec::new(), Vec::new());
+    let mut forces = Forces::default();
     if probes.iter().any(|probe| probe.quantity.uses_contact()) {
-        contact = problem.energies.contact_forces(at);
+        forces.contact = problem.energies.contact_forces(at);
     }
     if probes.iter().any(|probe| probe.quantity.uses_reaction()) {
-        reaction = problem.gradient(at).0;
+        forces.reaction = problem.gradient(at).0;
     }
-    let &Iterate { space, rest, u, time, .. } = at;
-    let (contact, reaction, threads) = (&contact, &reaction, &problem.energies.windings);
-    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
+    let here = Equilibrium::new(problem, at, &forces);
     probes.iter().map(|probe| (probe.name.clone(), probe.quantity.value(&here))).collect()
 }

@@ -188,10 +188,6 @@ impl Body {
 
     /// The body as a part of a symmetric one, cut in the planes of some tags, one list for
     /// each plane. Vertices of the cuts are moved into their planes.
-    ///
-    /// # Errors
-    /// [`CutError`] when tags are in no plane across an axis, planes are parallel, or the
-    /// body is on both sides of one.
     pub fn cut_by(mut self, cuts: &[Vec<String>]) -> Result<Self, CutError> {
         for tags in cuts {
             let mut facets = Vec::new();
@@ -258,9 +254,6 @@ impl Body {
 
     /// The facets of a tag, on the boundary of the mesh or inside it, or of the boundary of a
     /// whole body by its name.
-    ///
-    /// # Errors
-    /// [`TagError`] when there is no such tag, or its facets are none of the mesh.
     pub fn tagged(&self, name: &str) -> Result<Vec<[usize; 3]>, TagError> {
         let on_boundary = self.facets(name);
         let facets = self.tags.id(name).map(|id| self.tags.facets_of(id)).unwrap_or_default();
@@ -278,9 +271,6 @@ impl Body {
 
     /// The boundary facets of a tag, or of a whole body by its name, oriented out
     /// of the solid.
-    ///
-    /// # Errors
-    /// [`TagError`] when there is no such tag or the tag has no boundary facet.
     pub fn facets(&self, name: &str) -> Result<Vec<[usize; 3]>, TagError> {
         if let Some(part) = self.parts.iter().find(|p| p.name.as_deref() == Some(name)) {
             let own = |f: &[usize; 3]| part.vertices.contains(&f[0]);

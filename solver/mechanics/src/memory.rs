@@ -39,9 +39,6 @@ impl std::iter::Sum for Need {
 
 impl Need {
     /// Whether this fits into `available` bytes, if that is known.
-    ///
-    /// # Errors
-    /// [`TooLarge`] if it does not.
     pub fn check(self, available: Option<usize>) -> Result<(), TooLarge> {
         match available {
             Some(available) if self.bytes > available => Err(TooLarge { need: self, available }),

@@ -116,9 +116,6 @@ impl RigidSet {
     }
 
     /// Weights of the masters at a point that moves with the part [1].
-    ///
-    /// # Errors
-    /// Where the part is flat, straight or a point, and the point is off it.
     pub fn weights_at(&self, point: Vec3) -> Result<Vec<f64>, OffThePart> {
         let mut offset = DVector::from_column_slice((point - self.origin).as_slice());
         if let Moves::InPlane(normal) = self.moves {

@@ -113,10 +113,6 @@ pub struct Plane {
 
 impl Plane {
     /// The plane of the facets of a cut through a mesh.
-    ///
-    /// # Errors
-    /// [`NoPlane`] when the facets are not in one plane across an axis, the body is on
-    /// both sides, or facets in the plane are missing in the cut.
     pub fn find(
         mesh: &TetMesh,
         boundary: &[[usize; 3]],
@@ -232,9 +228,6 @@ fn across(
 }
 
 /// Planes must be across different axes.
-///
-/// # Errors
-/// [`Parallel`] with the first two that are not.
 pub fn check_orthogonal(planes: &[Plane]) -> Result<(), Parallel> {
     for (i, plane) in planes.iter().enumerate() {
         if let Some(other) = planes[..i].iter().find(|other| other.axis == plane.axis) {

@@ -3,7 +3,7 @@
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 
 use crate::element::FunctionSpace;
-use crate::energy::{BodyEnergies, Chamber, Elastic, Energies, Isobaric, Wall};
+use crate::energy::{Chamber, Elastic, Energies, Isobaric, Wall};
 use crate::forward::Problem;
 use crate::material::{Lame, NeoHookean};
 use crate::math::linear::dot;
@@ -202,12 +202,12 @@ pub fn balloon(levels: usize, layers: usize, pressure: f64) -> (Problem, Vec<Vec
     // bulk modulus 2000 times the shear modulus 1
     let material = NeoHookean(Lame::new(BALLOON_MODULUS, 0.49975));
     let elastic = Elastic::whole(Box::new(material)).with_mean_dilatation();
-    let body = BodyEnergies::new(elastic.expect("a term of the volume"));
+    let body = elastic.expect("a term of the volume");
     let gas = Box::new(Isobaric { pressure: Schedule::from(pressure) });
     let problem = shell_problem(&mesh, |space| {
         let wall = shell_wall(&mesh, space, BALLOON);
-        let chamber = Chamber { wall, gas, multiplier: None, memory: None };
-        Energies::bodies(vec![body]).with_chamber("wall", chamber)
+        let chamber = Chamber::new(wall, gas);
+        Energies::bodies([body]).with_chamber("wall", chamber)
     });
     (problem, mesh.vertices)
 }

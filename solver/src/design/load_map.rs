@@ -332,7 +332,7 @@ impl LoadMap {
         let mut gradient = Vec::with_capacity(self.variables());
         let steps = 0..by_parameters.steps();
         for Curve { curve, chamber, .. } in &self.curves {
-            let by = |step: usize| by_parameters.chamber(step, *chamber);
+            let by = |step: usize| by_parameters.sum(step, chamber.owner());
             gradient.extend(curve.vjp(&steps.clone().map(by).collect::<Vec<_>>()));
         }
         let bound = self.bound(theta);
@@ -343,7 +343,7 @@ impl LoadMap {
             }
             let in_step = |(step, &t): (usize, &f64)| -> f64 {
                 let by = |(id, gas): &(ChamberId, Box<dyn GasLaw>)| {
-                    by_parameters.chamber(step, *id) * gas.schedule().by_parameter(name, t)
+                    by_parameters.sum(step, id.owner()) * gas.schedule().by_parameter(name, t)
                 };
                 bound.iter().map(by).sum()
             };

@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use mechanics::energy::Iterate;
+use mechanics::energy::{Iterate, Nature};
 use mechanics::forward::Problem;
 use mechanics::material::Specification;
 use mesh::Vec3;
@@ -238,7 +238,7 @@ fn dead_loads(scene: &Scene, problem: &Problem, end: f64) -> Vec<(usize, Vec3)> 
     let u = vec![0.0; problem.dofs()];
     let at: Iterate = problem.iterate(&scene.body.mesh.vertices, &u, end);
     let mut gradient = vec![0.0; problem.dofs()];
-    let dead = problem.energies.terms().filter(|term| term.kind.is_dead_load());
+    let dead = problem.energies.terms().filter(|term| term.nature() == Nature::DeadLoad);
     dead.for_each(|term| term.energy.add_gradient(&at, &mut gradient));
     let forces = gradient.chunks_exact(3).map(|g| -Vec3::from_column_slice(g)).enumerate();
     forces.filter(|(_, force)| *force != Vec3::zeros()).collect()

@@ -47,7 +47,7 @@ pub fn foreseen(
     let kept = workspace.linear().share();
     let load = load_near(scene, problem, workspace, before, step.time);
     if let Some(kept) = kept {
-        workspace.factor(|linear| linear.take_up(&kept));
+        workspace.factor(|linear| linear.reuse(&kept));
     }
     load.filter(|load| *load < FAR * step.time).map(|load| in_words(scene, load))
 }

@@ -18,7 +18,7 @@
 //! places, would overshoot.
 
 use mechanics::element::{FunctionSpace, node_indices};
-use mechanics::energy::{ElementLaw, Energies, Iterate};
+use mechanics::energy::{Elastic, ElementLaw, Energies, Iterate};
 use mechanics::material::Kinematics;
 use mechanics::math::tensor::{Mat3, largest_eigenvalue};
 use mechanics::parallel::fill;
@@ -68,12 +68,12 @@ pub fn fields(energies: &Energies, at: &Iterate) -> [Vec<Field>; 2] {
     let space = at.space;
     let quadrature = space.volume_table().weights.len();
     let mut points = vec![Point::default(); space.tets().len() * quadrature];
-    for body in &energies.bodies {
-        let elements = body.elastic.elements(space);
+    for elastic in energies.each::<Elastic>() {
+        let elements = elastic.elements(space);
         let first = elements.start;
         let own = fill(elements.len(), quadrature, Point::default(), |range, points| {
             for (e, points) in range.zip(points.chunks_exact_mut(quadrature)) {
-                let law = body.elastic.law_in(at, first + e);
+                let law = elastic.law_in(at, first + e);
                 let gradients = space.displacement_gradients(at.rest, at.u, first + e);
                 for (q, (point, grad_u)) in points.iter_mut().zip(gradients).enumerate() {
                     *point = Point::new(&law, q, &grad_u);

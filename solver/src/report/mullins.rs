@@ -24,9 +24,9 @@ pub fn softened(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Vec<
         let on = name;
         reports::Mullins { on, largest_energy, factor, factor_at_rest, mean_factor_at_rest, lost }
     };
-    let names = scene.laws.iter().map(|law| scene.law_name(law));
-    let own = names.zip(&energies.bodies);
-    let own = own.filter_map(|(name, body)| Some((name, body.mullins.as_ref()?)));
+    let own = scene.laws.iter().enumerate().filter_map(|(place, law)| {
+        Some((scene.law_name(law), energies.of::<Mullins>(Mullins::owner(place))?))
+    });
     (!scene.config.mullins.is_empty()).then(|| own.map(one).collect())
 }
 
@@ -96,8 +96,7 @@ fn rises(values: &[f64]) -> Vec<RangeInclusive<usize>> {
 
 /// Fields of the cells.
 pub fn fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
-    let softened: Vec<&Mullins> =
-        energies.bodies.iter().filter_map(|body| body.mullins.as_ref()).collect();
+    let softened: Vec<&Mullins> = energies.each().collect();
     if softened.is_empty() {
         return Vec::new();
     }

@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
-use mechanics::energy::Iterate;
-use mechanics::forward::{ArcProgress, LoadStep, Problem, Progress, Timings};
+use mechanics::energy::{Iterate, Nature};
+use mechanics::forward::{LoadStep, Problem, Progress, Timings};
+use mechanics::schedule::{Field, Schedule};
+use mechanics::stability::ArcProgress;
 use mesh::Vec3;
 use mesh::io::vtu;
 use reports::Step;
@@ -287,11 +289,11 @@ impl Work {
 fn pairs(problem: &Problem, at: &Iterate) -> Vec<[f64; 2]> {
     let (reactions, _) = problem.gradient(at);
     let mut dead = vec![0.0; at.u.len()];
-    for term in problem.energies.terms().filter(|term| term.kind.is_dead_load()) {
+    for term in problem.energies.terms().filter(|term| term.nature() == Nature::DeadLoad) {
         term.energy.add_gradient(at, &mut dead);
     }
-    let gas = problem.energies.chambers().map(|(_, named)| {
-        let (volume, gas) = named.chamber.state(at);
+    let gas = problem.energies.chambers().map(|(_, chamber)| {
+        let (volume, gas) = chamber.state(at);
         [gas.pressure, volume]
     });
     let fixed = problem.dirichlet.fixed();

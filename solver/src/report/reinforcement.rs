@@ -34,7 +34,7 @@ pub fn fibres(energies: &Energies, at: &Iterate) -> Vec<Fibre> {
         let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
         Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
     };
-    energies.fibres.iter().map(one).collect()
+    energies.each().map(one).collect()
 }
 
 /// Heights of a section, from 0 to 1 between two of them, and the axis across it.
@@ -76,7 +76,7 @@ fn axial_forces(
 ) -> Option<[f64; 2]> {
     // a thread that lies on the body has a helix
     let section = Section::middle(&scene.helix(winding).ok()??);
-    let elastic = energies.terms().filter(|term| term.kind.is_elastic()).map(|term| term.energy);
+    let elastic = energies.iter().filter(|energy| energy.nature().is_elastic());
     let own: &dyn Energy = thread;
     Some([section.force(std::iter::once(own), at), section.force(elastic, at)])
 }
@@ -101,7 +101,7 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
             name: name.clone(),
             on: on.all().join(" and "),
             length,
-            turns: points.is_empty().then(|| thread.course()),
+            turns: points.is_empty().then(|| thread.turns()),
             segments: thread.segments(),
             energy,
             force,
@@ -113,7 +113,7 @@ pub fn windings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Winding
             taut,
         }
     };
-    scene.config.winding.iter().zip(&energies.windings).map(one).collect()
+    scene.config.winding.iter().zip(energies.each()).map(one).collect()
 }
 
 /// Writes the threads of a state to a folder, if there are any.
@@ -123,7 +123,7 @@ pub fn write_threads(
     energies: &Energies,
     at: &Iterate,
 ) -> Result<()> {
-    if energies.windings.is_empty() {
+    if scene.config.winding.is_empty() {
         return Ok(());
     }
     let places = ["start", "end"].into_iter().flat_map(|end| {
@@ -133,7 +133,7 @@ pub fn write_threads(
     });
     let title = ["winding".to_owned()].into_iter().chain(places);
     let mut rows = vec![title.chain(["force [N]".to_owned()]).collect()];
-    for (winding, thread) in scene.config.winding.iter().zip(&energies.windings) {
+    for (winding, thread) in scene.config.winding.iter().zip(energies.each::<energy::Winding>()) {
         rows.extend(thread.strands(at).into_iter().map(|strand| {
             let ends = strand.rest.into_iter().zip(strand.moved);
             let places = ends.flat_map(|(rest, moved)| [rest, rest + moved]);
@@ -147,7 +147,7 @@ pub fn write_threads(
 
 /// Fields of the cells.
 pub fn fibre_fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
-    energies.fibres.iter().flat_map(|family| of_family(family, at)).collect()
+    energies.each().flat_map(|family| of_family(family, at)).collect()
 }
 
 fn of_family(family: &Fibres, at: &Iterate) -> [Field; 3] {

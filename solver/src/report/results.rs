@@ -8,7 +8,10 @@ use measure::probe::{Probe, measure};
 use mechanics::body::Body;
 use mechanics::contact::surface::BodyForce;
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{self, Energies, Iterate, Kind, MembraneSummary, Multiplier, Term};
+use mechanics::energy::{
+    self, Energies, Friction, Iterate, MembraneSummary, Multiplier, Nature, Rigid, RigidLoad,
+    RigidMass,
+};
 use mechanics::forward::{LoadStep, Problem};
 use mechanics::material::Kinematics;
 use mechanics::symmetry::{AXES, Plane};
@@ -159,7 +162,7 @@ pub fn step(
         chambers: chambers(energies, &at),
         mean_displacement,
         reactions: reactions(scene, body, problem, &at)?,
-        rigid: rigid_parts(energies, at.u),
+        rigid: rigid_parts(scene, energies, at.u),
         force_balance: balance(problem, &at),
         energies: stored,
         momentum: v.map(|v| momentum(energies, at.space, at.rest, v).into()),
@@ -209,27 +212,27 @@ pub fn at_rest(scene: &Scene, problem: &Problem, probes: &[Probe]) -> Result<Opt
 
 /// ½ vᵀ M v of all bodies with inertia [J].
 pub fn kinetic_energy(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> f64 {
-    let rigid = energies.rigid.iter().filter_map(|part| part.mass.as_ref());
+    let rigid = energies.each::<RigidMass>();
     let of_bodies: f64 = energies.inertia().map(|i| i.kinetic_energy(space, rest, v)).sum();
     of_bodies + rigid.map(|mass| mass.kinetic_energy(v)).sum::<f64>()
 }
 
 /// ∫ ρ v dX of all bodies with inertia [kg m/s].
 pub fn momentum(energies: &Energies, space: &FunctionSpace, rest: &[Vec3], v: &[f64]) -> Vec3 {
-    let rigid = energies.rigid.iter().filter_map(|part| part.mass.as_ref());
+    let rigid = energies.each::<RigidMass>();
     let of_bodies: Vec3 = energies.inertia().map(|i| i.momentum(space, rest, v)).sum();
     of_bodies + rigid.map(|mass| mass.momentum(v)).sum::<Vec3>()
 }
 
 /// How far each rigid part has moved and turned.
-pub fn rigid_parts(energies: &Energies, u: &[f64]) -> BTreeMap<String, RigidPart> {
-    let one = |part: &energy::RigidEnergies| {
-        let turned = part.stiffness.as_ref().map(|own| own.rotation(u));
-        let rotation = turned.unwrap_or_default().into();
-        let displacement = part.load.of_point(u).into();
-        (part.name.clone(), RigidPart { displacement, rotation })
+pub fn rigid_parts(scene: &Scene, energies: &Energies, u: &[f64]) -> BTreeMap<String, RigidPart> {
+    let one = |(place, load): (usize, &RigidLoad)| {
+        let turns = energies.of::<Rigid>(Rigid::owner(place));
+        let rotation = turns.map(|own| own.rotation(u)).unwrap_or_default().into();
+        let displacement = load.of_point(u).into();
+        (scene.config.rigid[place].on.clone(), RigidPart { displacement, rotation })
     };
-    energies.rigid.iter().map(one).collect()
+    energies.each().enumerate().map(one).collect()
 }
 
 /// Measures every chamber.
@@ -241,7 +244,7 @@ pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, Chamber> 
         Chamber { volume_rest, volume, pressure: gas.pressure, closed }
     };
     let chambers = energies.chambers();
-    chambers.map(|(_, named)| (named.name.clone(), report(&named.chamber))).collect()
+    chambers.map(|(_, chamber)| (chamber.name.clone(), report(chamber))).collect()
 }
 
 /// Thickness, law and measures of every sheet, in the order of the scene.
@@ -263,7 +266,7 @@ pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Membra
             slack,
         }
     };
-    scene.membranes.iter().zip(&energies.membranes).map(one).collect()
+    scene.membranes.iter().zip(energies.each()).map(one).collect()
 }
 
 /// Kind, unit and value of every probe.
@@ -285,7 +288,7 @@ pub fn probes(
 pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f64> {
     // those that a scene may lack are reported, too
     let mut stored = BTreeMap::from([("elastic", 0.0), ("chamber", 0.0), ("total", 0.0)]);
-    for Term { energy, .. } in energies.terms().filter(|term| term.kind.is_stored()) {
+    for energy in energies.iter().filter(|energy| energy.nature().is_stored()) {
         let value = energy.value(at);
         *stored.entry(energy.name()).or_insert(0.0) += value;
         *stored.entry("total").or_insert(0.0) += value;
@@ -296,8 +299,9 @@ pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f6
 /// Energy of a state that is stored in bodies, sheets and contacts, not in loads [J].
 pub fn internal_energy(energies: &Energies, at: &Iterate) -> f64 {
     let internal =
-        |kind: Kind| kind.is_stored() && !kind.is_dead_load() && !matches!(kind, Kind::Chamber(_));
-    energies.terms().filter(|term| internal(term.kind)).map(|term| term.energy.value(at)).sum()
+        |nature: Nature| nature.is_stored() && !matches!(nature, Nature::DeadLoad | Nature::Gas);
+    let stored = energies.iter().filter(|energy| internal(energy.nature()));
+    stored.map(|energy| energy.value(at)).sum()
 }
 
 /// Resultants of the loads by kind and of the reactions [N]; the norm of their
@@ -307,7 +311,7 @@ pub fn balance(problem: &Problem, state: &Iterate) -> ForceBalance {
     let resultant = |v: &[f64]| (0..nodes).map(|i| at(v, i)).sum::<Vec3>();
     let mut loads = BTreeMap::from([("chamber", Vec3::zeros())]);
     // elastic forces have no resultant
-    for Term { energy, .. } in problem.energies.terms().filter(|term| !term.kind.is_elastic()) {
+    for energy in problem.energies.iter().filter(|energy| !energy.nature().is_elastic()) {
         let mut gradient = vec![0.0; state.u.len()];
         energy.add_gradient(state, &mut gradient);
         *loads.entry(energy.name()).or_default() -= resultant(&gradient);
@@ -337,7 +341,7 @@ pub fn write_arrays(folder: &Path, nodes: &[Vec3], u: &[f64]) -> Result<()> {
 /// bodies the force on the first [N] and the sum of its magnitudes; none where the
 /// scene has no contact.
 pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Collisions> {
-    let contact = energies.contact.as_ref()?;
+    let contact = energies.contact()?;
     let names = scene.surface_names();
     let gaps = contact.gaps(at);
     let report = |forces: Vec<BodyForce>| -> Vec<PairForce> {
@@ -347,7 +351,7 @@ pub fn collisions(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Co
         };
         forces.into_iter().map(one).collect()
     };
-    let friction = energies.friction.as_ref();
+    let friction = energies.each::<Friction>().next();
     Some(Collisions {
         pairs: gaps.pairs,
         smallest_gap: gaps.smallest.is_finite().then_some(gaps.smallest),

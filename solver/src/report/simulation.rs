@@ -30,7 +30,7 @@ pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulati
     let (inputs, set) = results::provenance(folder, None, scene)?;
     let cut = !scene.body.planes.is_empty();
     let mut config = scene.config.clone();
-    if let (Some(own), Some(contact)) = (config.contact_mut(), &problem.energies.contact) {
+    if let (Some(own), Some(contact)) = (config.contact_mut(), problem.energies.contact()) {
         let barrier = contact.barrier();
         own.activation.get_or_insert(barrier.activation);
         own.stiffness.get_or_insert(barrier.stiffness);

@@ -1,7 +1,9 @@
 //! What reports say of the stability of a state, and of its place on a path that is followed by its arc length.
 
 use mechanics::energy::Iterate;
-use mechanics::forward::{self, ArcPoint, Kind, LoadStep, Passed, Problem, Workspace};
+use mechanics::forward::{
+    self, ArcPoint, LoadStep, Problem, SingularPoint, Singularity, Workspace,
+};
 use mesh::io::vtu;
 use reports::{PassedPoint, PathState, PointKind, Stability};
 use scene::Scene;
@@ -42,10 +44,7 @@ pub fn at_end(
 }
 
 fn report(found: &forward::Stability, rest_stiffness: f64) -> Stability {
-    let kind = match found.kind() {
-        Kind::LimitPoint => PointKind::LimitPoint,
-        Kind::Bifurcation => PointKind::Bifurcation,
-    };
+    let kind = kind_of(found.kind());
     Stability {
         negative_eigenvalues: found.negative,
         stiffness_over_rest: found.stiffness / rest_stiffness,
@@ -54,12 +53,18 @@ fn report(found: &forward::Stability, rest_stiffness: f64) -> Stability {
     }
 }
 
+/// What becomes of a path, as reports have it.
+pub fn kind_of(kind: Singularity) -> PointKind {
+    match kind {
+        Singularity::LimitPoint => PointKind::LimitPoint,
+        Singularity::Bifurcation => PointKind::Bifurcation,
+    }
+}
+
 /// A state of a path, as reports have it.
 pub fn path_state(point: &ArcPoint) -> PathState {
-    let passed = |passed: &Passed| match *passed {
-        Passed::LimitPoint(loads) => PassedPoint { kind: PointKind::LimitPoint, loads },
-        Passed::Bifurcation(loads) => PassedPoint { kind: PointKind::Bifurcation, loads },
-    };
+    let passed =
+        |passed: &SingularPoint| PassedPoint { kind: kind_of(passed.kind), loads: passed.loads };
     PathState {
         arc_length: point.arc,
         load_rate: point.load_rate,
@@ -76,11 +81,11 @@ pub fn field(mode: &[f64]) -> vtu::Field {
 
 /// What lies between the state before and this one of a path, for people.
 pub fn in_words(step: &LoadStep) -> Vec<String> {
-    let one = |passed: &Passed| match passed {
-        Passed::LimitPoint([from, to]) => {
+    let one = |&SingularPoint { kind, loads: [from, to] }: &SingularPoint| match kind {
+        Singularity::LimitPoint => {
             format!("limit point passed between load {from:.4} and {to:.4}: the load turns")
         }
-        Passed::Bifurcation([from, to]) => format!(
+        Singularity::Bifurcation => format!(
             "bifurcation between load {from:.4} and {to:.4}: another branch leaves, and this one is followed"
         ),
     };
@@ -95,9 +100,9 @@ pub fn ends_path(scene: &Scene, states: usize, at: &Iterate, problem: &Problem) 
         return Some(format!("after {states} states ([solver] path_states)"));
     }
     let factor = solver.path_volume_factor?;
-    let beyond = problem.energies.chambers().find_map(|(_, named)| {
-        let found = named.chamber.state(at).0 / named.chamber.rest_volume(at);
-        (found > factor).then_some((&named.name, found))
+    let beyond = problem.energies.chambers().find_map(|(_, chamber)| {
+        let found = chamber.state(at).0 / chamber.rest_volume(at);
+        (found > factor).then_some((&chamber.name, found))
     });
     let (name, found) = beyond?;
     Some(format!("as {name} has {found:.2} times its volume ([solver] path_volume_factor)"))

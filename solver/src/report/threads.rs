@@ -18,7 +18,7 @@ pub fn crossings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<String
     let rest = |winding: &mechanics::energy::Winding| -> Vec<Segment> {
         winding.strands(at).into_iter().map(|strand| strand.rest).collect()
     };
-    let all: Vec<Vec<Segment>> = energies.windings.iter().map(rest).collect();
+    let all: Vec<Vec<Segment>> = energies.each().map(rest).collect();
     let name = |i: usize| &scene.config.winding[i].name;
     let free = "where they do not touch: neither holds the other";
     let mut found = Vec::new();

@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use measure::probe::Probe;
-use mechanics::adjoint::{Gradient, Grown};
+use mechanics::adjoint::{Gradient, ScaledPressure};
 use mechanics::energy::Iterate;
 use mechanics::forward::{Problem, Trajectory, Workspace};
 use program::KeyPath;
@@ -157,22 +157,23 @@ fn of_edges(
     let all = numbers(scene, config)?;
     let walls = Walls::of(all.iter().flat_map(|off| &off.group.numbers), scene)?;
     let growing = growing(problem, limit);
-    let held = &problem.held(end.time, &growing);
-    let grown = Grown { problem, held, rest: end.rest, time: end.time, growing: &growing };
+    let held = &problem.with_scaled_pressures(end.time, &growing);
+    let scaled =
+        ScaledPressure { problem, held, rest: end.rest, time: end.time, chambers: &growing };
     let mut add = |name: &str, value: f64, by: &Gradient| {
         let swept = Swept::new(scene, problem, walls.as_ref(), by);
         bars_of.insert(name.to_owned(), bars(scene, &all, &swept, (value, "1")));
     };
     if let Some(found) = &edges.at_limit {
-        let by = grown.gradient(&mut Workspace::new(held), found);
+        let by = scaled.gradient(&mut Workspace::new(held), found);
         add("factor", found.load, &by.context("derivatives of the factor")?);
     }
     if let Some(burst) = &edges.burst {
-        add("burst", burst.load, &grown.gradient_of_burst(burst));
+        add("burst", burst.load, &scaled.gradient_of_burst(burst));
     }
     // in contact the tangent jumps, and the slope has no derivative
     if let Some(slope) = edges.slope.as_ref().filter(|_| scene.config.contact().is_none()) {
-        let by = grown.gradient_of_slope(&mut Workspace::new(held), &configuration(end), slope);
+        let by = scaled.gradient_of_slope(&mut Workspace::new(held), &configuration(end), slope);
         add("slope", slope.value, &by.context("derivatives of the slope")?);
     }
     Ok(bars_of)

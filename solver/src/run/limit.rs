@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use mechanics::energy::{ChamberId, Iterate};
-use mechanics::forward::{
-    self, Burst, BurstSearch, Configuration, First, Kind, LimitSearch, PressureSlope, Problem,
-    Torn, Workspace,
+use mechanics::forward::{self, Configuration, Problem, Workspace};
+use mechanics::stability::{
+    self, Burst, BurstSearch, FirstBurst, FirstLimit, LimitSearch, PressureSlope,
 };
 use mechanics::stretch::LargestStretch;
 use reports::{DirectIterate, Limit, LimitState, LimitStatus, PointKind};
@@ -15,6 +15,7 @@ use scene::Scene;
 use scene::config::LimitConfig;
 
 use crate::report::results::chambers;
+use crate::report::stability::kind_of;
 
 /// What is known on the way to the limit.
 struct Way {
@@ -31,7 +32,7 @@ pub struct Edges {
     /// For the report.
     pub limit: Limit,
     /// The state at the limit, with the softest mode there over all degrees of freedom, where there is one.
-    pub at_limit: Option<Box<forward::Limit>>,
+    pub at_limit: Option<Box<stability::Limit>>,
     /// The state at which the material tears, where there is one.
     pub burst: Option<Box<Burst>>,
     /// The slope of the pressure at the end, where the tangent is regular.
@@ -41,14 +42,14 @@ pub struct Edges {
 /// The limit of the state at the end of a run, and its burst.
 pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfig) -> Edges {
     let growing = growing(problem, config);
-    let held = problem.held(end.time, &growing);
+    let held = problem.with_scaled_pressures(end.time, &growing);
     let mut workspace = Workspace::new(&held);
     let slope = PressureSlope::of(&held, &mut workspace, &configuration(end), &growing).ok();
     let burst = scene.stretch_at_break().map(|at_break| BurstSearch::new(end, at_break));
     let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
     let search = LimitSearch { stepping: scene.stepping(), most: config.most };
-    let start = (end, scene.integrator(&scene.body, &held));
-    let first = search.from(&held, &mut workspace, start, |step| {
+    let integrator = scene.integrator(&scene.body, &held);
+    let first = search.from(&held, &mut workspace, end, integrator, |step| {
         if step.path.is_none() {
             way.by_load_from.get_or_insert(way.last()[0]);
         }
@@ -57,7 +58,7 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
         log::info!("towards a limit: {factor:.3} × the pressure, largest stretch {stretch:.2}");
         ControlFlow::Continue(())
     });
-    if let First::Found(found, _) = &first {
+    if let FirstLimit::Found(found, _) = &first {
         let multipliers = &found.multipliers;
         way.follow(&held, &Iterate { u: &found.u, time: found.load, multipliers, ..*end });
     }
@@ -67,18 +68,18 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
     });
     let factor = burst.as_ref().map(|burst| burst.load);
     let (limit, at_limit) = match first {
-        First::Found(found, loads) => {
+        FirstLimit::Found(found, loads) => {
             (Limit { between: Some(loads), ..at(&found, &way) }, Some(found))
         }
-        First::Between(kind, loads) => {
+        FirstLimit::Between(kind, loads) => {
             let (kind, between) = (Some(kind_of(kind)), Some(loads));
             (Limit { kind, between, ..none(LimitStatus::Bracketed, &way) }, None)
         }
-        First::None => (none(LimitStatus::StableTo, &way), None),
-        First::Unstable => (none(LimitStatus::Unstable, &way), None),
+        FirstLimit::None => (none(LimitStatus::StableTo, &way), None),
+        FirstLimit::Unstable => (none(LimitStatus::Unstable, &way), None),
         // nobody stops it here
-        First::Stopped => (none(LimitStatus::NotFound, &way), None),
-        First::Lost(failure) => {
+        FirstLimit::Stopped => (none(LimitStatus::NotFound, &way), None),
+        FirstLimit::Lost(failure) => {
             let reason = failure.map_or_else(|| "too many states".to_owned(), |f| f.to_string());
             (Limit { reason: Some(reason), ..none(LimitStatus::NotFound, &way) }, None)
         }
@@ -94,14 +95,14 @@ pub fn configuration<'a>(at: &Iterate<'a>) -> Configuration<'a> {
 }
 
 /// The state at which a body bursts, or in the log why there is none.
-fn at_burst(torn: Torn) -> Option<Box<Burst>> {
+fn at_burst(torn: FirstBurst) -> Option<Box<Burst>> {
     match torn {
-        Torn::At(burst) => return Some(burst),
-        Torn::Never => (),
-        Torn::Between([from, to]) => log::warn!(
+        FirstBurst::At(burst) => return Some(burst),
+        FirstBurst::Never => (),
+        FirstBurst::Between([from, to]) => log::warn!(
             "the stretch at break is reached between {from:.4} and {to:.4} × the pressure, but no state there was found"
         ),
-        Torn::Beyond(why) => log::warn!("{}", beyond(why.as_ref())),
+        FirstBurst::Beyond(why) => log::warn!("{}", beyond(why.as_ref())),
     }
     None
 }
@@ -169,8 +170,8 @@ fn none(status: LimitStatus, way: &Way) -> Limit {
 }
 
 /// A limit that was found.
-fn at(found: &forward::Limit, way: &Way) -> Limit {
-    let iterate = |left: &forward::Left| DirectIterate {
+fn at(found: &stability::Limit, way: &Way) -> Limit {
+    let iterate = |left: &stability::DirectIterate| DirectIterate {
         residual: left.residual,
         stiffness: left.stiffness,
         factor: left.load,
@@ -180,13 +181,6 @@ fn at(found: &forward::Limit, way: &Way) -> Limit {
         factor: Some(found.load),
         iterates: found.history.iter().map(iterate).collect(),
         ..none(LimitStatus::Found, way)
-    }
-}
-
-fn kind_of(kind: Kind) -> PointKind {
-    match kind {
-        Kind::LimitPoint => PointKind::LimitPoint,
-        Kind::Bifurcation => PointKind::Bifurcation,
     }
 }
 

@@ -3,7 +3,7 @@
 
 use anyhow::{Result, anyhow};
 use measure::probe::Probe;
-use measure::quantity::{Equilibrium, Partials};
+use measure::quantity::{Equilibrium, Forces, Partials};
 use mechanics::adjoint::{self, Gradient};
 use mechanics::energy::Iterate;
 use mechanics::forward::{Linearizations, Problem, Trajectory, Workspace, solve_multipliers};
@@ -22,11 +22,9 @@ pub fn sensitivities(
     let multipliers = solve_multipliers(problem, workspace, &at);
     let at = Iterate { multipliers: &multipliers, ..at };
     let contact = problem.energies.contact_forces(&at);
-    let reaction = problem.gradient(&at).0;
+    let forces = Forces { contact, reaction: problem.gradient(&at).0 };
     let known = Linearizations::at_step(n, workspace.linearize(problem, &at));
-    let (space, u, time) = (at.space, at.u, at.time);
-    let (contact, reaction, threads) = (&contact, &reaction, &problem.energies.windings);
-    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
+    let here = Equilibrium::new(problem, &at, &forces);
     let mut found = Vec::new();
     for probe in probes {
         let (q, mut by_rest) = (&probe.quantity, vec![0.0; 3 * rest.len()]);

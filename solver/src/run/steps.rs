@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    ArcFollower, ArcProgress, LoadStep, Problem, Progress, Reached, TimeStepper, Trajectory,
-    Unreached, Workspace, about,
+    LoadStep, Problem, Progress, Reached, TimeStepper, Trajectory, Unreached, Workspace, about,
 };
+use mechanics::stability::{ArcProgress, Continuation};
 use scene::Scene;
 
 use crate::report::record::Finished;
@@ -31,7 +31,7 @@ pub struct Steps<'a> {
     problem: &'a Problem,
     stepper: TimeStepper,
     /// What follows the path of a static scene by its arc length, if the scene asks for that.
-    follower: Option<ArcFollower>,
+    follower: Option<Continuation>,
     /// Ends of the time steps [s].
     times: Vec<f64>,
     /// Reported steps that were made.
@@ -54,7 +54,7 @@ impl<'a> Steps<'a> {
             scene,
             problem,
             stepper: TimeStepper::new(scene.stepping(), integrator),
-            follower: scene.path().map(ArcFollower::new),
+            follower: scene.path().map(Continuation::new),
             times: scene.times(),
             made: 0,
             ended: false,

@@ -128,7 +128,7 @@ impl Pose {
         let mut compliance = Matrix6::zeros();
         for k in 0..6 {
             let mut solution = problem.restrict(&self.rows[k]);
-            match workspace.solve_sharply(&mut solution, WANTED_RESIDUAL, LARGEST_RESIDUAL) {
+            match workspace.solve_accurately(&mut solution, WANTED_RESIDUAL, LARGEST_RESIDUAL) {
                 Some(residual) if residual <= LARGEST_RESIDUAL => {}
                 _ => return Ok((linearization, None)),
             }

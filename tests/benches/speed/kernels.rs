@@ -152,7 +152,7 @@ impl<'a> Kernels<'a> {
     fn chamber(&mut self, p: &Problem) -> Result<()> {
         let space = &p.problem.space;
         let at = p.problem.iterate(&p.body.mesh.vertices, &p.u, 1.0);
-        let walls = || p.problem.energies.chambers().map(|(_, named)| &named.chamber);
+        let walls = || p.problem.energies.chambers().map(|(_, chamber)| chamber);
         let [gradient, hessian] = CHAMBER.map(|what| Step::per_dof(what, p));
         let mut force = vec![0.0; p.problem.dofs()];
         self.time(&gradient, || walls().for_each(|wall| wall.add_gradient(&at, &mut force)))?;

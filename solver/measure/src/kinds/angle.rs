@@ -5,15 +5,8 @@
 //! N is the mean normal, out of the body, times the area. A closed surface has none. q has no
 //! derivative at 0 and 180°.
 
-use std::sync::Arc;
-
-use anyhow::Result;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::quantity::{
-    Equilibrium, Kind, List, Measure, Normal, Partials, Quantity, Site, Specification,
-};
+use super::*;
+use crate::quantity::Normal;
 
 pub(super) const KIND: Kind = Kind {
     key: "angle",

@@ -11,17 +11,12 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::Context as _;
 use mechanics::math::tensor::Mat3;
-use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{
-    Axis, Equilibrium, Kind, List, Measure, Normal, Partials, Quantity, Site, Specification,
-};
+use super::*;
+use crate::quantity::Normal;
 
 pub(super) const KIND: Kind = Kind {
     key: "bending",

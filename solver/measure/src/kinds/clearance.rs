@@ -18,20 +18,15 @@
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, applied to the rest shape.
 
-use std::sync::Arc;
-
-use anyhow::Result;
 use mechanics::contact::candidates::close_within;
 use mechanics::contact::density::{Density, Repulsion};
 use mechanics::contact::images::Mirrored;
 use mechanics::contact::pairs::{Features, Pair};
 use mechanics::contact::rest_potential;
 use mechanics::symmetry::Plane;
-use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Kind, List, Quantity, RestTerm, Site, Specification, positive};
+use super::*;
+use crate::quantity::RestTerm;
 
 pub(super) const KIND: Kind = Kind {
     key: "clearance",

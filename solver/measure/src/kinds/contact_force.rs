@@ -13,16 +13,10 @@
 //! the mesh, as a force is shared by more nodes on a finer one, and is largest
 //! where one node carries everything; the sum of magnitudes is the total force.
 
-use std::sync::Arc;
-
-use anyhow::{Result, bail, ensure};
+use anyhow::bail;
 use mechanics::element;
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Axis, Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 use crate::written::Names;
 
 pub(super) const ALONG: Kind = Kind {
@@ -184,14 +178,6 @@ impl Quantity for ContactForce {
 mod tests {
     use super::*;
     use crate::quantity::tests::Case;
-
-    #[test]
-    fn derivatives_belong_to_the_value() {
-        let case = Case::cube(2, 1.0);
-        for form in [Form::Squared, Form::SumOfSquares, Form::Sum] {
-            case.check(&ContactForce::new(vec![9, 3, 40, 3], form, Vec3::zeros()));
-        }
-    }
 
     #[test]
     fn components_are_linear_and_nodes_count_once() {

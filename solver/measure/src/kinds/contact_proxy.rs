@@ -22,21 +22,14 @@
 //! Source: Gjoka et al. 2024, equation (13), in the form of the published scenes:
 //! the square of the sum at a node, not the sum of the squares over pairs.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::contact::barrier::Form;
 use mechanics::contact::density::{Density, Repulsion};
 use mechanics::contact::potential::{Contacts, Partners, Potential};
 use mechanics::contact::surface::Surface;
 use mechanics::element::FunctionSpace;
 use mechanics::symmetry::Plane;
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification, positive};
+use super::*;
 use crate::written::{DensitySchema, Names};
 
 pub(super) const KIND: Kind = Kind {
@@ -105,9 +98,6 @@ pub struct ContactProxy {
 
 impl ContactProxy {
     /// The term between different ones of several sets of boundary facets.
-    ///
-    /// # Errors
-    /// [`PartsTouch`] if a vertex belongs to two sets.
     pub fn new(
         planes: &[Plane],
         space: &FunctionSpace,

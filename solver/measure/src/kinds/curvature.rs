@@ -8,15 +8,7 @@
 //!
 //! Source: Menger curvature.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::quantity::{Kind, List, Means, OfMeans, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "curvature",

@@ -3,13 +3,7 @@
 //! q = a · (1/A) ∫ u dA      over the rest area A, a the unit vector along the axis   [m]
 //! q = (1/A) ∫ |u| dA                                                                 [m]
 
-use std::sync::Arc;
-
-use anyhow::Result;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::quantity::{Axis, Kind, List, Means, OfMeans, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const ALONG: Kind = Kind {
     key: "displacement",

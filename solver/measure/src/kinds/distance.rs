@@ -2,14 +2,7 @@
 //!
 //! q = |x̄₁ − x̄₂|      x̄ the mean deformed position over the tag's rest area   [m]
 
-use std::sync::Arc;
-
-use anyhow::Result;
-use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::quantity::{Kind, List, Means, OfMeans, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "distance",

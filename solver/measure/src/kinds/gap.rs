@@ -5,18 +5,12 @@
 //! on flat triangles between the nodes, as in contact ([`Surface`]). The derivative is that of
 //! the closest pair (envelope theorem); it jumps where another pair becomes the closest one.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::contact::candidates::closest_between;
 use mechanics::contact::pairs::Features;
 use mechanics::contact::surface::Surface;
 use mechanics::element::FunctionSpace;
-use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "gap",

@@ -25,9 +25,19 @@ mod wall_thickness;
 mod wanted;
 mod winding_force;
 
-use program::{KeyPath, Misfit, unknown};
+use std::sync::Arc;
 
-use crate::quantity::{Kind, List};
+use anyhow::{Result, ensure};
+use mesh::Vec3;
+use program::{KeyPath, Misfit, misfit, unknown};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+// what nearly every kind is made with, which has it by `super::*`
+use crate::quantity::{
+    Axis, Equilibrium, Kind, List, Means, Measure, OfMeans, Partials, Patch, Quantity, Site,
+    Specification, positive, solid_integral,
+};
 
 pub use contact_proxy::PartsTouch;
 
@@ -67,9 +77,6 @@ pub fn of(list: List) -> impl Iterator<Item = &'static Kind> + Clone {
 }
 
 /// The kind of a list that is called so.
-///
-/// # Errors
-/// When there is none; the message lists those there are.
 pub fn find(list: List, key: &str) -> Result<&'static Kind, Misfit> {
     of(list).find(|kind| kind.key == key).ok_or_else(|| {
         let names: Vec<String> = of(list).map(|kind| format!("`{}`", kind.key)).collect();

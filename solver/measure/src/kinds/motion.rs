@@ -13,19 +13,10 @@
 //!
 //! Source: Gjoka et al. 2024, the worm's and the walker's objective.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::schedule::{Field, WrittenField, axes};
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
+use super::*;
 use crate::quantity::surface_integral::{Density, Place};
-use crate::quantity::{
-    Equilibrium, Kind, List, Measure, Partials, Patch, Quantity, Site, Specification,
-};
 use crate::written::{FieldSchema, Names};
 
 pub(super) const DISPLACEMENT: Kind = Kind {
@@ -145,23 +136,6 @@ impl Quantity for Motion {
 mod tests {
     use super::*;
     use crate::quantity::tests::Case;
-
-    const AXES: [bool; 3] = [true, false, true];
-
-    #[test]
-    fn derivatives_belong_to_the_value() {
-        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
-            let case = Case::cube(degree, scale);
-            let expression = format!("t*y*(1 + x/{scale})");
-            let wanted = Field([expression.parse().unwrap(), 7.0.into(), (0.1 * scale).into()]);
-            for measure in [Measure::Rest, Measure::Deformed] {
-                for compared in [Compared::Displacement, Compared::Position] {
-                    let patch = Patch::new(&case.space, &case.facets, measure);
-                    case.check(&Motion { patch, compared, wanted: wanted.clone(), axes: AXES });
-                }
-            }
-        }
-    }
 
     /// The top of a cube that is lifted by 0.3 where 0.1 + 0.2 t is wanted, with
     /// t = 0.7, and shifted along x, where nothing is wanted of it.

@@ -18,19 +18,11 @@
 //! Source: Kabsch 1976, doi:10.1107/S0567739476001873 (R); Rᵀ ∂M − ∂Mᵀ R = Ω P + P Ω with
 //! Ω = Rᵀ ∂R (its derivative).
 
-use std::sync::Arc;
-
-use anyhow::{Context as _, Result, ensure};
+use anyhow::Context as _;
 use mechanics::element::{add_at, at, weights};
 use mechanics::math::tensor::Mat3;
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{
-    Axis, Equilibrium, Kind, List, Means, OfMeans, Partials, Quantity, Site, Specification,
-};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "point",

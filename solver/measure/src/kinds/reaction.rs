@@ -5,15 +5,7 @@
 //! r = ∂E/∂u on fixed degrees of freedom. A node on the rim of several fixed tags counts
 //! for the first of them.
 
-use std::sync::Arc;
-
-use anyhow::Result;
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::quantity::{Axis, Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "reaction",

@@ -17,15 +17,11 @@
 //! Source: Huang et al., "Differentiable solver for time-dependent deformation
 //! problems with contact", arXiv:2205.13643, scale-invariant smoothing.
 
-use std::sync::Arc;
-
-use anyhow::Result;
 use mechanics::symmetry::Plane;
-use mesh::{Vec3, topology};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use mesh::topology;
 
-use crate::quantity::{Kind, List, Quantity, RestTerm, Site, Specification};
+use super::*;
+use crate::quantity::RestTerm;
 use crate::written::Names;
 
 pub(super) const KIND: Kind = Kind {
@@ -160,23 +156,9 @@ impl RestTerm for Smoothness {
 
 #[cfg(test)]
 mod tests {
-    use mechanics::testing::{check_gradient, flat, points, sphere, square};
+    use mechanics::testing::{sphere, square};
 
     use super::*;
-
-    const FORMS: [SmoothnessForm; 2] = [SmoothnessForm::ScaleInvariant, SmoothnessForm::Plain];
-
-    #[test]
-    fn gradient_belongs_to_the_value() {
-        let surface = square(5, 0.3);
-        for form in FORMS {
-            let term = Smoothness::new(&surface.triangles, &[], form);
-            let mut gradient = vec![0.0; 3 * surface.vertices.len()];
-            term.add_gradient_at(&surface.vertices, 2.0, &mut gradient);
-            let value = |x: &[f64]| 2.0 * term.value_at(&points(x));
-            check_gradient(&flat(&surface.vertices), &gradient, 0.01, value);
-        }
-    }
 
     #[test]
     fn a_regular_patch_is_smooth_inside_and_the_size_does_not_matter() {

@@ -8,18 +8,11 @@
 //! ∂q = (q − 1)/p (∂I/I − ∂V/V). Σ is symmetric in the stretches, so that it has a derivative where they coincide.
 
 use std::ops::Range;
-use std::sync::Arc;
 
-use anyhow::{Result, ensure};
 use mechanics::math::tensor::Mat3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::strain_limit::over_stretches;
-use crate::quantity::{
-    Equilibrium, Kind, List, Partials, Quantity, Site, Specification, solid_integral,
-};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "stretch",
@@ -100,23 +93,6 @@ impl Quantity for Stretch {
         };
         for elements in &self.elements {
             solid_integral::add_partials(at, elements, &density, 1.0, out);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::quantity::tests::Case;
-
-    #[test]
-    fn derivatives_belong_to_the_value() {
-        for (degree, scale) in [(1, 1.0), (2, 1e-3)] {
-            let case = Case::cube(degree, scale);
-            for power in [2.0, 4.0] {
-                let term = Stretch { elements: vec![0..20, 20..48], power };
-                case.check_near(&term, 1e-5);
-            }
         }
     }
 }

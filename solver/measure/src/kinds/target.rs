@@ -9,17 +9,10 @@
 //! measure.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use anyhow::Result;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
+use super::*;
 use crate::quantity::surface_integral::{Density, Place};
-use crate::quantity::{
-    DistanceField, DistanceKind, Equilibrium, Kind, List, Measure, Partials, Patch, Quantity, Site,
-    Specification, positive,
-};
+use crate::quantity::{DistanceField, DistanceKind};
 use crate::written::Names;
 
 pub(super) const KIND: Kind = Kind {
@@ -94,31 +87,5 @@ impl Quantity for Target {
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
         self.prepare(at);
         self.patch.add_partials(at, &|place| self.density(place), weight, out);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use mechanics::testing::sphere;
-
-    use super::*;
-    use crate::quantity::tests::Case;
-
-    #[test]
-    fn derivatives_belong_to_the_value() {
-        for (degree, scale) in [(1, 1.0), (2, 1.0), (2, 1e-3), (3, 1e-3)] {
-            let case = Case::cube(degree, scale);
-            let mut ball = sphere(2);
-            ball.vertices.iter_mut().for_each(|v| *v *= 0.8 * scale);
-            for kind in [DistanceKind::Squared, DistanceKind::Unsigned, DistanceKind::Signed] {
-                for measure in [Measure::Rest, Measure::Deformed] {
-                    let field = DistanceField::new(&ball, 0.4 * scale, kind);
-                    let patch = Patch::new(&case.space, &case.facets, measure);
-                    // d̃² is once continuously differentiable: small steps keep
-                    // within one cell of its lattice, or cross few of its sides
-                    case.check(&Target { patch, field });
-                }
-            }
-        }
     }
 }

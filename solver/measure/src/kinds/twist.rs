@@ -7,15 +7,9 @@
 //! they are (the plane problem of Kabsch 1976, doi:10.1107/S0567739476001873). With M = (1/A) ∫ (x − x̄)(X − X̄)ᵀ dA,
 //! S/A = Σ ε_kij a_k M_ji and C/A = tr (I − a aᵀ) M, so that ∂ϑ/∂M = (C ∂S − S ∂C) / (C² + S²). From −180° to 180°.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::math::tensor::Mat3;
-use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Axis, Kind, List, Means, OfMeans, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "twist",

@@ -7,15 +7,9 @@
 //! close them, of the rest shape or the deformed one. The closed surface of a
 //! body seen from outside encloses −V.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::energy::Wall;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Equilibrium, Kind, List, Measure, Partials, Quantity, Site, Specification};
+use super::*;
 
 pub(super) const CHAMBER: Kind = Kind {
     key: "volume",
@@ -136,22 +130,6 @@ impl Quantity for Volume {
 mod tests {
     use super::*;
     use crate::quantity::tests::Case;
-
-    /// The volume of a whole body, and that behind an open wall, the rim of which moves.
-    #[test]
-    fn derivatives_belong_to_the_value() {
-        for (degree, scale) in [(1, 1.0), (2, 1e-3), (3, 1.0)] {
-            let case = Case::cube(degree, scale);
-            let open = case.facets_where(|x| x.z < 0.99);
-            for measure in [Measure::Rest, Measure::Deformed] {
-                for wanted in [None, Some(0.3 * scale.powi(3))] {
-                    let (all, space) = (&case.facets, &case.space);
-                    case.check(&Volume::within(Wall::new(space, all), measure, wanted));
-                    case.check(&Volume::behind(Wall::new(space, &open), measure, wanted));
-                }
-            }
-        }
-    }
 
     #[test]
     fn volumes_are_of_the_shape_that_was_asked_for() {

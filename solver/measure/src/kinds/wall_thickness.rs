@@ -26,23 +26,14 @@
 //! Source: Gjoka et al. 2024, equations (14) and (15); the published scenes have
 //! the rest shape.
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
 use mechanics::contact::density::{Density, Repulsion};
 use mechanics::contact::pairs::Pair;
 use mechanics::contact::rest_potential;
 use mechanics::element::at;
 use mechanics::symmetry::Plane;
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{
-    Equilibrium, Kind, List, Measure, Partials, Quantity, SidesTouch, Site, Specification, Walls,
-    positive,
-};
+use super::*;
+use crate::quantity::{SidesTouch, Walls};
 use crate::written::{DensitySchema, Names};
 
 pub(super) const KIND: Kind = Kind {
@@ -115,9 +106,6 @@ pub struct WallThickness {
 
 impl WallThickness {
     /// The term between each two of several sets of facets.
-    ///
-    /// # Errors
-    /// [`SidesTouch`] if a vertex belongs to two sets.
     pub fn new(
         planes: &[Plane],
         parts: &[Vec<[usize; 3]>],

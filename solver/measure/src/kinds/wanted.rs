@@ -6,17 +6,10 @@
 //! q    value of the probe, in its unit; q* the wanted one, as it is written, from t = 0 on
 //! s    scale: a difference that counts as 1
 
-use std::sync::Arc;
-
-use anyhow::{Result, ensure};
-use mechanics::energy::ParameterId;
+use mechanics::energy::Owner;
 use mechanics::schedule::{Schedule, Written};
-use mesh::Vec3;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 use crate::written::{ScheduleSchema, values};
 
 pub(super) const KIND: Kind = Kind {
@@ -114,7 +107,7 @@ impl Quantity for Wanted {
         self.quantity.add_partials(at, weight * self.at(at).1, out);
     }
 
-    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(Owner, Vec<f64>)> {
         self.quantity.by_parameters(at, weight * self.at(at).1)
     }
 

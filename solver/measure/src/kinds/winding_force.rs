@@ -4,15 +4,10 @@
 //!
 //! The mean for p = 1; the larger p, the nearer to the largest force. See [`mechanics::energy::Winding::mean_force`].
 
-use std::sync::Arc;
+use mechanics::energy::{Iterate, Owner, Winding};
+use program::unknown;
 
-use anyhow::{Result, ensure};
-use mechanics::energy::{Iterate, ParameterId, Winding};
-use program::{KeyPath, misfit, unknown};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use crate::quantity::{Equilibrium, Kind, List, Partials, Quantity, Site, Specification};
+use super::*;
 
 /// Powers above which forces of a hundredth of the largest are rounding.
 const MOST_POWER: f64 = 100.0;
@@ -74,7 +69,9 @@ struct WindingForce {
 
 impl WindingForce {
     fn on<'a>(&self, at: &Equilibrium<'a>) -> (&'a Winding, Iterate<'a>) {
-        (&at.threads[self.place], Iterate::new(at.space, at.rest, at.u, at.time))
+        let thread = at.energies.of(Winding::owner(self.place));
+        let thread = thread.expect("the scene has the thread");
+        (thread, Iterate::new(at.space, at.rest, at.u, at.time))
     }
 }
 
@@ -89,9 +86,9 @@ impl Quantity for WindingForce {
         thread.add_mean_force(&at, [self.power, weight], (&mut *out.u, &mut *out.rest));
     }
 
-    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+    fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(Owner, Vec<f64>)> {
         let (thread, at) = self.on(at);
         let by = thread.mean_force_by_parameters(&at, self.power);
-        vec![(ParameterId::Winding(self.place), by.iter().map(|by| weight * by).collect())]
+        vec![(Winding::owner(self.place), by.iter().map(|by| weight * by).collect())]
     }
 }

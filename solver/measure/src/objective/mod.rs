@@ -134,9 +134,6 @@ impl ObjectiveConfig {
 }
 
 /// Checks that the shares of some objectives leave what the weights of the others need.
-///
-/// # Errors
-/// When they do not.
 pub fn check_shares(objectives: &[ObjectiveConfig]) -> Result<()> {
     let (mut sum, mut shares, mut weighted) = (0.0, false, false);
     for objective in objectives {

@@ -36,9 +36,6 @@ pub enum TimeIntegral {
 
 impl TimeIntegral {
     /// ω_n for n = 0 … N, given the ends of the N time steps [s].
-    ///
-    /// # Errors
-    /// When a step is not there, or Simpson's rule does not fit.
     pub fn factors(&self, ends: &[f64]) -> Result<Vec<f64>, String> {
         let count = ends.len();
         let t = |n: usize| if n == 0 { 0.0 } else { ends[n - 1] };

@@ -82,9 +82,6 @@ pub type Read = (Arc<dyn Specification>, toml::Table);
 /// A quantity as it is written, without the keys of all kinds.
 pub trait Specification: Debug + Send + Sync {
     /// Checks what can be checked without a body.
-    ///
-    /// # Errors
-    /// With what was found and what is needed.
     fn check(&self) -> Result<()> {
         Ok(())
     }
@@ -97,9 +94,6 @@ pub trait Specification: Debug + Send + Sync {
         Vec::new()
     }
     /// Builds the quantity on bodies.
-    ///
-    /// # Errors
-    /// When a tag, a body or a file is missing, or does not fit.
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>>;
 }
 
@@ -133,9 +127,6 @@ impl Kind {
     }
 
     /// Reads the keys of this kind alone; `common` are those of the list, which were taken out before.
-    ///
-    /// # Errors
-    /// When one is unknown, missing or of the wrong type.
     pub fn read(&self, keys: &toml::Table, common: &[&str]) -> Result<Read, Misfit> {
         let own = (self.form.names)();
         let unknown = keys.keys().find(|name| !own.contains(&name.as_str()));
@@ -170,9 +161,6 @@ where
 }
 
 /// Refuses a length that is not positive.
-///
-/// # Errors
-/// With its key and its value.
 pub fn positive(key: &str, length: f64) -> Result<()> {
     let what = misfit!(KeyPath::of(key), " = {length} m must be positive");
     anyhow::ensure!(length.is_finite() && length > 0.0, what);

@@ -22,7 +22,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use mechanics::element::{FunctionSpace, at};
-use mechanics::energy::{ParameterId, Winding};
+use mechanics::energy::{Energies, Iterate, Owner};
+use mechanics::forward::Problem;
 
 pub use axis::Axis;
 pub use distance_field::{DistanceField, DistanceKind};
@@ -62,11 +63,27 @@ pub struct Equilibrium<'a> {
     /// Force of the supports on each node [N], in the components that they fix, three
     /// components per node; empty where no quantity needs it.
     pub reaction: &'a [f64],
-    /// The threads of the scene.
-    pub threads: &'a [Winding],
+    /// The terms of the energy, of which threads have forces.
+    pub energies: &'a Energies,
 }
 
-impl Equilibrium<'_> {
+/// Forces on the nodes at a state [N], three components per node; empty where no quantity needs them.
+#[derive(Default)]
+pub struct Forces {
+    /// Forces of contact and friction.
+    pub contact: Vec<f64>,
+    /// Forces of supports, in the components that they fix.
+    pub reaction: Vec<f64>,
+}
+
+impl<'a> Equilibrium<'a> {
+    /// A state of a problem, with the forces there.
+    pub fn new(problem: &'a Problem, at: &Iterate<'a>, forces: &'a Forces) -> Self {
+        let &Iterate { space, rest, u, time, .. } = at;
+        let Forces { contact, reaction } = forces;
+        Self { space, rest, u, time, contact, reaction, energies: &problem.energies }
+    }
+
     /// Positions of the nodes [m].
     pub fn nodes(&self, measure: Measure) -> Vec<Vec3> {
         let mut nodes = self.space.node_positions(self.rest);
@@ -105,9 +122,6 @@ impl Partials<'_> {
 /// One number q(u, X, t, f, r) of a state, with its partial derivatives.
 pub trait Quantity: Send + Sync {
     /// Whether the rest shape alone is admissible.
-    ///
-    /// # Errors
-    /// Why it is not, with numbers.
     fn admit(&self, _rest: &[Vec3]) -> Result<(), String> {
         Ok(())
     }
@@ -116,7 +130,7 @@ pub trait Quantity: Send + Sync {
     /// Adds `weight` times the partial derivatives of q, which must be finite.
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials);
     /// `weight` times the partial derivatives of q by the parameters of terms of the energy that it is made with.
-    fn by_parameters(&self, _at: &Equilibrium, _weight: f64) -> Vec<(ParameterId, Vec<f64>)> {
+    fn by_parameters(&self, _at: &Equilibrium, _weight: f64) -> Vec<(Owner, Vec<f64>)> {
         Vec::new()
     }
     /// Whether it looks at the forces of contact.

@@ -17,9 +17,6 @@ pub struct Normal(Wall);
 
 impl Normal {
     /// The normal of a tag.
-    ///
-    /// # Errors
-    /// When there is no such tag, or its normals cancel at rest.
     pub fn new(tag: &str, site: &Site) -> Result<Self> {
         let facets = site.body.facets(tag)?;
         check(&facets, &site.body.mesh.vertices).with_context(|| format!("tag \"{tag}\""))?;

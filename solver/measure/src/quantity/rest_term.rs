@@ -7,9 +7,6 @@ use super::{Equilibrium, Partials, Quantity};
 /// A quantity q(X) that no displacement or force changes.
 pub trait RestTerm: Send + Sync {
     /// Whether the rest shape is admissible.
-    ///
-    /// # Errors
-    /// Why it is not, with numbers.
     fn admit(&self, _rest: &[Vec3]) -> Result<(), String> {
         Ok(())
     }

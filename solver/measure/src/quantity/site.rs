@@ -56,17 +56,11 @@ impl Site<'_> {
     }
 
     /// The facets of each tag or body.
-    ///
-    /// # Errors
-    /// When there is no such tag or body.
     pub fn each(&self, names: &Names) -> Result<Vec<Vec<[usize; 3]>>> {
         names.all().iter().map(|name| self.boundary_or_tag(name)).collect()
     }
 
     /// The facets of all tags and bodies, each once.
-    ///
-    /// # Errors
-    /// When the list is empty, or there is no such tag or body.
     pub fn facets(&self, names: &Names) -> Result<Vec<[usize; 3]>> {
         ensure!(!names.all().is_empty(), misfit!(KeyPath::of("on"), " = []: name a tag or more"));
         let mut seen = BTreeSet::new();
@@ -76,9 +70,6 @@ impl Site<'_> {
     }
 
     /// The boundary of one body, or of all.
-    ///
-    /// # Errors
-    /// When there is no such body.
     pub fn boundary(&self, name: Option<&str>) -> Result<Vec<[usize; 3]>> {
         match name {
             Some(name) if self.bodies.len() > 1 => Ok(self.body.facets(name)?),
@@ -87,9 +78,6 @@ impl Site<'_> {
     }
 
     /// Laws and elements of one body or volume, or of all.
-    ///
-    /// # Errors
-    /// When there is no such body or volume.
     pub fn parts(&self, name: Option<&str>) -> Result<Vec<(&Specification, Range<usize>)>> {
         let is_of = |law: &&Law| name.is_none_or(|name| law.body == name || law.name == name);
         let wanted = self.laws.iter().filter(is_of);
@@ -107,9 +95,6 @@ impl Site<'_> {
     }
 
     /// The values of what is wanted, which has to be defined on all facets at all times that count.
-    ///
-    /// # Errors
-    /// With the key, the value and where it was found.
     pub fn wanted(&self, key: &str, wanted: &WrittenField, facets: &[[usize; 3]]) -> Result<Field> {
         let [x, y, z] = wanted.0.each_ref().map(|component| values(key, component));
         let wanted = Field([x?, y?, z?]);

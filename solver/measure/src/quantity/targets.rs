@@ -25,9 +25,6 @@ impl Targets {
     }
 
     /// The distance to the surface in a file.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or the surface has no inside where that is needed.
     pub fn field(&self, file: &Path, spacing: f64, kind: DistanceKind) -> Result<DistanceField> {
         let wanted = (self.folder.join(file), spacing, kind);
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,7 +1,7 @@
 //! Taylor tests of quantities at random states.
 
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{Winding, polyline};
+use mechanics::energy::{Energies, Term, Winding, polyline};
 use mechanics::math::random::Random;
 use mechanics::testing::{check_gradient, cube, flat, points};
 use mesh::Vec3;
@@ -25,7 +25,7 @@ pub struct Case {
     /// Size of the body [m].
     pub scale: f64,
     /// Two threads, each across a side of the cube; none on other bodies.
-    pub threads: Vec<Winding>,
+    pub threads: Energies,
 }
 
 impl Case {
@@ -33,7 +33,9 @@ impl Case {
     pub fn cube(degree: usize, scale: f64) -> Self {
         let mut case = Self::of(&cube(2, 0.2), degree, scale);
         let path = [[0.1, 0.2, 1.0], [0.8, 0.35, 1.0], [0.4, 0.9, 1.0]].map(Vec3::from);
-        case.threads = [path, path.map(|p| p.zyx())].map(|path| case.thread(&path)).to_vec();
+        let threads = [path, path.map(|p| p.zyx())].map(|path| case.thread(&path));
+        let place = threads.into_iter().enumerate();
+        case.threads = place.map(|(i, thread)| Term::of(Winding::owner(i), thread)).collect();
         case
     }
 
@@ -46,7 +48,7 @@ impl Case {
         let u = random.numbers(n).iter().map(|u| 0.05 * scale * u).collect();
         let facets = mesh::topology::boundary(mesh).facets;
         let [contact, reaction] = [0, 1].map(|_| random.numbers(n));
-        Self { space, rest, u, contact, reaction, facets, scale, threads: Vec::new() }
+        Self { space, rest, u, contact, reaction, facets, scale, threads: Energies::default() }
     }
 
     /// A thread through points of a unit cube, with a pretension that keeps it taut, and a stiffness that varies with
@@ -68,7 +70,7 @@ impl Case {
     /// The state.
     pub fn at(&self) -> Equilibrium<'_> {
         let Self { space, rest, u, contact, reaction, threads, .. } = self;
-        Equilibrium { space, rest, u, time: 0.7, contact, reaction, threads }
+        Equilibrium { space, rest, u, time: 0.7, contact, reaction, energies: threads }
     }
 
     /// Partial derivatives of a quantity times a weight.

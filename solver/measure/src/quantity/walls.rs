@@ -31,9 +31,6 @@ pub struct Walls {
 
 impl Walls {
     /// The walls between each two of several sets of facets.
-    ///
-    /// # Errors
-    /// [`SidesTouch`] if a vertex belongs to two sets.
     pub fn new(planes: &[Plane], parts: &[Vec<[usize; 3]>]) -> Result<Self, SidesTouch> {
         let (whole, mirrored) = Mirrored::new(planes, parts);
         let mut sides = Vec::new();

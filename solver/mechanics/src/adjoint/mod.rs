@@ -30,14 +30,14 @@
 //! Gjoka et al. 2024, section 3, who take the recursion through time from Huang et al.
 //! 2023. One factorisation per step.
 
-mod limit;
+mod scaled_pressure;
 
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
 use crate::energy::{
-    Constraint, Iterate, Kind, ParameterGradients, ParameterId, PastCotangent, Term, TimeStep,
+    Constraint, Contact, Friction, Iterate, ParameterGradients, PastCotangent, Term, TimeStep,
 };
 use crate::forward::{
     Event, Formula, Linearization, Linearizations, Problem, State, Trajectory, Workspace,
@@ -45,7 +45,7 @@ use crate::forward::{
 };
 use crate::math::linear::{dot, norm};
 
-pub use limit::Grown;
+pub use scaled_pressure::ScaledPressure;
 
 /// Relative residual of the adjoint system that is too large.
 const TOLERANCE: f64 = 1e-9;
@@ -102,9 +102,6 @@ pub struct Gradient {
 /// Sweeps back through a run on a rest shape. `partials` adds the objective's at
 /// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one
 /// factorisation.
-///
-/// # Errors
-/// [`NoGradient`] when H has no accurate inverse at some step, or the watch breaks off.
 pub fn sweep(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -127,9 +124,6 @@ pub enum Wanted {
 }
 
 /// [`sweep`], for what is wanted of it.
-///
-/// # Errors
-/// As [`sweep`].
 pub fn sweep_for(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -143,7 +137,7 @@ pub fn sweep_for(
     let mut parameters = ParameterGradients::new(steps);
     let mut states: Vec<Option<State>> = vec![None; steps + 1];
     for n in (1..=steps).rev() {
-        if workspace.tell(&Event::Adjoint { step: n }).is_break() {
+        if workspace.notify(&Event::Adjoint { step: n }).is_break() {
             return Err(NoGradient::Interrupted);
         }
         let State { u, v, a, internal } = states[n].take().unwrap_or_else(|| zeros(len));
@@ -183,13 +177,10 @@ pub fn along(
 ) -> (Vec<f64>, ParameterGradients) {
     let (mut rest_bar, mut parameters) = (vec![0.0; 3 * at.rest.len()], ParameterGradients::new(1));
     for term in problem.energies.terms() {
-        let kind = term.kind;
         term.add_mixed_vjp(at, lambda, &mut rest_bar);
         let mut by = term.parameter_vjp(at, lambda);
-        if let Kind::Chamber(id) = kind {
-            by.extend(problem.energies.chamber(id).constraint_vjp(at, mu, &mut rest_bar));
-        }
-        add_parameters(problem, kind, 0, by, &mut parameters);
+        by.extend(term.energy.constraint_vjp(at, mu, &mut rest_bar));
+        add_parameters(term, 0, by, &mut parameters);
     }
     (rest_bar, parameters)
 }
@@ -305,11 +296,12 @@ impl Moment<'_> {
         let by_contact = &self.partials.by_contact;
         let in_contact: Vec<f64> = lambda.iter().zip(by_contact).map(|(l, f)| l - f).collect();
         for term in problem.energies.terms() {
-            let Term { kind, energy } = term;
-            let own = if kind.is_contact() { &in_contact } else { lambda };
+            let energy = &term.energy;
+            let is_contact = term.nature().is_contact();
+            let own = if is_contact { &in_contact } else { lambda };
             energy.add_past_vjp(at, own, &mut past);
             // the forces that an objective depends on are those at the end, whatever those of the step are
-            let splits = kind.is_contact() && term.points(at).len() > 1;
+            let splits = is_contact && term.points(at).len() > 1;
             let own = if splits { lambda } else { own };
             if self.wanted != Wanted::Numbers {
                 term.add_mixed_vjp(at, own, rest_bar);
@@ -328,19 +320,17 @@ impl Moment<'_> {
                     by.iter_mut().zip(at_end).for_each(|(by, end)| *by += end);
                 }
             }
-            if let Kind::Chamber(id) = kind {
-                by.extend(problem.energies.chamber(id).constraint_vjp(at, mu, rest_bar));
-            }
+            by.extend(energy.constraint_vjp(at, mu, rest_bar));
             if self.wanted != Wanted::Shape {
-                add_parameters(problem, kind, step, by, parameters);
+                add_parameters(term, step, by, parameters);
             }
         }
-        if let (Some(contact), true) =
-            (&problem.energies.contact, problem.energies.friction.is_some())
-        {
+        let energies = &problem.energies;
+        let friction = energies.each::<Friction>().next();
+        if let (Some(contact), Some(_)) = (energies.contact(), friction) {
             let lagged = &self.step.lagged_contacts;
             let by = contact.lagged_stiffness_vjp(lagged, &past.lagged_contacts);
-            parameters.add(step, ParameterId::ContactStiffness, vec![by]);
+            parameters.add(step, Contact::OWNER, vec![by]);
         }
         if let Some(by_start) = workspace.start_hessian_times(problem, at, lambda) {
             past.start.iter_mut().zip(by_start).for_each(|(p, by)| *p += by);
@@ -368,35 +358,21 @@ fn internal_vjp(
     if cotangents.is_empty() {
         return past;
     }
-    for Term { kind, energy } in problem.energies.terms() {
-        let Some(variables) = energy.internal_variables() else { continue };
+    for term in problem.energies.terms() {
+        let Some(variables) = term.energy.internal_variables() else { continue };
         let by = variables.add_vjp(at, cotangents, by_u, rest_bar);
         past.extend(by.past);
-        add_parameters(problem, kind, step, by.parameters, parameters);
+        add_parameters(term, step, by.parameters, parameters);
     }
     past
 }
 
-/// Adds the derivatives by the numbers that a term is made with; overstress and softening have those of
-/// the law of their body, then their own.
-fn add_parameters(
-    problem: &Problem,
-    kind: Kind,
-    step: usize,
-    mut by: Vec<f64>,
-    parameters: &mut ParameterGradients,
-) {
-    let own = match kind {
-        Kind::Viscous(body) => Some((body, ParameterId::Relaxation(body))),
-        Kind::Mullins(body) => Some((body, ParameterId::Mullins(body))),
-        _ => None,
-    };
-    if let Some((body, id)) = own {
-        let law = problem.energies.bodies[body].elastic.material.parameter_count();
-        parameters.add(step, id, by.split_off(law));
-    }
-    if let Some(id) = kind.parameter() {
-        parameters.add(step, id, by);
+/// Adds the derivatives by the numbers that a term is made with, owner by owner.
+fn add_parameters(term: &Term, step: usize, mut by: Vec<f64>, parameters: &mut ParameterGradients) {
+    for &(owner, count) in &term.owners {
+        let rest = by.split_off(count.min(by.len()));
+        parameters.add(step, owner, by);
+        by = rest;
     }
 }
 
@@ -410,7 +386,7 @@ fn add_where_any(to: &mut Vec<f64>, by: &[f64], factor: f64) {
 
 /// H⁻¹ of a vector over the free degrees of freedom, by the last factorisation.
 fn solve(workspace: &mut Workspace, mut x: Vec<f64>) -> Result<Vec<f64>, NoGradient> {
-    let reached = workspace.solve_sharply(&mut x, SOUGHT, TOLERANCE);
+    let reached = workspace.solve_accurately(&mut x, SOUGHT, TOLERANCE);
     let residual = reached.unwrap_or(f64::INFINITY);
     if residual.is_nan() || residual > TOLERANCE {
         return Err(NoGradient::Singular { residual });
@@ -488,7 +464,7 @@ fn past_vjp(
     let last = run.state(n - 1);
     let before = problem.iterate(rest, &last.u, run.times[n - 1]);
     let state = states[n - 1].get_or_insert_with(|| zeros(len));
-    if let Some(contact) = &problem.energies.contact {
+    if let Some(contact) = problem.energies.contact() {
         contact.add_lagged_contacts_vjp(&before, &past.lagged_contacts, &mut state.u, rest_bar);
     }
 }

@@ -22,9 +22,6 @@ pub struct Intersection {
 /// That the surface of `triangles` at finite vertex positions `x` [m], open or
 /// closed, nowhere touches or runs through itself. Vertices are shared by index.
 /// Pairs of triangles none of whose corners is `movable` are skipped.
-///
-/// # Errors
-/// [`Intersection`] with the first pair that does.
 pub fn certify(
     triangles: &[[usize; 3]],
     x: &[Vec3],

@@ -104,9 +104,6 @@ impl Potential {
 
     /// Candidate pairs: all that come closer than `radius` [m] while collision vertices
     /// move from `x0` to `x1` [m], and some that do not.
-    ///
-    /// # Errors
-    /// [`TooMany`] where there are more than memory is meant for.
     pub fn candidates(&self, x0: &[Vec3], x1: &[Vec3], radius: f64) -> Result<Vec<Pair>, TooMany> {
         let indifferent = |corners: [usize; 4]| match self.partners {
             Partners::All | Partners::ThroughAir => self.surface.immovable(&corners),

@@ -12,7 +12,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use mesh::measure::{tet_volume, tet_volume_gradient};
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, Nature, Owner};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::linear::dot;
 use crate::math::sparse::BlockMatrix;
@@ -54,6 +54,12 @@ impl Point<'_> {
 }
 
 impl BodyForce {
+    /// Who owns the density of a body in its weight, then the components of what is added to gravity; by its place among
+    /// all.
+    pub const fn weight_owner(place: usize) -> Owner {
+        Owner::new("weight", place)
+    }
+
     /// A force per volume on all elements [N/m³].
     pub fn whole(force: Field) -> Self {
         Self { force, factor: 1.0, elements: None }
@@ -100,6 +106,10 @@ impl BodyForce {
 impl Energy for BodyForce {
     fn name(&self) -> &'static str {
         "body_force"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::DeadLoad
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

@@ -18,8 +18,8 @@ use mesh::Vec3;
 use super::gas_law::{GasLaw, Moment, Past, Potential};
 use super::wall::{Wall, positions, rest_positions};
 use super::{
-    Constraint, Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent,
-    RankOne,
+    Constraint, Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature,
+    PastCotangent, RankOne, chord,
 };
 use crate::element::FunctionSpace;
 use crate::math::linear::dot;
@@ -28,6 +28,8 @@ use crate::math::sparse::BlockMatrix;
 /// A chamber with gas.
 #[derive(Clone)]
 pub struct Chamber {
+    /// What users call it.
+    pub name: String,
     /// The wall.
     pub wall: Wall,
     /// The gas.
@@ -39,6 +41,11 @@ pub struct Chamber {
 }
 
 impl Chamber {
+    /// A chamber without a name, whose gas has no multiplier and no memory.
+    pub fn new(wall: Wall, gas: Box<dyn GasLaw>) -> Self {
+        Self { name: String::new(), wall, gas, multiplier: None, memory: None }
+    }
+
     /// Volume [m³] and gas at an iterate.
     pub fn state(&self, iterate: &Iterate) -> (f64, Potential) {
         self.state_at(iterate, positions(iterate))
@@ -96,22 +103,20 @@ impl Chamber {
         self.wall.add_volume_gradient(iterate.space, positions(iterate), factor, out);
         self.wall.add_volume_gradient(iterate.space, rest_positions(iterate), -factor, out);
     }
-
-    /// Adds μ_i ∂(V − V*)/∂X of the volume i that it prescribes, three components per
-    /// vertex; the result is μ_i ∂(V − V*)/∂p for the number that prescribes it.
-    pub fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
-        let mu = mu[self.multiplier?];
-        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.time)?;
-        self.wall.add_volume_gradient(iterate.space, positions(iterate), mu, out);
-        let rest = rest_positions(iterate);
-        self.wall.add_volume_gradient(iterate.space, rest, -mu * wanted.by_rest, out);
-        Some(-mu * wanted.by_parameter)
-    }
 }
 
 impl Energy for Chamber {
     fn name(&self) -> &'static str {
         "chamber"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Gas
+    }
+
+    fn chord_points(&self, at: &Iterate) -> &'static [chord::Point] {
+        let prescribed = self.memory.is_some() || self.constraint(at).is_some();
+        if prescribed { chord::END } else { chord::MEAN }
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
@@ -152,6 +157,15 @@ impl Energy for Chamber {
         let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.time)?.volume;
         let volume = self.wall.volume(iterate.space, positions(iterate));
         Some(Constraint { multiplier, volume, wanted, gradient: self.volume_gradient(iterate) })
+    }
+
+    fn constraint_vjp(&self, iterate: &Iterate, mu: &[f64], out: &mut [f64]) -> Option<f64> {
+        let mu = mu[self.multiplier?];
+        let wanted = self.gas.wanted(self.rest_volume(iterate), iterate.time)?;
+        self.wall.add_volume_gradient(iterate.space, positions(iterate), mu, out);
+        let rest = rest_positions(iterate);
+        self.wall.add_volume_gradient(iterate.space, rest, -mu * wanted.by_rest, out);
+        Some(-mu * wanted.by_parameter)
     }
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {

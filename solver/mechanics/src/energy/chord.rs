@@ -21,7 +21,7 @@
 //! doi:10.1088/1751-8113/41/4/045206; Simo and Tarnow 1992, "The discrete energy-momentum method",
 //! doi:10.1007/BF00913408.
 
-use super::{Energies, Iterate, Kind, RankOne, Term};
+use super::{Iterate, RankOne, Term};
 
 /// The chord of a time step.
 #[derive(Clone, Debug, Default)]
@@ -38,13 +38,13 @@ pub struct Chord {
 pub type Point = [f64; 2];
 
 /// The end alone.
-const END: &[Point] = &[[1.0, 1.0]];
+pub(super) const END: &[Point] = &[[1.0, 1.0]];
 /// The middle alone.
-const MIDDLE: &[Point] = &[[0.5, 1.0]];
+pub(super) const MIDDLE: &[Point] = &[[0.5, 1.0]];
 /// √5.
 const ROOT: f64 = 2.236_067_977_499_79;
 /// The points of Lobatto.
-const MEAN: &[Point] = &[
+pub(super) const MEAN: &[Point] = &[
     [0.0, 1.0 / 12.0],
     [(5.0 - ROOT) / 10.0, 5.0 / 12.0],
     [(5.0 + ROOT) / 10.0, 5.0 / 12.0],
@@ -61,31 +61,15 @@ impl Chord {
     }
 }
 
-impl Energies {
-    /// Whether a part is kept rigid while it turns.
-    pub fn turns(&self) -> bool {
-        self.rigid.iter().any(|part| part.stiffness.is_some())
-    }
-}
-
 /// What a term contributes to the equations of the step that leads to an iterate: at the iterate, or, where the step
 /// has a chord, along that.
-impl<'e> Term<'e> {
+impl Term {
     /// The points at which it counts.
     pub fn points(&self, at: &Iterate) -> &'static [Point] {
         if at.step.is_none_or(|step| step.chord.is_none()) {
             return END;
         }
-        match self.kind {
-            Kind::Rigid(_) => MIDDLE,
-            Kind::Mullins(_) | Kind::Other => END,
-            Kind::Chamber(_) => {
-                let remembers = self.energy.internal_variables().is_some();
-                if remembers || self.energy.constraint(at).is_some() { END } else { MEAN }
-            }
-            kind if kind.is_stored() => MEAN,
-            _ => END,
-        }
+        self.energy.chord_points(at)
     }
 
     /// Calls `each` with the energy's iterate at each of the points, with s and its part.

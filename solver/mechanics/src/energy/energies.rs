@@ -1,86 +1,73 @@
-//! The owner of the terms of the potential energy.
+//! The terms of the potential energy, in a list.
 //!
-//! Every kind of term has its own field, and is found there by its type. Sums over
-//! all terms go through [`Energies::terms`], always in the same order, so that they
-//! round in the same way.
+//! Sums over all terms go through [`Energies::terms`], always in the order in which they were added, so that they round
+//! in the same way. What a term is to balances and to the adjoint method it says itself ([`Energy::nature`],
+//! [`Energy::constraint_vjp`]); the list only knows whose numbers it is made with. A term is found by its type.
 
+use std::any::Any;
 use std::sync::Arc;
 
-use super::{
-    BodyForce, Chamber, Contact, Elastic, Energy, Fibres, Friction, GasLaw, Held, Inertia, Iterate,
-    Membrane, Mullins, Rigid, RigidLoad, RigidMass, RigidMoment, Springs, Traction, Viscous,
-    Winding,
-};
+use super::owner::Owner;
+use super::{Chamber, Contact, Elastic, Energy, GasLaw, Held, Inertia, Iterate, Nature, Rigid};
 use crate::element::FunctionSpace;
 use crate::material::Material;
 use crate::schedule::Schedule;
 
-/// The terms of the potential energy of some bodies. A copy shares the large terms.
+/// One term of the energy, with whose numbers it is made with.
+#[derive(Clone)]
+pub struct Term {
+    /// Value and derivatives.
+    pub energy: Arc<dyn Energy>,
+    /// The owners of its numbers with how many each has, in the order of [`Energy::parameter_vjp`]; the last one has
+    /// the rest.
+    pub owners: Vec<(Owner, usize)>,
+}
+
+impl Term {
+    /// A term whose numbers nobody asks for.
+    pub fn new(energy: impl Energy) -> Self {
+        Self { energy: Arc::new(energy), owners: Vec::new() }
+    }
+
+    /// A term with numbers of one owner.
+    pub fn of(owner: Owner, energy: impl Energy) -> Self {
+        Self { energy: Arc::new(energy), owners: vec![(owner, usize::MAX)] }
+    }
+
+    /// A term with some numbers of a first owner, and the rest of a second one.
+    pub fn of_both(first: (Owner, usize), second: Owner, energy: impl Energy) -> Self {
+        Self { energy: Arc::new(energy), owners: vec![first, (second, usize::MAX)] }
+    }
+
+    /// What it is.
+    pub fn nature(&self) -> Nature {
+        self.energy.nature()
+    }
+
+    /// It as what it is, where it is that.
+    pub fn downcast<T: Energy>(&self) -> Option<&T> {
+        (&*self.energy as &dyn Any).downcast_ref()
+    }
+
+    /// This term with its loads as they are at a time, but for the pressures of chambers. Nobody asks for the numbers
+    /// of loads that do not pass.
+    fn held(&self, time: f64) -> Self {
+        if let Some(energy) = self.energy.held(time) {
+            return Self { energy, owners: self.owners.clone() };
+        }
+        match self.nature() {
+            Nature::DeadLoad | Nature::Other => {
+                Self::new(Held { energy: Arc::clone(&self.energy), time })
+            }
+            _ => self.clone(),
+        }
+    }
+}
+
+/// The terms of the potential energy of some bodies. A copy shares them.
 #[derive(Clone, Default)]
 pub struct Energies {
-    /// Terms of each body.
-    pub bodies: Vec<BodyEnergies>,
-    /// Thin sheets on facets.
-    pub membranes: Vec<Membrane>,
-    /// Families of fibres in volumes.
-    pub fibres: Vec<Fibres>,
-    /// Threads on facets.
-    pub windings: Vec<Winding>,
-    /// Chambers with gas.
-    chambers: Vec<NamedChamber>,
-    /// Barrier between surfaces.
-    pub contact: Option<Arc<Contact>>,
-    /// Friction between surfaces.
-    pub friction: Option<Friction>,
-    /// Forces per volume on all bodies, beside their weight.
-    pub body_forces: Vec<BodyForce>,
-    /// Forces per area.
-    pub tractions: Vec<Traction>,
-    /// Terms of each rigid part.
-    pub rigid: Vec<RigidEnergies>,
-    /// What pulls supports while they are released.
-    pub springs: Option<Springs>,
-    /// Terms that no scene has, such as manufactured forces.
-    pub others: Vec<Arc<dyn Energy>>,
-}
-
-/// The terms of one body.
-#[derive(Clone)]
-pub struct BodyEnergies {
-    /// Elastic energy.
-    pub elastic: Elastic,
-    /// What its stress is more than elastic, if it is viscoelastic.
-    pub viscous: Option<Viscous>,
-    /// What a first stretch takes from its stress, if it is softened by one.
-    pub mullins: Option<Mullins>,
-    /// Energy in the field of gravity, if there is one.
-    pub weight: Option<BodyForce>,
-    /// Inertia, or the tiny mass of a body that is loose.
-    pub inertia: Option<Inertia>,
-}
-
-/// The terms of one rigid part.
-#[derive(Clone)]
-pub struct RigidEnergies {
-    /// What the user calls it.
-    pub name: String,
-    /// What keeps it rigid; none where it cannot turn.
-    pub stiffness: Option<Rigid>,
-    /// Inertia of its mass, where bodies have inertia.
-    pub mass: Option<RigidMass>,
-    /// Force on it, with its weight.
-    pub load: RigidLoad,
-    /// Moment on it, if there is any.
-    pub moment: Option<RigidMoment>,
-}
-
-/// A chamber by its name.
-#[derive(Clone)]
-pub struct NamedChamber {
-    /// What the user calls it.
-    pub name: String,
-    /// The wall and gas.
-    pub chamber: Chamber,
+    terms: Vec<Term>,
 }
 
 /// One of the chambers of some [`Energies`].
@@ -92,287 +79,136 @@ impl ChamberId {
     pub fn of(place: usize) -> Self {
         Self(place)
     }
-}
 
-/// Which term of the energy one is; bodies by their index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Elastic energy of a body.
-    Elastic(usize),
-    /// Overstress of a body.
-    Viscous(usize),
-    /// Softening of a body.
-    Mullins(usize),
-    /// Weight of a body.
-    Weight(usize),
-    /// Elastic energy of a sheet, by its index.
-    Membrane(usize),
-    /// Energy of a family of fibres, by its index.
-    Fibre(usize),
-    /// Energy of a thread, by its index.
-    Winding(usize),
-    /// Inertia of a body.
-    Inertia(usize),
-    /// Tiny mass of a loose body.
-    TinyMass(usize),
-    /// Gas in a chamber.
-    Chamber(ChamberId),
-    /// Barrier between surfaces.
-    Contact,
-    /// Friction between surfaces.
-    Friction,
-    /// Force per volume on all bodies.
-    BodyForce,
-    /// Force per area, by its index.
-    Traction(usize),
-    /// What keeps a part rigid, by its index.
-    Rigid(usize),
-    /// Inertia of a rigid part.
-    RigidMass(usize),
-    /// Force on a rigid part, with its weight.
-    RigidLoad(usize),
-    /// Moment on a rigid part.
-    RigidMoment(usize),
-    /// Springs of released supports.
-    Springs,
-    /// None of these.
-    Other,
-}
-
-/// Numbers that terms are made with, by which there are derivatives; bodies by their
-/// index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ParameterId {
-    /// Parameters of the law of a body.
-    Material(usize),
-    /// Overstress and time of each branch of a body.
-    Relaxation(usize),
-    /// r, m and β of the softening of a body.
-    Mullins(usize),
-    /// Thickness of a sheet, then the parameters of its law, then the angle [rad] of its axes, if it has some.
-    Membrane(usize),
-    /// k₁, k₂, dispersion and angle [rad] of a family of fibres.
-    Fibre(usize),
-    /// Stiffness EA [N] and pretension [N] of a thread; what the pitch of its helix is made of, and its phase [rad].
-    Winding(usize),
-    /// Density of a body in its weight, then the three components of what is added to gravity.
-    Weight(usize),
-    /// Density of a body in its inertia, or in its tiny mass.
-    Density(usize),
-    /// The three components of what is added to a traction.
-    Traction(usize),
-    /// Mass of a rigid part in its inertia.
-    RigidMass(usize),
-    /// Mass of a rigid part in its weight, then the three components of what is added to the force on it, and to
-    /// gravity.
-    RigidLoad(usize),
-    /// The three components of what is added to the moment on a rigid part.
-    RigidMoment(usize),
-    /// Coefficient of friction.
-    Friction,
-    /// Stiffness of the barrier, in its own forces and in those of friction.
-    ContactStiffness,
-    /// What a chamber is prescribed by: pressure, fill, change or factor of the volume, injected volume or supply.
-    Chamber(ChamberId),
-}
-
-/// One term of the energy.
-#[derive(Clone, Copy)]
-pub struct Term<'a> {
-    /// Which one.
-    pub kind: Kind,
-    /// Value and derivatives.
-    pub energy: &'a dyn Energy,
-}
-
-impl Kind {
-    /// Whether its forces count as those of contact.
-    pub fn is_contact(self) -> bool {
-        matches!(self, Self::Contact | Self::Friction)
-    }
-
-    /// Whether its forces are internal ones: they depend on differences of the displacement
-    /// and have no resultant.
-    pub fn is_elastic(self) -> bool {
-        let reinforces = matches!(self, Self::Membrane(_) | Self::Fibre(_) | Self::Winding(_));
-        let of_body = matches!(self, Self::Elastic(_) | Self::Viscous(_) | Self::Mullins(_));
-        reinforces || of_body || matches!(self, Self::Rigid(_))
-    }
-
-    /// Whether its forces are given and do not depend on the displacement.
-    pub fn is_dead_load(self) -> bool {
-        matches!(self, Self::Weight(_) | Self::BodyForce | Self::Traction(_) | Self::RigidLoad(_))
-    }
-
-    /// Whether energy is stored in it: what inertia, viscosity and friction add to the potential of
-    /// a time step is not. Elastic energy and softening together are the work done on a body, of which the part that
-    /// is lost cannot be had back.
-    pub fn is_stored(self) -> bool {
-        !matches!(
-            self,
-            Self::Viscous(_)
-                | Self::Inertia(_)
-                | Self::TinyMass(_)
-                | Self::RigidMass(_)
-                | Self::Friction
-        )
-    }
-
-    /// The numbers that it is made with.
-    pub fn parameter(self) -> Option<ParameterId> {
-        match self {
-            Self::Elastic(body) | Self::Viscous(body) | Self::Mullins(body) => {
-                Some(ParameterId::Material(body))
-            }
-            Self::Membrane(sheet) => Some(ParameterId::Membrane(sheet)),
-            Self::Fibre(family) => Some(ParameterId::Fibre(family)),
-            Self::Winding(thread) => Some(ParameterId::Winding(thread)),
-            Self::Weight(body) => Some(ParameterId::Weight(body)),
-            Self::Inertia(body) | Self::TinyMass(body) => Some(ParameterId::Density(body)),
-            Self::Traction(load) => Some(ParameterId::Traction(load)),
-            Self::Chamber(chamber) => Some(ParameterId::Chamber(chamber)),
-            Self::RigidMass(part) => Some(ParameterId::RigidMass(part)),
-            Self::RigidLoad(part) => Some(ParameterId::RigidLoad(part)),
-            Self::RigidMoment(part) => Some(ParameterId::RigidMoment(part)),
-            Self::Contact => Some(ParameterId::ContactStiffness),
-            Self::Friction => Some(ParameterId::Friction),
-            _ => None,
-        }
+    /// Who owns what its chamber is prescribed by.
+    pub fn owner(self) -> Owner {
+        Owner::new("chamber", self.0)
     }
 }
 
-impl BodyEnergies {
-    /// Without weight and inertia.
-    pub fn new(elastic: Elastic) -> Self {
-        Self { elastic, viscous: None, mullins: None, weight: None, inertia: None }
+impl FromIterator<Term> for Energies {
+    fn from_iter<I: IntoIterator<Item = Term>>(terms: I) -> Self {
+        Self { terms: terms.into_iter().collect() }
     }
 }
 
 impl Energies {
     /// One body of all elements with one law.
     pub fn elastic(material: Box<dyn Material>) -> Self {
-        Self::bodies(vec![BodyEnergies::new(Elastic::whole(material))])
+        Self::bodies([Elastic::whole(material)])
     }
 
-    /// Some bodies.
-    pub fn bodies(bodies: Vec<BodyEnergies>) -> Self {
-        Self { bodies, ..Self::default() }
+    /// The elastic energies of some bodies.
+    pub fn bodies(bodies: impl IntoIterator<Item = Elastic>) -> Self {
+        let place = bodies.into_iter().enumerate();
+        place.map(|(place, elastic)| Term::of(Elastic::owner(place), elastic)).collect()
     }
 
-    /// These energies with another chamber.
-    pub fn with_chamber(mut self, name: impl Into<String>, chamber: Chamber) -> Self {
-        self.chambers.push(NamedChamber { name: name.into(), chamber });
+    /// These energies with another term.
+    pub fn with_term(mut self, term: Term) -> Self {
+        self.terms.push(term);
         self
     }
 
-    /// These energies with a term that no scene has.
-    pub fn with(mut self, term: impl Energy + 'static) -> Self {
-        self.others.push(Arc::new(term));
-        self
+    /// These energies with another term whose numbers nobody asks for.
+    pub fn with(self, energy: impl Energy) -> Self {
+        self.with_term(Term::new(energy))
     }
 
-    /// All terms: elastic energy, overstress, softening and weight of each body, sheets, fibres, threads, inertia of each,
-    /// chambers, contact, friction, body forces, tractions, rigid parts, springs, others.
-    pub fn terms(&self) -> impl Iterator<Item = Term<'_>> {
-        fn term(kind: Kind, energy: &dyn Energy) -> Term<'_> {
-            Term { kind, energy }
+    /// These energies with another chamber, called by a name.
+    pub fn with_chamber(self, name: impl Into<String>, chamber: Chamber) -> Self {
+        let owner = ChamberId(self.chambers().count()).owner();
+        self.with_term(Term::of(owner, Chamber { name: name.into(), ..chamber }))
+    }
+
+    /// Adds terms behind those that are there.
+    pub fn extend(&mut self, terms: impl IntoIterator<Item = Term>) {
+        self.terms.extend(terms);
+    }
+
+    /// All terms, in the order in which they were added.
+    pub fn terms(&self) -> impl Iterator<Item = &Term> {
+        self.terms.iter()
+    }
+
+    /// All terms of a type, in their order.
+    pub fn each<T: Energy>(&self) -> impl Iterator<Item = &T> {
+        self.terms.iter().filter_map(Term::downcast)
+    }
+
+    /// The term of a type with numbers of an owner.
+    pub fn of<T: Energy>(&self, owner: Owner) -> Option<&T> {
+        let owns = |term: &&Term| term.owners.iter().any(|(own, _)| *own == owner);
+        self.terms.iter().filter(owns).find_map(Term::downcast)
+    }
+
+    /// Puts a changed one in the place of each term of a type, which is given with the place of its owner.
+    pub fn change<T: Energy>(&mut self, mut change: impl FnMut(usize, &T) -> T) {
+        for term in &mut self.terms {
+            let place = term.owners.first().map_or(0, |(owner, _)| owner.place());
+            if let Some(changed) = term.downcast::<T>().map(|own| change(place, own)) {
+                term.energy = Arc::new(changed);
+            }
         }
-        let statics = self.bodies.iter().enumerate().flat_map(|(i, body)| {
-            let weight = body.weight.as_ref().map(|weight| term(Kind::Weight(i), weight));
-            let viscous = body.viscous.as_ref().map(|viscous| term(Kind::Viscous(i), viscous));
-            let mullins = body.mullins.as_ref().map(|mullins| term(Kind::Mullins(i), mullins));
-            let elastic = [term(Kind::Elastic(i), &body.elastic)].into_iter();
-            elastic.chain(viscous).chain(mullins).chain(weight)
-        });
-        let sheets = self.membranes.iter().enumerate();
-        let sheets = sheets.map(|(i, sheet)| term(Kind::Membrane(i), sheet));
-        let fibres = self.fibres.iter().enumerate();
-        let fibres = fibres.map(|(i, family)| term(Kind::Fibre(i), family));
-        let threads = self.windings.iter().enumerate();
-        let threads = threads.map(|(i, thread)| term(Kind::Winding(i), thread));
-        let inertia = self.bodies.iter().enumerate().filter_map(|(i, body)| {
-            let inertia = body.inertia.as_ref()?;
-            let kind = if inertia.is_tiny() { Kind::TinyMass(i) } else { Kind::Inertia(i) };
-            Some(term(kind, inertia))
-        });
-        let chambers = self.chambers().map(|(id, named)| term(Kind::Chamber(id), &named.chamber));
-        let contact = self.contact.as_deref().map(|contact| term(Kind::Contact, contact));
-        let friction = self.friction.as_ref().map(|friction| term(Kind::Friction, friction));
-        let forces = self.body_forces.iter().map(|force| term(Kind::BodyForce, force));
-        let tractions = self.tractions.iter().enumerate();
-        let tractions = tractions.map(|(i, traction)| term(Kind::Traction(i), traction));
-        let rigid = self.rigid.iter().enumerate().flat_map(|(i, part)| {
-            let stiffness = part.stiffness.as_ref().map(|own| term(Kind::Rigid(i), own));
-            let mass = part.mass.as_ref().map(|own| term(Kind::RigidMass(i), own));
-            let moment = part.moment.as_ref().map(|own| term(Kind::RigidMoment(i), own));
-            let load = term(Kind::RigidLoad(i), &part.load);
-            stiffness.into_iter().chain(mass).chain([load]).chain(moment)
-        });
-        let springs = self.springs.as_ref().map(|springs| term(Kind::Springs, springs));
-        let others = self.others.iter().map(|other| term(Kind::Other, &**other));
-        let loads = forces.chain(tractions).chain(rigid).chain(springs).chain(others);
-        let statics = statics.chain(sheets).chain(fibres).chain(threads);
-        statics.chain(inertia).chain(chambers).chain(contact).chain(friction).chain(loads)
     }
 
-    /// The terms without their kinds.
+    /// The terms without their owners.
     pub fn iter(&self) -> impl Iterator<Item = &dyn Energy> {
-        self.terms().map(|term| term.energy)
+        self.terms.iter().map(|term| &*term.energy)
+    }
+
+    /// Barrier between surfaces.
+    pub fn contact(&self) -> Option<&Contact> {
+        self.each().next()
     }
 
     /// The terms whose forces count as those of contact.
     pub fn contact_terms(&self) -> impl Iterator<Item = &dyn Energy> {
-        self.terms().filter(|term| term.kind.is_contact()).map(|term| term.energy)
+        self.iter().filter(|energy| energy.nature().is_contact())
     }
 
     /// All chambers.
-    pub fn chambers(&self) -> impl Iterator<Item = (ChamberId, &NamedChamber)> {
-        self.chambers.iter().enumerate().map(|(i, named)| (ChamberId(i), named))
+    pub fn chambers(&self) -> impl Iterator<Item = (ChamberId, &Chamber)> {
+        self.each::<Chamber>().enumerate().map(|(i, chamber)| (ChamberId(i), chamber))
     }
 
     /// One chamber.
     pub fn chamber(&self, id: ChamberId) -> &Chamber {
-        &self.chambers[id.0].chamber
+        self.each::<Chamber>().nth(id.0).expect("the id is that of a chamber")
     }
 
     /// Gives a chamber another gas law.
     pub fn set_gas_law(&mut self, id: ChamberId, gas: Box<dyn GasLaw>) {
-        self.chambers[id.0].chamber.gas = gas;
+        self.change(|place, chamber: &Chamber| {
+            let gas = if place == id.0 { gas.clone() } else { chamber.gas.clone() };
+            Chamber { gas, ..chamber.clone() }
+        });
     }
 
     /// Energies whose loads are held as they are at a time, except the pressures of some chambers, which grow
-    /// in proportion to the time from there. Loads that no derivative by numbers asks for become terms without a kind.
-    pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
-        let mut held = self.clone();
-        let mut loads: Vec<Arc<dyn Energy>> = Vec::new();
-        for body in &mut held.bodies {
-            loads.extend(body.weight.take().map(|weight| Arc::new(weight) as Arc<dyn Energy>));
-        }
-        let forces = std::mem::take(&mut held.body_forces).into_iter();
-        loads.extend(forces.map(|force| Arc::new(force) as Arc<dyn Energy>));
-        let tractions = std::mem::take(&mut held.tractions).into_iter();
-        loads.extend(tractions.map(|traction| Arc::new(traction) as Arc<dyn Energy>));
-        loads.append(&mut held.others);
-        for part in &mut held.rigid {
-            part.load = part.load.held(time);
-            part.moment = part.moment.as_ref().map(|moment| moment.held(time));
-        }
-        held.others =
-            loads.into_iter().map(|energy| Arc::new(Held { energy, time }) as _).collect();
-        for (place, named) in held.chambers.iter_mut().enumerate() {
-            let gas = &mut named.chamber.gas;
-            let grows = gas.pressure().is_some() && grow.contains(&ChamberId(place));
+    /// in proportion to the time from there.
+    pub fn with_scaled_pressures(&self, time: f64, scaled: &[ChamberId]) -> Self {
+        let mut held: Self = self.terms.iter().map(|term| term.held(time)).collect();
+        held.change(|place, chamber: &Chamber| {
+            let mut gas = chamber.gas.clone();
+            let grows = gas.pressure().is_some() && scaled.contains(&ChamberId(place));
             let value = gas.schedule().at(time);
             let then =
                 if grows { Schedule::proportional(value, time) } else { Schedule::held(value) };
             *gas.schedule_mut() = then;
-        }
+            Chamber { gas, ..chamber.clone() }
+        });
         held
     }
 
     /// Inertia of all bodies, without tiny masses.
     pub fn inertia(&self) -> impl Iterator<Item = &Inertia> {
-        self.bodies.iter().filter_map(|body| body.inertia.as_ref()).filter(|i| !i.is_tiny())
+        self.each::<Inertia>().filter(|inertia| !inertia.is_tiny())
+    }
+
+    /// Whether a part is kept rigid while it turns.
+    pub fn turns(&self) -> bool {
+        self.each::<Rigid>().next().is_some()
     }
 
     /// The internal variables of all terms at the end of a step, one term after the other; empty where
@@ -394,60 +230,4 @@ impl Energies {
         pull.iter_mut().for_each(|p| *p = -*p);
         pull
     }
-}
-
-/// λᵀ ∂²E/∂u∂p for the numbers p that the terms are made with, in each time step.
-#[derive(Clone, Debug, Default)]
-pub struct ParameterGradients {
-    /// Gradients of each time step, of each term that has parameters.
-    steps: Vec<Vec<(ParameterId, Vec<f64>)>>,
-}
-
-impl ParameterGradients {
-    /// None yet, for some time steps.
-    pub fn new(steps: usize) -> Self {
-        Self { steps: vec![Vec::new(); steps] }
-    }
-
-    /// Number of time steps.
-    pub fn steps(&self) -> usize {
-        self.steps.len()
-    }
-
-    /// Adds those of a term in a time step, counted from 0.
-    pub fn add(&mut self, step: usize, id: ParameterId, by: Vec<f64>) {
-        self.steps[step].push((id, by));
-    }
-
-    /// Gradients of each term in a time step, counted from 0.
-    pub fn of_step(&self, step: usize) -> Vec<(ParameterId, Vec<f64>)> {
-        self.steps[step].clone()
-    }
-
-    /// By what a chamber is prescribed by, in a time step counted from 0.
-    pub fn chamber(&self, step: usize, id: ChamberId) -> f64 {
-        let own = self.steps[step].iter().filter(|(of, _)| *of == ParameterId::Chamber(id));
-        own.flat_map(|(_, by)| by).sum()
-    }
-
-    /// Sum over all time steps, term by term, and over the terms that share the
-    /// numbers; nothing where no term has them.
-    pub fn total(&self, id: ParameterId) -> Vec<f64> {
-        let of_step = |step: &Vec<(ParameterId, Vec<f64>)>| -> Vec<Vec<f64>> {
-            step.iter().filter(|(of, _)| *of == id).map(|(_, by)| by.clone()).collect()
-        };
-        let mut steps = self.steps.iter().map(of_step);
-        let Some(mut terms) = steps.next() else { return Vec::new() };
-        for step in steps {
-            terms.iter_mut().zip(&step).for_each(|(sum, by)| add(sum, by));
-        }
-        let mut terms = terms.into_iter();
-        let Some(mut total) = terms.next() else { return Vec::new() };
-        terms.for_each(|by| add(&mut total, &by));
-        total
-    }
-}
-
-fn add(sum: &mut [f64], by: &[f64]) {
-    sum.iter_mut().zip(by).for_each(|(s, b)| *s += b);
 }

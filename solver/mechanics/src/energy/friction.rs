@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate, PastCotangent, TimeStep};
+use super::{Energy, Hessian, Iterate, Nature, Owner, PastCotangent, TimeStep};
 use crate::contact::friction::{LaggedContact, LaggedContactCotangent, dissipation};
 use crate::contact::surface::{BodyForce, Surface};
 use crate::math::sparse::BlockMatrix;
@@ -42,6 +42,9 @@ type Mat2 = nalgebra::Matrix2<f64>;
 type Vec2 = nalgebra::Vector2<f64>;
 
 impl Friction {
+    /// Who owns the coefficient of friction.
+    pub const OWNER: Owner = Owner::new("friction", 0);
+
     /// Friction with a coefficient μ that is full from a sliding speed [m/s] on.
     pub fn new(surface: Arc<Surface>, coefficient: f64, full_speed: f64) -> Self {
         Self { surface, coefficient, full_speed }
@@ -107,6 +110,10 @@ impl Friction {
 impl Energy for Friction {
     fn name(&self) -> &'static str {
         "friction"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Friction
     }
 
     fn value(&self, at: &Iterate) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Energy, Hessian, Iterate, RankOne};
+use super::{Energy, Hessian, Iterate, Nature, RankOne};
 use crate::math::sparse::BlockMatrix;
 
 /// A term at a time that does not pass.
@@ -23,6 +23,10 @@ impl Held {
 impl Energy for Held {
     fn name(&self) -> &'static str {
         self.energy.name()
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Other
     }
 
     fn value(&self, at: &Iterate) -> f64 {

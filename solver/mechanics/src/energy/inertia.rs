@@ -25,7 +25,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use mesh::measure::{tet_volume, tet_volume_gradient};
 
-use super::{Energy, Hessian, Iterate, PastCotangent};
+use super::{Energy, Hessian, Iterate, Nature, Owner, PastCotangent};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
@@ -52,6 +52,11 @@ pub struct Inertia {
 type Deviation = (f64, Vec<f64>);
 
 impl Inertia {
+    /// Who owns the density of a body in its inertia, or in its tiny mass, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("density", place)
+    }
+
     /// Inertia of consecutive elements with a density [kg/m³].
     pub fn new(space: &FunctionSpace, density: f64, elements: Range<usize>) -> Self {
         Self { density, tiny: false, elements, reference: space.reference_mass() }
@@ -160,6 +165,10 @@ impl Inertia {
 impl Energy for Inertia {
     fn name(&self) -> &'static str {
         if self.tiny { "tiny_mass" } else { "inertia" }
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Inertia
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

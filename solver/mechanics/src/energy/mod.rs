@@ -16,11 +16,14 @@ mod held;
 mod inertia;
 mod membrane;
 mod mullins;
+mod owner;
 mod profile;
 mod quadrature_points;
 mod rigid;
 mod rim;
 mod springs;
+#[cfg(test)]
+mod tests;
 mod traction;
 mod viscous;
 mod wall;
@@ -31,10 +34,7 @@ pub use chamber::Chamber;
 pub use chord::Chord;
 pub use contact::{Contact, GapSummary};
 pub use elastic::{Elastic, ElementLaw};
-pub use energies::{
-    BodyEnergies, ChamberId, Energies, Kind, NamedChamber, ParameterGradients, ParameterId,
-    RigidEnergies, Term,
-};
+pub use energies::{ChamberId, Energies, Term};
 pub use fibres::{Axis, Direction, Directions, FibreMean, FibreSummary, Fibres};
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolume};
@@ -42,6 +42,7 @@ pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
 pub use mullins::{Mullins, MullinsMean, MullinsSummary};
+pub use owner::{Owner, ParameterGradients};
 pub use profile::{Basis, Profile};
 pub use rigid::{MassPoint, NoLever, Rigid, RigidLoad, RigidMass, RigidMoment};
 pub use rim::Rim;
@@ -50,8 +51,11 @@ pub use traction::Traction;
 pub use viscous::{Branch, Viscous};
 pub use wall::Wall;
 pub use winding::{
-    Along, Climb, Helix, LayError, Piece, Strand, Winding, WindingSummary, helix, polyline,
+    Along, Helix, LayError, Lead, Piece, Strand, Winding, WindingSummary, helix, polyline,
 };
+
+use std::any::Any;
+use std::sync::Arc;
 
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
@@ -231,10 +235,64 @@ pub struct InternalCotangent {
     pub parameters: Vec<f64>,
 }
 
+/// What a term is to balances of forces and energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Nature {
+    /// Its forces depend on differences of the displacement and have no resultant.
+    Elastic,
+    /// The same, of which nothing is stored, such as an overstress.
+    Dissipative,
+    /// Its forces are given and do not depend on the displacement.
+    DeadLoad,
+    /// Its forces are given, and turn or give way with the displacement.
+    Load,
+    /// The gas in a chamber.
+    Gas,
+    /// What inertia adds to the potential of a time step.
+    Inertia,
+    /// A barrier between surfaces.
+    Contact,
+    /// What friction adds to the potential of a time step.
+    Friction,
+    /// None of these: a term that no scene has, such as manufactured forces.
+    Other,
+}
+
+impl Nature {
+    /// Whether its forces count as those of contact.
+    pub fn is_contact(self) -> bool {
+        matches!(self, Self::Contact | Self::Friction)
+    }
+
+    /// Whether its forces are internal ones.
+    pub fn is_elastic(self) -> bool {
+        matches!(self, Self::Elastic | Self::Dissipative)
+    }
+
+    /// Whether energy is stored in it. Elastic energy and softening together are the work done on a body, of which the
+    /// part that is lost cannot be had back.
+    pub fn is_stored(self) -> bool {
+        !matches!(self, Self::Dissipative | Self::Inertia | Self::Friction)
+    }
+}
+
 /// One term E(u; X) of the potential energy with all its derivatives.
-pub trait Energy: Send + Sync {
+pub trait Energy: Any + Send + Sync {
     /// Kind of the term, as reports call it.
     fn name(&self) -> &'static str;
+    /// What it is to balances of forces and energy.
+    fn nature(&self) -> Nature;
+    /// The points of the chord of a time step at which it counts, where a step has one.
+    fn chord_points(&self, _: &Iterate) -> &'static [chord::Point] {
+        match self.nature() {
+            Nature::Dissipative | Nature::Inertia | Nature::Friction | Nature::Other => chord::END,
+            _ => chord::MEAN,
+        }
+    }
+    /// This term with its load as it is at a time, where that keeps its numbers.
+    fn held(&self, _time: f64) -> Option<Arc<dyn Energy>> {
+        None
+    }
     /// E [J]; infinite where the state is not admissible.
     fn value(&self, at: &Iterate) -> f64;
     /// Adds ∂E/∂u [N].
@@ -257,6 +315,11 @@ pub trait Energy: Send + Sync {
     }
     /// The volume that the term prescribes, if any.
     fn constraint(&self, _: &Iterate) -> Option<Constraint> {
+        None
+    }
+    /// Adds μ_i ∂(V − V*)/∂X of the volume i that the term prescribes, three components per vertex; the result is
+    /// μ_i ∂(V − V*)/∂p for the number p that prescribes it.
+    fn constraint_vjp(&self, _: &Iterate, _mu: &[f64], _out: &mut [f64]) -> Option<f64> {
         None
     }
     /// Adds λᵀ ∂²E/∂u∂X, three components per vertex.

@@ -21,7 +21,8 @@ use std::sync::Arc;
 
 use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
-    Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent, TimeStep,
+    Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature, Owner, PastCotangent,
+    TimeStep, chord,
 };
 use crate::element::FunctionSpace;
 use crate::material::{Isochoric, Material, OgdenRoxburgh, Softened};
@@ -66,6 +67,11 @@ pub struct MullinsMean {
 }
 
 impl Mullins {
+    /// Who owns r, m and β of a body, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("mullins", place)
+    }
+
     /// Softening of the isochoric part of a law; `first` is the number of internal variables of the
     /// terms before.
     pub fn new(
@@ -200,6 +206,14 @@ impl InternalVariables for Mullins {
 impl Energy for Mullins {
     fn name(&self) -> &'static str {
         "mullins"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Elastic
+    }
+
+    fn chord_points(&self, _: &Iterate) -> &'static [chord::Point] {
+        chord::END
     }
 
     fn value(&self, at: &Iterate) -> f64 {

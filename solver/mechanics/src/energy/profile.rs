@@ -308,17 +308,6 @@ mod tests {
     }
 
     #[test]
-    fn equal_values_are_a_constant() {
-        for n in [2, 3, 5, Profile::MOST_VALUES] {
-            let profile = profile(&vec![2.5e5; n]);
-            for z in heights() {
-                assert!((profile.value(z) / 2.5e5 - 1.0).abs() < 1e-14);
-                assert_eq!(profile.slope(z), 0.0);
-            }
-        }
-    }
-
-    #[test]
     fn what_is_no_profile_is_none() {
         for (heights, values) in [
             ([0.0, 1.0], vec![1.0]),

@@ -6,7 +6,7 @@
 //! λ   multipliers [N], which the method of multipliers renews
 //! k   stiffness [N/m]
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, Nature};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
 
@@ -72,6 +72,10 @@ impl Springs {
 impl Energy for Springs {
     fn name(&self) -> &'static str {
         "springs"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Load
     }
 
     fn value(&self, at: &Iterate) -> f64 {

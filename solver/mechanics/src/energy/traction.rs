@@ -11,7 +11,7 @@
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, Nature, Owner};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::schedule::Field;
@@ -53,6 +53,11 @@ impl Point<'_> {
 }
 
 impl Traction {
+    /// Who owns the three components of what is added to a traction, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("traction", place)
+    }
+
     /// The force t [Pa] on boundary facets (vertex ids).
     pub fn new(space: &FunctionSpace, facets: &[[usize; 3]], traction: Field) -> Self {
         let facets = facets.iter().map(|&f| (f, space.facet_nodes(f))).collect();
@@ -82,6 +87,10 @@ impl Traction {
 impl Energy for Traction {
     fn name(&self) -> &'static str {
         "traction"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::DeadLoad
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

@@ -30,7 +30,8 @@ use std::sync::Arc;
 
 use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
-    Energy, Hessian, InternalCotangent, InternalVariables, Iterate, PastCotangent, TimeStep,
+    Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature, Owner, PastCotangent,
+    TimeStep,
 };
 use crate::element::FunctionSpace;
 use crate::material::{Isochoric, Material};
@@ -81,6 +82,11 @@ fn by_nine(six: &[f64]) -> Mat3 {
 }
 
 impl Viscous {
+    /// Who owns overstress and time of each branch of a body, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("relaxation", place)
+    }
+
     /// Branches beside the isochoric part of a law; `first` is the number of relaxed stresses of
     /// the terms before.
     pub fn new(
@@ -215,6 +221,10 @@ impl InternalVariables for Viscous {
 impl Energy for Viscous {
     fn name(&self) -> &'static str {
         "viscous"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Dissipative
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

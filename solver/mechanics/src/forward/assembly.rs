@@ -3,7 +3,7 @@
 use super::Problem;
 use super::timings::Timings;
 use crate::energy::chord::{self, Side, on_chord};
-use crate::energy::{Hessian, Iterate, Kind, RankOne, Term};
+use crate::energy::{Hessian, Iterate, Nature, RankOne, Term};
 use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, Pattern};
 
@@ -14,7 +14,7 @@ pub struct Wanted<'a> {
     /// Of the gradient by the end, by which side of the chord of the step.
     pub side: Side,
     /// Of which terms.
-    pub of: &'a dyn Fn(Kind) -> bool,
+    pub of: &'a dyn Fn(Nature) -> bool,
 }
 
 /// The sparse part of second derivatives, in the memory of an earlier matrix.
@@ -27,10 +27,10 @@ pub fn assemble<'p>(
     timings: &mut Timings,
 ) -> BlockMatrix<'p> {
     let mut sum = BlockMatrix::zeros_in(pattern, memory);
-    let terms = || problem.energies.terms().filter(|term| (wanted.of)(term.kind));
+    let terms = || problem.energies.terms().filter(|term| (wanted.of)(term.nature()));
     if at.step.is_none_or(|step| step.chord.is_none()) {
-        for Term { kind, energy } in terms() {
-            timings.of(kind, || energy.add_hessian(at, wanted.kind, &mut sum));
+        for term in terms() {
+            timings.of(term.nature(), || term.energy.add_hessian(at, wanted.kind, &mut sum));
         }
         return sum;
     }
@@ -43,17 +43,17 @@ pub fn assemble<'p>(
                     let own = points.iter().find(|point| point[0] == s).copied();
                     own.filter(|_| (points.len() == 1) == alone)
                 };
-                let Some(factor) =
-                    terms().find_map(|term| point(&term)).map(|p| wanted.side.weight(p))
-                else {
+                let Some(factor) = terms().find_map(point).map(|p| wanted.side.weight(p)) else {
                     continue;
                 };
                 if factor == 0.0 {
                     continue;
                 }
                 let mut own = BlockMatrix::zeros(pattern);
-                for term in terms().filter(|term| point(term).is_some()) {
-                    timings.of(term.kind, || term.energy.add_hessian(there, wanted.kind, &mut own));
+                for term in terms().filter(|&term| point(term).is_some()) {
+                    timings.of(term.nature(), || {
+                        term.energy.add_hessian(there, wanted.kind, &mut own)
+                    });
                 }
                 sum.add_multiple(factor, &own);
             }

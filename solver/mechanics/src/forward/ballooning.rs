@@ -85,8 +85,8 @@ impl Ballooning {
 
 /// Volume [m³] and pressure [Pa] of every chamber.
 fn volumes(problem: &Problem, at: &Iterate) -> impl Iterator<Item = (f64, f64)> {
-    problem.energies.chambers().map(|(_, named)| {
-        let (volume, gas) = named.chamber.state(at);
+    problem.energies.chambers().map(|(_, chamber)| {
+        let (volume, gas) = chamber.state(at);
         (volume, gas.pressure)
     })
 }
@@ -132,7 +132,7 @@ mod tests {
         });
         let wall = Wall::cut_by(&planes, &space, &on(&|x| x.norm() < INNER + 1e-9));
         let gas = Box::new(Isobaric { pressure: (times * limit()).into() });
-        let chamber = Chamber { wall, gas, multiplier: None, memory: None };
+        let chamber = Chamber::new(wall, gas);
         // shear modulus 1, bulk modulus 20
         let law = NeoHookean(Lame::new(2.95, 0.475));
         let energies = Energies::elastic(Box::new(law)).with_chamber("wall", chamber);

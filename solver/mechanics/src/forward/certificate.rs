@@ -66,9 +66,6 @@ fn point(p: &Vec3) -> String {
 }
 
 /// A lower bound of J over the whole body, which is positive.
-///
-/// # Errors
-/// [`Uncertified`] with the worst element.
 pub fn certificate(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Result<f64, Uncertified> {
     let form = JacobianForm::new(space.degree());
     let positions = space.node_positions(rest);

@@ -8,8 +8,8 @@
 //! R  operations per second of a matrix product in single precision, measured in some
 //!    milliseconds, so that the machine and the number of threads count
 //!
-//! The numbers were fitted to the runs in the chapter "Speed" of the book, where predicted
-//! times stand beside measured ones. Iterations are what it knows least of: a time step takes 2 to 30 of them.
+//! The numbers were fitted to the scenes in `pipelines`; the chapter "Speed" of the book says how far predictions are off.
+//! Iterations are what it knows least of: a time step takes 2 to 30 of them.
 
 use super::{Problem, Workspace};
 use crate::math::linear::product_speed;
@@ -52,7 +52,9 @@ pub fn predicted_iterations(problem: &Problem, steps: Steps) -> f64 {
     match steps {
         Steps::Load(count) => STATIC + LOAD_STEP * count.saturating_sub(1) as f64,
         Steps::Quasistatic(count) => QUASISTATIC_STEP * count as f64,
-        Steps::Dynamic(count) if problem.energies.contact.is_some() => CONTACT_STEP * count as f64,
+        Steps::Dynamic(count) if problem.energies.contact().is_some() => {
+            CONTACT_STEP * count as f64
+        }
         Steps::Dynamic(count) => STEP * count as f64,
     }
 }
@@ -65,7 +67,7 @@ pub fn predicted_time(problem: &Problem, workspace: &Workspace, steps: Steps) ->
     let points = space.tets().len() * each;
     let pairs = space.nodes_per_element().pow(2);
     let factor = workspace.linear().cost();
-    let others = if problem.energies.contact.is_some() { OTHERS + CONTACT } else { OTHERS };
+    let others = if problem.energies.contact().is_some() { OTHERS + CONTACT } else { OTHERS };
     let work = ASSEMBLY * (points * pairs) as f64
         + FACTORIZATIONS * factor.flops
         + SOLVES * factor.entries as f64

@@ -86,7 +86,7 @@ pub fn direction(
 
 /// Whether a chamber has a pressure, which softens some motions of its wall.
 fn is_under_pressure(problem: &Problem, at: &Iterate) -> bool {
-    problem.energies.chambers().any(|(_, named)| named.chamber.state(at).1.pressure != 0.0)
+    problem.energies.chambers().any(|(_, chamber)| chamber.state(at).1.pressure != 0.0)
 }
 
 /// The first direction of a body under pressure, whose exact Hessian is likely to be indefinite: the projected one is
@@ -164,7 +164,7 @@ fn exact(
     match factor_and_solve(workspace, hessian, force, forcing)? {
         Outcome::Solved(direction) => Some((Modification::Exact, direction)),
         Outcome::Curved => None,
-        Outcome::Inaccurate if sharpen(workspace) => {
+        Outcome::Inaccurate if refactor_double(workspace) => {
             Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)?))
         }
         Outcome::Inaccurate => {
@@ -217,9 +217,9 @@ fn factor_and_solve(
 
 /// Factors the last matrix again in double precision; false where that is not positive
 /// definite.
-fn sharpen(workspace: &mut Workspace) -> bool {
+fn refactor_double(workspace: &mut Workspace) -> bool {
     let positive =
-        workspace.factor(|linear| linear.sharpen().is_some_and(Factorization::is_positive));
+        workspace.factor(|linear| linear.refactor_double().is_some_and(Factorization::is_positive));
     workspace.timings.factorizations += 1;
     positive
 }

@@ -56,7 +56,7 @@ pub fn neighbours(
         let (residual, _) = workspace.gradient(problem, &at);
         let volumes = Volumes::new(problem, workspace, &problem.constraints(&at))?;
         // to look for close pairs in each neighbour took half of the time of a design with contact
-        let _held = problem.energies.contact.as_deref().map(Contact::hold);
+        let _held = problem.energies.contact().map(Contact::hold);
         for (varied, runs) in varied.chunks(SYSTEMS).zip(runs.chunks_mut(SYSTEMS)) {
             let there: Vec<There> = varied
                 .iter()

@@ -21,7 +21,7 @@ use super::ballooning::{Ballooning, End};
 use super::hessian_modification::{Modification, Point, direction};
 use super::line_search::{Accepted, line_search};
 use super::watch::Event;
-use super::{Configuration, Problem, Uncertified, Workspace};
+use super::{Configuration, Failure, Problem, Workspace};
 use crate::energy::Iterate;
 use crate::math::linear::{dot, norm};
 
@@ -51,9 +51,8 @@ pub struct Newton {
     pub absolute: f64,
     /// Residual that suffices where forces of `PREVAILING_FORCES` times as much were to balance [N].
     pub negligible: f64,
-    /// How many times its volume at the start a chamber that balloons has when that ends the search
-    /// ([`Failure::Balloons`]); never where there is no number. A state to which such a chamber would snap is then not
-    /// found.
+    /// The search ends with [`Failure::Balloons`] when a chamber that softens as it grows has this many times its volume
+    /// at the start; never if there is no number. A state to which such a chamber would snap is then not found.
     pub ballooned: Option<f64>,
 }
 
@@ -73,115 +72,6 @@ pub struct Converged {
     pub peak: f64,
 }
 
-/// Why there is no equilibrium. Not a panic: the caller decides.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Failure {
-    /// The start is not admissible.
-    #[error("the starting shape has inverted elements, or an energy or forces that are not finite")]
-    Inadmissible,
-    /// Too many iterations.
-    #[error(
-        "{iterations} Newton iterations were not enough: residual {residual:.2e} N, wanted {wanted:.2e} N"
-    )]
-    IterationLimit {
-        /// Iterations made.
-        iterations: usize,
-        /// Residual reached [N].
-        residual: f64,
-        /// Residual wanted [N].
-        wanted: f64,
-    },
-    /// A chamber balloons, and its walls bear less the more it grows.
-    #[error(
-        "a chamber balloons: its walls bear less the more it grows, from {start:.3e} to {volume:.3e} m³ in \
-         {iterations} Newton iterations"
-    )]
-    Balloons {
-        /// Iterations made.
-        iterations: usize,
-        /// Volume at the start [m³].
-        start: f64,
-        /// Volume after them [m³].
-        volume: f64,
-    },
-    /// No step decreases the energy.
-    #[error(
-        "no Newton step decreases the energy after {iterations} iterations: residual {residual:.2e} N, wanted {wanted:.2e} N"
-    )]
-    Stalled {
-        /// Iterations made.
-        iterations: usize,
-        /// Residual reached [N].
-        residual: f64,
-        /// Residual wanted [N].
-        wanted: f64,
-    },
-    /// The forces balance, but a chamber does not take its prescribed volume.
-    #[error(
-        "the forces balance, but a chamber with the prescribed volume {wanted:.6e} m³ has \
-         {volume:.6e} m³"
-    )]
-    Volume {
-        /// Volume reached [m³].
-        volume: f64,
-        /// Volume prescribed [m³].
-        wanted: f64,
-    },
-    /// Steps are within rounding, but the residual is not.
-    #[error(
-        "Newton's method stagnated after {iterations} iterations: residual {residual:.2e} N, \
-         wanted {wanted:.2e} N, floor by rounding about {floor:.1e} N"
-    )]
-    Stagnated {
-        /// Iterations made.
-        iterations: usize,
-        /// Smallest residual reached [N].
-        residual: f64,
-        /// Residual wanted [N].
-        wanted: f64,
-        /// Estimated floor by rounding [N].
-        floor: f64,
-        /// The forces that have to balance [N].
-        scale: f64,
-    },
-    /// The forces balance, but an element is turned inside out, or might be.
-    #[error("the forces balance, but {0}")]
-    Uncertified(#[from] Uncertified),
-    /// The forces balance, but an energy objects to the state.
-    #[error("the forces balance, but {0}")]
-    Objection(String),
-    /// Supports or obstacles would push surfaces through each other.
-    #[error(
-        "supports or obstacles meet a surface after {:.1} % of their motion in this step",
-        100.0 * free
-    )]
-    Blocked {
-        /// Fraction of the motion that is free.
-        free: f64,
-    },
-    /// The tangent is singular: a body that may move freely, or a state at which several branches meet.
-    #[error("the tangent stiffness is singular")]
-    Singular,
-    /// Nothing depends on the load.
-    #[error("no load: nothing changes between t = 0 and t = 1")]
-    NoLoad,
-    /// The next state is none of the same branch.
-    #[error("the path would turn by {degrees:.0}° from one state to the next")]
-    Strayed {
-        /// Angle between the directions of the path [°].
-        degrees: f64,
-    },
-    /// Facets meet between which nothing acts.
-    #[error(
-        "facets of the surface meet on the way to the next state, and no contact keeps them apart: those of one \
-         edge or wall, which solid lies between; the mesh is too coarse there"
-    )]
-    Folded,
-    /// Who watches has broken off.
-    #[error("interrupted")]
-    Interrupted,
-}
-
 /// One iterate.
 #[derive(Clone)]
 struct State {
@@ -195,9 +85,6 @@ struct State {
 
 impl Newton {
     /// Moves the displacement to an equilibrium.
-    ///
-    /// # Errors
-    /// [`Failure`]; the displacement is then that of the last iterate.
     pub fn solve(
         &self,
         problem: &Problem,
@@ -209,9 +96,6 @@ impl Newton {
 
     /// Moves the displacement to an equilibrium, and adds the residual of every iterate [N] to
     /// `residuals`.
-    ///
-    /// # Errors
-    /// [`Failure`]; the displacement is then that of the last iterate.
     pub fn trace(
         &self,
         problem: &Problem,
@@ -225,120 +109,194 @@ impl Newton {
             return Err(Failure::Inadmissible);
         }
         let first = Accepted { u: state.u.clone(), energy, gradient: None };
-        let mut now = reached(problem, workspace, &at, first);
-        let result = self.iterate(problem, workspace, &at, &mut now, residuals);
-        state.u = now.u;
+        let now = reached(problem, workspace, &at, first);
+        let mut search = Search::new(self, problem, workspace, &at, now);
+        let result = search.run(workspace, residuals);
+        state.u = search.now.u;
         result
-    }
-
-    /// Iterates from `now`; of `at` all but the displacement is used.
-    fn iterate(
-        &self,
-        problem: &Problem,
-        workspace: &mut Workspace,
-        at: &Iterate,
-        now: &mut State,
-        residuals: &mut Vec<f64>,
-    ) -> Result<Converged, Failure> {
-        let (mut before, mut within_rounding) = (f64::INFINITY, false);
-        let mut peak = 0.0_f64;
-        let start = Iterate { u: &now.u, ..*at };
-        let mut ballooning = self.ballooned.map(|times| Ballooning::from(problem, &start, times));
-        let mut indefinite = Indefinite::expected(workspace.indefinite_starts > 0);
-        let mut flat = Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 };
-        for iterations in 0.. {
-            peak = peak.max(now.scale);
-            let (residual, wanted) = (now.residual, self.wanted(now.scale, peak));
-            log::debug!("newton {iterations}  |g| {residual:.2e} N  energy {:.9e} J", now.energy);
-            let (time, iteration) = (at.time, iterations);
-            if workspace.tell(&Event::Iterate { time, iteration, residual, wanted }).is_break() {
-                return Err(Failure::Interrupted);
-            }
-            residuals.push(residual);
-            // an infinite one is within a tolerance that is infinite
-            if !residual.is_finite() {
-                return Err(Failure::Inadmissible);
-            }
-            if residual <= wanted {
-                return Ok(Converged { iterations, residual, wanted, floor: None, peak });
-            }
-            flat.watch(now);
-            if iterations == self.iterations {
-                if within_rounding {
-                    *now = flat.best;
-                    return self.stagnated(problem, workspace, at, now, iterations, peak);
-                }
-                return Err(Failure::IterationLimit { iterations, residual, wanted });
-            }
-            // no more accurate than the tolerance needs
-            let enough = (LINEAR_RESIDUAL * wanted / residual).clamp(FORCING.1, FORCING.0);
-            let forcing = (residual / before).powi(2).clamp(enough, FORCING.0);
-            before = residual;
-            let point = Point { at: Iterate { u: &now.u, ..*at }, gradient: &now.gradient };
-            let from = indefinite.modification(residual);
-            let (step, by, decrease) = step(problem, workspace, &point, now.energy, forcing, from);
-            indefinite.watch(residual, from, by);
-            // a step that was halved until nothing moves is none
-            let step = step.filter(|accepted| accepted.u != now.u);
-            if iterations == 0 {
-                workspace.indefinite_starts = match (from, by) {
-                    (Modification::Projected, _) => workspace.indefinite_starts.saturating_sub(1),
-                    (_, by) if by < Modification::Projected => 0,
-                    _ => MODIFIED_STEPS,
-                };
-            }
-            within_rounding = decrease <= ENERGY_ROUNDING * now.energy.abs();
-            if within_rounding && (step.is_none() || flat.iterations >= STALLED_ITERATIONS) {
-                *now = flat.best;
-                return self.stagnated(problem, workspace, at, now, iterations, peak);
-            }
-            let Some(accepted) = step else {
-                // energies that cancel each other have more rounding than their sum shows
-                let best = &flat.best;
-                return match self.stagnated(problem, workspace, at, best, iterations, peak) {
-                    Ok(converged) => {
-                        *now = flat.best;
-                        Ok(converged)
-                    }
-                    Err(_) => Err(Failure::Stalled { iterations, residual, wanted }),
-                };
-            };
-            let next = reached(problem, workspace, at, accepted);
-            let before = std::mem::replace(now, next);
-            if let Some(ballooning) = &mut ballooning {
-                let ends = [&before, &*now].map(|end| End { u: &end.u, gradient: &end.gradient });
-                if let Some([start, volume]) = ballooning.watch(problem, at, ends) {
-                    let iterations = iterations + 1;
-                    return Err(Failure::Balloons { iterations, start, volume });
-                }
-            }
-        }
-        unreachable!("the loop ends by returning")
     }
 
     /// Residual of an equilibrium [N] where forces of a scale balance, and of `peak` at most were to.
     /// Without loads only the residual itself is left to compare with, so that the past counts.
-    pub(super) fn wanted(&self, scale: f64, peak: f64) -> f64 {
+    pub(crate) fn wanted(&self, scale: f64, peak: f64) -> f64 {
         let negligible = self.negligible.min(peak / PREVAILING_FORCES);
         (self.relative * scale).max(self.absolute).max(negligible)
     }
+}
 
-    /// Whether a residual that falls no further is as small as rounding allows.
-    fn stagnated(
-        &self,
-        problem: &Problem,
+/// A search of an equilibrium: the state of Newton's method between two iterations.
+struct Search<'a> {
+    newton: &'a Newton,
+    problem: &'a Problem,
+    /// All of an iterate but its displacement.
+    at: Iterate<'a>,
+    now: State,
+    flat: Flat,
+    indefinite: Indefinite,
+    ballooning: Option<Ballooning>,
+    /// Iterations made.
+    iterations: usize,
+    /// The largest scale of the forces so far [N].
+    peak: f64,
+    /// Residual before the last step [N].
+    before: f64,
+    /// Whether the last step was within rounding.
+    within_rounding: bool,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        newton: &'a Newton,
+        problem: &'a Problem,
+        workspace: &Workspace,
+        at: &Iterate<'a>,
+        now: State,
+    ) -> Self {
+        let start = Iterate { u: &now.u, ..*at };
+        Self {
+            newton,
+            problem,
+            at: *at,
+            flat: Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 },
+            indefinite: Indefinite::expected(workspace.indefinite_starts > 0),
+            ballooning: newton.ballooned.map(|times| Ballooning::from(problem, &start, times)),
+            now,
+            iterations: 0,
+            peak: 0.0,
+            before: f64::INFINITY,
+            within_rounding: false,
+        }
+    }
+
+    /// Iterates to an equilibrium, and adds the residual of every iterate [N] to `residuals`.
+    fn run(
+        &mut self,
         workspace: &mut Workspace,
-        at: &Iterate,
-        best: &State,
-        iterations: usize,
-        peak: f64,
+        residuals: &mut Vec<f64>,
     ) -> Result<Converged, Failure> {
-        let (residual, scale, wanted) = (best.residual, best.scale, self.wanted(best.scale, peak));
-        let floor = workspace.rounding_floor(problem, &Iterate { u: &best.u, ..*at });
+        loop {
+            self.peak = self.peak.max(self.now.scale);
+            let wanted = self.newton.wanted(self.now.scale, self.peak);
+            if let Some(converged) = self.look(workspace, residuals, wanted)? {
+                return Ok(converged);
+            }
+            if let Some(converged) = self.step(workspace, wanted)? {
+                return Ok(converged);
+            }
+            self.iterations += 1;
+        }
+    }
+
+    /// Judges the iterate: an equilibrium, if it is one.
+    fn look(
+        &mut self,
+        workspace: &mut Workspace,
+        residuals: &mut Vec<f64>,
+        wanted: f64,
+    ) -> Result<Option<Converged>, Failure> {
+        let (iteration, residual) = (self.iterations, self.now.residual);
+        let energy = self.now.energy;
+        log::debug!("newton {iteration}  |g| {residual:.2e} N  energy {energy:.9e} J");
+        let event = Event::Iterate { time: self.at.time, iteration, residual, wanted };
+        if workspace.notify(&event).is_break() {
+            return Err(Failure::Interrupted);
+        }
+        residuals.push(residual);
+        // an infinite one is within a tolerance that is infinite
+        if !residual.is_finite() {
+            return Err(Failure::Inadmissible);
+        }
+        if residual <= wanted {
+            return Ok(Some(self.converged(residual, wanted, None)));
+        }
+        self.flat.watch(&self.now);
+        if self.iterations < self.newton.iterations {
+            return Ok(None);
+        }
+        if self.within_rounding {
+            return self.end_at_best(workspace).map(Some);
+        }
+        Err(Failure::IterationLimit { iterations: self.iterations, residual, wanted })
+    }
+
+    /// Makes a step, or ends at the best state where there is none and rounding allows no less.
+    fn step(
+        &mut self,
+        workspace: &mut Workspace,
+        wanted: f64,
+    ) -> Result<Option<Converged>, Failure> {
+        let residual = self.now.residual;
+        // no more accurate than the tolerance needs
+        let enough = (LINEAR_RESIDUAL * wanted / residual).clamp(FORCING.1, FORCING.0);
+        let forcing = (residual / self.before).powi(2).clamp(enough, FORCING.0);
+        self.before = residual;
+        let from = self.indefinite.modification(residual);
+        let Self { problem, at, now, .. } = &*self;
+        let point = Point { at: Iterate { u: &now.u, ..*at }, gradient: &now.gradient };
+        let (step, by, decrease) = step(problem, workspace, &point, now.energy, forcing, from);
+        self.indefinite.watch(residual, from, by);
+        // a step that was halved until nothing moves is none
+        let step = step.filter(|accepted| accepted.u != self.now.u);
+        if self.iterations == 0 {
+            workspace.indefinite_starts = match (from, by) {
+                (Modification::Projected, _) => workspace.indefinite_starts.saturating_sub(1),
+                (_, by) if by < Modification::Projected => 0,
+                _ => MODIFIED_STEPS,
+            };
+        }
+        self.within_rounding = decrease <= ENERGY_ROUNDING * self.now.energy.abs();
+        let stalled = step.is_none() || self.flat.iterations >= STALLED_ITERATIONS;
+        if self.within_rounding && stalled {
+            return self.end_at_best(workspace).map(Some);
+        }
+        let Some(accepted) = step else {
+            // energies that cancel each other have more rounding than their sum shows
+            let iterations = self.iterations;
+            let floor = self.at_floor(workspace);
+            let converged = floor.map_err(|_| Failure::Stalled { iterations, residual, wanted })?;
+            self.now = self.flat.best.clone();
+            return Ok(Some(converged));
+        };
+        self.accept(workspace, accepted).map(|()| None)
+    }
+
+    /// Moves on to the next iterate.
+    fn accept(&mut self, workspace: &mut Workspace, accepted: Accepted) -> Result<(), Failure> {
+        let next = reached(self.problem, workspace, &self.at, accepted);
+        let before = std::mem::replace(&mut self.now, next);
+        let Some(ballooning) = &mut self.ballooning else { return Ok(()) };
+        let ends = [&before, &self.now].map(|end| End { u: &end.u, gradient: &end.gradient });
+        match ballooning.watch(self.problem, &self.at, ends) {
+            Some([start, volume]) => {
+                let iterations = self.iterations + 1;
+                Err(Failure::Balloons { iterations, start, volume })
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn converged(&self, residual: f64, wanted: f64, floor: Option<f64>) -> Converged {
+        let Self { iterations, peak, .. } = *self;
+        Converged { iterations, residual, wanted, floor, peak }
+    }
+
+    /// Goes back to the best state, an equilibrium if its residual is as small as rounding allows.
+    fn end_at_best(&mut self, workspace: &mut Workspace) -> Result<Converged, Failure> {
+        self.now = self.flat.best.clone();
+        self.at_floor(workspace)
+    }
+
+    /// Whether the residual of the best state, which falls no further, is as small as rounding allows.
+    fn at_floor(&self, workspace: &mut Workspace) -> Result<Converged, Failure> {
+        let State { u, residual, scale, .. } = &self.flat.best;
+        let (residual, scale) = (*residual, *scale);
+        let wanted = self.newton.wanted(scale, self.peak);
+        let floor = workspace.rounding_floor(self.problem, &Iterate { u, ..self.at });
         log::debug!("residual {residual:.2e} N does not fall; floor by rounding {floor:.1e} N");
         if residual <= floor {
-            return Ok(Converged { iterations, residual, wanted, floor: Some(floor), peak });
+            return Ok(self.converged(residual, wanted, Some(floor)));
         }
+        let iterations = self.iterations;
         Err(Failure::Stagnated { iterations, residual, wanted, floor, scale })
     }
 }

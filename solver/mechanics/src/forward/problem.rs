@@ -15,7 +15,7 @@ use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
 use crate::energy::chord::{Side, on_chord};
 use crate::energy::{
-    ChamberId, Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep,
+    ChamberId, Constraint, Energies, Iterate, Multiplier, RankOne, Rigid, Springs, Term, TimeStep,
 };
 use crate::math::linear::norm;
 use crate::rigid::RigidSet;
@@ -77,9 +77,10 @@ impl Problem {
     }
 
     /// This problem with all loads and supports held as they are at a time, but for the pressures of some chambers,
-    /// which grow in proportion to the time from there.
-    pub fn held(&self, time: f64, grow: &[ChamberId]) -> Self {
-        let mut held = Self { energies: self.energies.held(time, grow), ..self.clone() };
+    /// which are scaled in proportion to the time from there.
+    pub fn with_scaled_pressures(&self, time: f64, scaled: &[ChamberId]) -> Self {
+        let mut held =
+            Self { energies: self.energies.with_scaled_pressures(time, scaled), ..self.clone() };
         if self.dirichlet.moves() {
             let there = self.dirichlet.displacement(time);
             held = held.with_motion(move |_| there.clone());
@@ -90,7 +91,7 @@ impl Problem {
     /// This problem with springs that pull released supports.
     pub fn with_springs(&self, springs: Springs) -> Self {
         let mut pulled = self.clone();
-        pulled.energies.springs = Some(springs);
+        pulled.energies.extend([Term::new(springs)]);
         pulled
     }
 
@@ -112,7 +113,7 @@ impl Problem {
     }
 
     /// Total potential energy [J], with the value of each term by `value`.
-    pub(super) fn value_by(&self, value: impl FnMut(Term) -> f64) -> f64 {
+    pub(super) fn value_by(&self, value: impl FnMut(&Term) -> f64) -> f64 {
         self.energies.terms().map(value).sum()
     }
 
@@ -124,7 +125,7 @@ impl Problem {
     }
 
     /// Results of [`Self::gradient`], with the gradient of each term added by `add`.
-    pub(super) fn gradient_by(&self, mut add: impl FnMut(Term, &mut [f64])) -> (Vec<f64>, f64) {
+    pub(super) fn gradient_by(&self, mut add: impl FnMut(&Term, &mut [f64])) -> (Vec<f64>, f64) {
         let mut total = vec![0.0; self.dofs()];
         let mut scale = 0.0_f64;
         let mut part = vec![0.0; self.dofs()];
@@ -156,8 +157,9 @@ impl Problem {
     /// the end of the chord, which no Hessian has.
     pub fn add_turning_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
         on_chord(at, 0.5, |middle| {
-            let turning = self.energies.rigid.iter().filter_map(|part| part.stiffness.as_ref());
-            turning.for_each(|rigid| rigid.add_turning_vjp(middle, lambda, out));
+            self.energies
+                .each::<Rigid>()
+                .for_each(|rigid| rigid.add_turning_vjp(middle, lambda, out));
         });
     }
 
@@ -168,18 +170,18 @@ impl Problem {
 
     /// The contacts at a state whose friction acts in the next step.
     pub fn lagged_contacts(&self, at: &Iterate) -> Vec<LaggedContact> {
-        self.energies.contact.as_ref().map_or_else(Vec::new, |contact| contact.lagged_contacts(at))
+        self.energies.contact().map_or_else(Vec::new, |contact| contact.lagged_contacts(at))
     }
 
     /// Largest step length in [0, 1] from one iterate to another, straight in u and the
     /// load, on which surfaces stay apart.
     pub fn max_step(&self, from: &Iterate, to: &Iterate) -> f64 {
-        self.energies.contact.as_ref().map_or(1.0, |contact| contact.max_step(from, to))
+        self.energies.contact().map_or(1.0, |contact| contact.max_step(from, to))
     }
 
     /// Why a state must not be accepted, if so.
     pub fn objection(&self, at: &Iterate) -> Option<String> {
-        self.energies.contact.as_ref()?.objection(at)
+        self.energies.contact()?.objection(at)
     }
 
     /// Forces on the unknowns from those on all degrees of freedom.

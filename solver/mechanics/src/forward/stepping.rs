@@ -11,11 +11,11 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::augmented::pull_supports;
-use super::stability::Stability;
+use super::path_point::ArcPoint;
 use super::volumes::balance;
 use super::watch::Event;
 use super::{
-    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, State,
+    Clock, Configuration, Converged, Failure, Integrator, Method, Newton, Problem, Reached, State,
     TimeStepper, Workspace, certificate,
 };
 use crate::energy::{Iterate, Multiplier, TimeStep};
@@ -71,45 +71,18 @@ pub struct LoadStep {
     pub path: Option<Box<ArcPoint>>,
 }
 
-/// A state on a path of equilibria that is followed by its arc length.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ArcPoint {
-    /// Arc length from rest [1].
-    pub arc: f64,
-    /// Change of the load with the arc length [1]; negative where the load falls.
-    pub load_rate: f64,
-    /// How far it is from losing its stability at this load.
-    pub stability: Stability,
-    /// The softest stiffness at rest [N/m].
-    pub rest_stiffness: f64,
-    /// What lies between the state before and this one.
-    pub passed: Vec<Passed>,
-}
-
-/// A singular point of a path between two loads.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Passed {
-    /// The load turns: from and to.
-    LimitPoint([f64; 2]),
-    /// Other branches leave: from and to.
-    Bifurcation([f64; 2]),
-}
-
-impl Passed {
-    /// What lies between two loads where the load has turned or not, and the number of negative eigenvalues has changed.
-    pub fn between(loads: [f64; 2], turned: bool, changed: usize) -> Vec<Self> {
-        let limit = turned.then_some(Self::LimitPoint(loads));
-        let left = changed.abs_diff(usize::from(turned));
-        limit.into_iter().chain((left > 0).then_some(Self::Bifurcation(loads))).collect()
-    }
-}
-
 impl LoadStep {
     /// The state on a rest shape [m].
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
         let (u, multipliers) = (&self.u, &self.multipliers);
         Iterate { space, rest, u, time: self.time, multipliers, step, chord: None }
+    }
+
+    /// The state alone.
+    pub fn into_reached(self) -> Reached {
+        let Self { time, u, multipliers, .. } = self;
+        Reached { time, u, multipliers }
     }
 }
 
@@ -155,9 +128,6 @@ pub struct Attempt {
 /// Solves under the full load from a nearby equilibrium, in one step. A factor
 /// that the workspace still has is used, so that the result depends on it in its
 /// last digits.
-///
-/// # Errors
-/// [`Failure`] of Newton's method.
 pub fn solve_from(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -172,9 +142,6 @@ pub fn solve_from(
 }
 
 /// Solves under the full load from the rest shape: one time step of length 1.
-///
-/// # Errors
-/// [`Unreached`] with the load that was reached.
 pub fn solve(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -187,9 +154,6 @@ pub fn solve(
 
 /// Solves from the rest shape at t = 0 to the ends `times` of time steps without
 /// inertia. `observe` is called after every accepted step.
-///
-/// # Errors
-/// [`Unreached`] with the load that was reached.
 pub fn solve_in_time(
     problem: &Problem,
     workspace: &mut Workspace,
@@ -221,7 +185,7 @@ pub(super) fn loosened(newton: &Newton) -> Newton {
     }
 }
 
-pub(super) struct Failed {
+pub(crate) struct Failed {
     pub failure: Failure,
     pub u: Vec<f64>,
     pub residuals: Vec<f64>,
@@ -230,7 +194,7 @@ pub(super) struct Failed {
 /// One load step to a load, from a state that surfaces can reach at an earlier one: the
 /// supports are moved, or pulled where their straight path is blocked, the forces
 /// balanced, prescribed volumes reached and the state certified.
-pub(super) fn attempt(
+pub(crate) fn attempt(
     problem: &Problem,
     workspace: &mut Workspace,
     start: &Configuration,
@@ -256,7 +220,7 @@ pub(super) fn attempt(
     };
     let Converged { iterations, residual, wanted, floor, .. } = converged;
     if let Some(floor) = floor {
-        let _told = workspace.tell(&Event::AtRoundingFloor { time, residual, wanted, floor });
+        let _told = workspace.notify(&Event::AtRoundingFloor { time, residual, wanted, floor });
     }
     match certify(problem, workspace, &state.iterate(problem)) {
         Ok(smallest_volume_ratio) => Ok(LoadStep {
@@ -315,7 +279,7 @@ pub(super) fn settle(
 
 /// A lower bound of J, if no energy objects and the body is nowhere turned inside out; where that is
 /// tolerated, of its worst element.
-pub(super) fn certify(
+pub(crate) fn certify(
     problem: &Problem,
     workspace: &mut Workspace,
     at: &Iterate,

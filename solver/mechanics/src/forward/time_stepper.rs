@@ -50,6 +50,23 @@ pub struct Reached {
     pub multipliers: Vec<Multiplier>,
 }
 
+impl Reached {
+    /// The state of an iterate.
+    pub fn of(at: &Iterate) -> Self {
+        Self { time: at.time, u: at.u.to_vec(), multipliers: at.multipliers.to_vec() }
+    }
+
+    /// The state on a rest shape [m], in a time step if it is in one.
+    pub fn configuration<'a>(
+        &self,
+        rest: &'a [Vec3],
+        step: Option<&'a Arc<TimeStep>>,
+    ) -> Configuration<'a> {
+        let (u, multipliers) = (self.u.clone(), self.multipliers.clone());
+        Configuration { rest, time: self.time, step, u, multipliers }
+    }
+}
+
 impl Progress {
     /// The last state [m].
     pub fn reached(&self) -> &[f64] {
@@ -62,8 +79,7 @@ impl Progress {
     }
 
     fn keep(&mut self, step: LoadStep) {
-        let LoadStep { time, u, multipliers, .. } = step;
-        self.last.push(Reached { time, u, multipliers });
+        self.last.push(step.into_reached());
         if self.last.len() > STATES {
             self.last.remove(0);
         }
@@ -128,15 +144,12 @@ impl TimeStepper {
     }
 
     /// The last time step that was begun.
-    pub(super) fn step(&self) -> Option<&Arc<TimeStep>> {
+    pub(crate) fn step(&self) -> Option<&Arc<TimeStep>> {
         self.step.as_ref()
     }
 
     /// Goes from time step to time step, which end at `times` [s]: the states at their ends, with
     /// `memory` for them [B]. `observe` is called after every accepted load step.
-    ///
-    /// # Errors
-    /// [`Unreached`] with the load that was reached.
     pub fn run(
         &mut self,
         problem: &Problem,
@@ -152,16 +165,13 @@ impl TimeStepper {
             states.push(end, self.progress.integrator.last().clone());
         }
         if let Some(error) = states.unwritten() {
-            let _told = workspace.tell(&Event::KeptInMemory { error });
+            let _told = workspace.notify(&Event::KeptInMemory { error });
         }
         Ok(states)
     }
 
     /// Goes to the end of the next time step. `observe` is called after every
     /// accepted load step.
-    ///
-    /// # Errors
-    /// [`Unreached`] with the load that was reached.
     pub fn advance(
         &mut self,
         problem: &Problem,
@@ -182,9 +192,6 @@ impl TimeStepper {
     /// Makes the next load step of the time step that ends at `end`. Where it begins a time step,
     /// it depends on `self` and on the couplings in the workspace alone; within one, in its last
     /// digits, on the factor that the workspace still has.
-    ///
-    /// # Errors
-    /// [`Unreached`] with the load that was reached.
     pub fn next(
         &mut self,
         problem: &Problem,
@@ -217,7 +224,7 @@ impl TimeStepper {
     }
 
     /// The time step to `end` that is being made, begun if it is not.
-    pub(super) fn begun(
+    pub(crate) fn begun(
         &mut self,
         problem: &Problem,
         workspace: &mut Workspace,
@@ -231,7 +238,7 @@ impl TimeStepper {
     }
 
     /// Takes in a load step, which ends at a fraction of its time step.
-    pub(super) fn accept(
+    pub(crate) fn accept(
         &mut self,
         step: LoadStep,
         fraction: f64,
@@ -258,9 +265,6 @@ impl TimeStepper {
     }
 
     /// Makes the increment smaller after a load step to `load` has failed.
-    ///
-    /// # Errors
-    /// [`Unreached`] where it is as small as it may be.
     fn shorten(
         &mut self,
         problem: &Problem,
@@ -301,8 +305,7 @@ impl TimeStepper {
         let step = &failed.step;
         let balanced = self.progress.last.iter().rev().filter(|at| at.time > self.progress.time);
         let found = balanced.into_iter().find_map(|at| {
-            let (u, multipliers) = (at.u.clone(), at.multipliers.clone());
-            let start = Configuration { rest, time: at.time, step: Some(step), u, multipliers };
+            let start = at.configuration(rest, Some(step));
             attempt(problem, workspace, &start, at.time, &self.stepping.newton).ok()
         });
         let ended = self.progress.last.iter().rev().find(|at| at.time <= self.progress.time);
@@ -326,7 +329,7 @@ impl TimeStepper {
     ) -> Arc<TimeStep> {
         workspace.forget();
         if let Some(known) = self.factors.at_time(end) {
-            workspace.take_up(known);
+            workspace.reuse(known);
         }
         workspace.indefinite_starts = self.progress.indefinite_starts;
         let interrupted = self.progress.done > 0.0;

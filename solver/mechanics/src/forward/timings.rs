@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ProcessTime;
 use serde::{Deserialize, Serialize};
 
-use crate::energy::Kind;
+use crate::energy::Nature;
 
 /// Time that some work took. Divided by each other, the two are the number of cores that
 /// were busy.
@@ -79,10 +79,10 @@ pub struct Timings {
 
 impl Timings {
     /// Does some work for a term of the energy, and counts its time.
-    pub fn of<T>(&mut self, kind: Kind, work: impl FnOnce() -> T) -> T {
+    pub fn of<T>(&mut self, nature: Nature, work: impl FnOnce() -> T) -> T {
         let clock = Clock::start();
         let result = work();
-        let task = if kind.is_contact() { &mut self.contact } else { &mut self.assembly };
+        let task = if nature.is_contact() { &mut self.contact } else { &mut self.assembly };
         *task += clock.elapsed();
         result
     }

@@ -39,9 +39,6 @@ const LINEAR: f64 = 1e-6;
 /// Moves displacement and multipliers to an equilibrium at which every prescribed
 /// volume is reached to Newton's relative tolerance, with all Newton iterations; the
 /// residual of every iterate [N] is added to `residuals`.
-///
-/// # Errors
-/// [`Failure`]; the state is then the last one.
 pub fn balance(
     problem: &Problem,
     workspace: &mut Workspace,

@@ -17,7 +17,7 @@ use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::chord::{Side, on_chord};
-use crate::energy::{Hessian, Iterate, Kind, Multiplier, RankOne, Term, TimeStep};
+use crate::energy::{Chamber, Hessian, Iterate, Multiplier, Nature, RankOne, TimeStep};
 use crate::math::linear::{
     Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, norm,
 };
@@ -128,7 +128,7 @@ impl Workspace {
     }
 
     /// Tells the watch of an event, and gives back whether to go on.
-    pub(crate) fn tell(&mut self, event: &Event) -> ControlFlow<()> {
+    pub(crate) fn notify(&mut self, event: &Event) -> ControlFlow<()> {
         self.watch.as_mut().map_or(ControlFlow::Continue(()), |watch| watch(event))
     }
 
@@ -221,13 +221,13 @@ impl Workspace {
 
     /// [`Problem::value`], timed.
     pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
-        problem.value_by(|term| self.timings.of(term.kind, || term.value(at)))
+        problem.value_by(|term| self.timings.of(term.nature(), || term.value(at)))
     }
 
     /// [`Problem::gradient`], timed.
     pub fn gradient(&mut self, problem: &Problem, at: &Iterate) -> (Vec<f64>, f64) {
         problem.gradient_by(|term, out| {
-            self.timings.of(term.kind, || term.add_gradient(at, out));
+            self.timings.of(term.nature(), || term.add_gradient(at, out));
         })
     }
 
@@ -308,12 +308,12 @@ impl Workspace {
     /// last.
     pub fn has_factor_of(&mut self, linearization: &Linearization, at: &Iterate) -> bool {
         let is_last = self.linearization == Some(linearization.id);
-        linearization.u == at.u && (is_last || self.take_up(linearization))
+        linearization.u == at.u && (is_last || self.reuse(linearization))
     }
 
     /// Makes the factor that a linearisation has kept the last one; false where it has none, or one of another pattern.
-    pub fn take_up(&mut self, linearization: &Linearization) -> bool {
-        let taken = linearization.kept.as_ref().is_some_and(|kept| self.linear.take_up(kept));
+    pub fn reuse(&mut self, linearization: &Linearization) -> bool {
+        let taken = linearization.kept.as_ref().is_some_and(|kept| self.linear.reuse(kept));
         if taken {
             self.linearization = Some(linearization.id);
         }
@@ -323,12 +323,12 @@ impl Workspace {
     /// Solves with the last factorisation to a relative residual, and returns that
     /// reached; where it is larger than `enough`, again with a factor in double
     /// precision. None without a factorisation.
-    pub fn solve_sharply(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> Option<f64> {
+    pub fn solve_accurately(&mut self, x: &mut Vec<f64>, sought: f64, enough: f64) -> Option<f64> {
         let clock = Clock::start();
         let rhs = x.clone();
         let mut residual = self.linear.last()?.solve_to(x, sought);
         if (residual.is_nan() || residual > enough)
-            && let Some(sharper) = self.linear.sharpen()
+            && let Some(sharper) = self.linear.refactor_double()
         {
             *x = rhs;
             residual = sharper.solve_to(x, sought);
@@ -395,16 +395,15 @@ impl Workspace {
         side: Side,
         w: &[f64],
     ) -> Vec<f64> {
-        let of = |kind: Kind| !matches!(kind, Kind::Chamber(_));
+        let of = |nature: Nature| nature != Nature::Gas;
         let wanted = Wanted { kind: Hessian::Exact, side, of: &of };
         let timings = &mut self.timings;
         let matrix = assemble(&self.pattern, Vec::new(), problem, at, &wanted, timings);
         let mut product = times(&matrix, &problem.rank_ones_by(at, side), w);
         for term in problem.energies.terms() {
-            let Kind::Chamber(id) = term.kind else { continue };
+            let Some(chamber) = term.downcast::<Chamber>() else { continue };
             for &point in term.points(at) {
                 let scaled: Vec<f64> = w.iter().map(|w| side.weight(point) * w).collect();
-                let chamber = problem.energies.chamber(id);
                 on_chord(at, point[0], |there| {
                     chamber.add_stiffness_vjp(there, &scaled, &mut product);
                 });
@@ -466,8 +465,8 @@ impl Workspace {
         let (u, positions) = (at.u, problem.space.node_positions(at.rest));
         let x: Vec<f64> = (0..u.len()).map(|d| positions[d / 3][d % 3] + u[d]).collect();
         let mut noise = vec![0.0; u.len()];
-        for Term { kind, energy } in problem.energies.terms() {
-            let from = if kind.is_elastic() { u } else { &x };
+        for energy in problem.energies.iter() {
+            let from = if energy.nature().is_elastic() { u } else { &x };
             let mut matrix = BlockMatrix::zeros(&self.pattern);
             energy.add_hessian(at, Hessian::Exact, &mut matrix);
             let part = matrix.multiply_magnitudes(from);

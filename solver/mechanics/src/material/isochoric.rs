@@ -4,16 +4,16 @@
 use std::sync::Arc;
 
 use super::Kinematics;
-use super::isotropic::{Invariants, Isotropic, Partials, alone};
+use super::decoupled::{Decoupled, Invariants, Partials, alone};
 
 /// ψ̄(Ī₁, Ī₂) = ψ(Ī₁, Ī₂, J) − ψ(3, 3, J) of a law in which J does not couple to the others. It has
 /// all parameters of the law; those of the bulk do nothing.
 #[derive(Clone)]
-pub struct Isochoric(Arc<dyn Isotropic>);
+pub struct Isochoric(Arc<dyn Decoupled>);
 
 impl Isochoric {
     /// The isochoric part of a law.
-    pub fn new(law: impl Isotropic + 'static) -> Self {
+    pub fn new(law: impl Decoupled + 'static) -> Self {
         Self(Arc::new(law))
     }
 
@@ -23,7 +23,7 @@ impl Isochoric {
     }
 }
 
-impl Isotropic for Isochoric {
+impl Decoupled for Isochoric {
     fn partials(&self, at: &Invariants) -> Partials {
         let whole = self.0.partials(at);
         let bulk = self.0.partials(&Invariants { a: 0.0, b: 0.0, ..*at }).value;

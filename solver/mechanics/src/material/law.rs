@@ -122,9 +122,6 @@ pub enum NotPositive {
 
 impl<M: ?Sized + 'static> Law<M> {
     /// Refuses parameters with which the law does not exist, or whose moduli at rest are not positive.
-    ///
-    /// # Errors
-    /// [`NotPositive`] with what was found.
     pub fn check(&self, values: &[f64]) -> Result<(), NotPositive> {
         if let Some(why) = (self.refuses)(values) {
             return Err(NotPositive::Undefined { law: self.key, why });

@@ -6,7 +6,7 @@ mod arruda_boyce;
 pub mod fibre;
 mod gent;
 mod isochoric;
-mod isotropic;
+mod decoupled;
 mod kinematics;
 mod lame;
 mod law;
@@ -28,9 +28,9 @@ mod tests;
 mod yeoh;
 
 pub use arruda_boyce::ArrudaBoyce;
+pub use decoupled::{Decoupled, Invariants, Partials};
 pub use gent::Gent;
 pub use isochoric::Isochoric;
-pub use isotropic::{Invariants, Isotropic, Partials};
 pub use kinematics::Kinematics;
 pub use lame::Lame;
 pub use law::{BULK_RATIO, Law, Moduli, NotPositive, Parameter};
@@ -61,8 +61,8 @@ pub trait Material: Send + Sync {
     fn parameter_count(&self) -> usize;
     /// Adds P̄ : ∂P/∂parameters, in the order of the law's [`Law::parameters`].
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]);
-    /// The law as ψ(Ī₁, Ī₂, J), if it is one.
-    fn isotropic(&self) -> Option<&dyn Isotropic> {
+    /// The law as ψ̄(Ī₁, Ī₂) + U(J), if it is one.
+    fn decoupled(&self) -> Option<&dyn Decoupled> {
         None
     }
     /// The law as compressible neo-Hookean, if it is that.

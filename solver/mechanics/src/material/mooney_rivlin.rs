@@ -7,7 +7,7 @@
 //! Simulation", where it is called `MooneyRivlin3ParamSymbolic`.
 //! Limits: ln²J is a weak barrier against J → 0.
 
-use super::isotropic::{Invariants, Isotropic, Partials};
+use super::decoupled::{Decoupled, Invariants, Partials};
 use super::law::{Law, Moduli, PA, Parameter};
 
 /// Parameters of the law.
@@ -55,7 +55,7 @@ pub(super) fn isochoric(c: [f64; 3], at: &Invariants) -> Partials {
     }
 }
 
-impl Isotropic for MooneyRivlin {
+impl Decoupled for MooneyRivlin {
     fn partials(&self, at: &Invariants) -> Partials {
         let mut p = isochoric([self.c1, self.c2, self.c3], at);
         p.value += self.d1 * at.log_j * at.log_j;

@@ -8,7 +8,7 @@
 //! Source: Mooney 1940, Rivlin 1948; called `MooneyRivlin3Param` in PolyFEM.
 //! Limits: finite at J = 0, so the step to J ≤ 0 is a jump to infinity.
 
-use super::isotropic::{Invariants, Isotropic, Partials};
+use super::decoupled::{Decoupled, Invariants, Partials};
 use super::law::{Law, Moduli, PA, Parameter};
 use super::mooney_rivlin::isochoric;
 
@@ -48,7 +48,7 @@ pub(super) const LAW: Law = Law {
     sample: &[50e3, 8e3, 1e3, 1.3e6],
 };
 
-impl Isotropic for MooneyRivlinQuadratic {
+impl Decoupled for MooneyRivlinQuadratic {
     fn partials(&self, at: &Invariants) -> Partials {
         let mut p = isochoric([self.c1, self.c2, self.c3], at);
         p.value += self.d1 * at.j_minus_1 * at.j_minus_1;

@@ -8,12 +8,12 @@
 
 use pulp::Simd;
 
-use super::isotropic::alone;
+use super::decoupled::alone;
 use super::lame::{self, Lame};
 use super::law::Law;
 use super::points::{self, Points, vec9};
 use super::split::half_log_squared;
-use super::{Invariants, Isochoric, Isotropic, Kinematics, Material, Partials, Split};
+use super::{Decoupled, Invariants, Isochoric, Kinematics, Material, Partials, Split};
 use crate::math::lanes::MOST;
 use crate::math::lanes::projection::Tangents;
 use crate::math::lanes::tensor::{Tensor, lane, plus_identity, product, scaled};
@@ -120,7 +120,7 @@ impl NeoHookean {
 #[derive(Clone)]
 struct Shear(Lame);
 
-impl Isotropic for Shear {
+impl Decoupled for Shear {
     fn partials(&self, at: &Invariants) -> Partials {
         let half = 0.5 * self.0.mu;
         Partials { value: half * at.a, first: [half, 0.0, 0.0], second: [0.0; 4] }
@@ -143,7 +143,7 @@ impl Isotropic for Shear {
 #[derive(Clone)]
 struct Volume(Lame);
 
-impl Isotropic for Volume {
+impl Decoupled for Volume {
     fn partials(&self, at: &Invariants) -> Partials {
         half_log_squared(self.0.lambda, at)
     }

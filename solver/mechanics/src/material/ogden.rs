@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 
 use super::law::{Law, Moduli, PA, Parameter};
 use super::split::half_log_squared;
-use super::{Invariants, Isotropic, Kinematics, Material, Partials, Split};
+use super::{Decoupled, Invariants, Kinematics, Material, Partials, Split};
 use crate::math::remainder::exp_m1_minus;
 use crate::math::tensor::{Mat3, Mat9};
 
@@ -211,7 +211,7 @@ struct Volume {
     terms: usize,
 }
 
-impl Isotropic for Volume {
+impl Decoupled for Volume {
     fn partials(&self, at: &Invariants) -> Partials {
         half_log_squared(self.bulk, at)
     }

@@ -8,7 +8,7 @@
 
 use pulp::Simd;
 
-use super::{Invariants, Isotropic};
+use super::{Decoupled, Invariants};
 use crate::math::lanes::projection::Tangents;
 use crate::math::lanes::tensor::{
     Tensor, cofactor, determinant, plus_identity, product, scaled, trace, transpose,
@@ -124,7 +124,7 @@ impl<S: Simd> Points<S> {
 
     /// ψ of each lane [J/m³].
     #[inline(always)]
-    pub fn energy_densities(&self, law: &dyn Isotropic) -> [f64; MOST] {
+    pub fn energy_densities(&self, law: &dyn Decoupled) -> [f64; MOST] {
         let at = self.invariants();
         let mut values = [0.0; MOST];
         for lane in 0..Lanes::<S>::COUNT {
@@ -136,7 +136,7 @@ impl<S: Simd> Points<S> {
 
     /// The derivatives of a law.
     #[inline(always)]
-    pub fn partials(&self, law: &dyn Isotropic) -> Derivatives<S> {
+    pub fn partials(&self, law: &dyn Decoupled) -> Derivatives<S> {
         let at = self.invariants();
         let (mut first, mut second) = ([[0.0; MOST]; 3], [[0.0; MOST]; 4]);
         for lane in 0..Lanes::<S>::COUNT {

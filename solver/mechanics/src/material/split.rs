@@ -16,7 +16,7 @@
 
 use std::sync::Arc;
 
-use super::{Invariants, Isotropic, Kinematics, Material, Partials};
+use super::{Decoupled, Invariants, Kinematics, Material, Partials};
 use crate::math::tensor::{Mat3, Mat9, add_j_hessian, vec9};
 
 /// θ U'' at rest [G].
@@ -31,22 +31,22 @@ pub struct Split {
     /// ψ_p, with all parameters of the law.
     pub pointwise: Arc<dyn Material>,
     /// A law that is U_m(J) at Ī₁ = Ī₂ = 3, with all parameters.
-    volumetric: Arc<dyn Isotropic>,
+    volumetric: Arc<dyn Decoupled>,
 }
 
 impl Split {
     /// The two parts of a law, from the law and its U.
-    pub(super) fn by_difference(law: impl Material + 'static, u: impl Isotropic + 'static) -> Self {
+    pub(super) fn by_difference(law: impl Material + 'static, u: impl Decoupled + 'static) -> Self {
         let mean = MeanPart::new(&law, Arc::new(u));
         let pointwise = Arc::new(Difference { law, mean: mean.clone() });
         Self { pointwise, volumetric: Arc::new(mean) }
     }
 
     /// The two parts of a law that is U at Ī₁ = Ī₂ = 3.
-    pub(super) fn of_isotropic(law: impl Isotropic + Clone + 'static) -> Self {
-        let shared: Arc<dyn Isotropic> = Arc::new(law.clone());
+    pub(super) fn of_decoupled(law: impl Decoupled + Clone + 'static) -> Self {
+        let shared: Arc<dyn Decoupled> = Arc::new(law.clone());
         let mean = MeanPart::new(&law, shared.clone());
-        let pointwise = Arc::new(IsotropicDifference { law: shared, mean: mean.clone() });
+        let pointwise = Arc::new(DecoupledDifference { law: shared, mean: mean.clone() });
         Self { pointwise, volumetric: Arc::new(mean) }
     }
 
@@ -64,7 +64,7 @@ impl Split {
 /// (1 − θ) U.
 #[derive(Clone)]
 struct MeanPart {
-    u: Arc<dyn Isotropic>,
+    u: Arc<dyn Decoupled>,
     /// 1 − θ.
     part: f64,
     /// Derivatives of 1 − θ by the parameters of the law.
@@ -72,7 +72,7 @@ struct MeanPart {
 }
 
 impl MeanPart {
-    fn new(law: &dyn Material, u: Arc<dyn Isotropic>) -> Self {
+    fn new(law: &dyn Material, u: Arc<dyn Decoupled>) -> Self {
         let rest = Kinematics::new(&Mat3::zeros());
         // the row of F₁₀, the second of vec9
         let (shear, bulk) = (law.tangent(&rest)[(1, 1)], u.partials(&ball(0.0)).second[3]);
@@ -103,7 +103,7 @@ impl MeanPart {
     }
 }
 
-impl Isotropic for MeanPart {
+impl Decoupled for MeanPart {
     fn partials(&self, at: &Invariants) -> Partials {
         let Partials { value, first, second } = self.u.partials(at);
         let (first, second) = (first.map(|d| self.part * d), second.map(|d| self.part * d));
@@ -132,7 +132,7 @@ fn ball(j_minus_1: f64) -> Invariants {
     Invariants { a: 0.0, b: 0.0, j, log_j, j_minus_1 }
 }
 
-fn derivatives(volumetric: &dyn Isotropic, j_minus_1: f64) -> [f64; 3] {
+fn derivatives(volumetric: &dyn Decoupled, j_minus_1: f64) -> [f64; 3] {
     if j_minus_1 <= -1.0 {
         return [f64::INFINITY; 3];
     }
@@ -152,12 +152,12 @@ pub(super) fn half_log_squared(k: f64, at: &Invariants) -> Partials {
 
 /// ψ − U_m of a law in Ī₁, Ī₂ and J.
 #[derive(Clone)]
-struct IsotropicDifference {
-    law: Arc<dyn Isotropic>,
+struct DecoupledDifference {
+    law: Arc<dyn Decoupled>,
     mean: MeanPart,
 }
 
-impl Isotropic for IsotropicDifference {
+impl Decoupled for DecoupledDifference {
     fn partials(&self, at: &Invariants) -> Partials {
         let whole = self.law.partials(at);
         let mean = self.mean.partials(&Invariants { a: 0.0, b: 0.0, ..*at });

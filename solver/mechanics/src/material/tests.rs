@@ -56,6 +56,21 @@ fn keys_are_unique_and_rows_complete() {
 }
 
 #[test]
+fn parameters_of_no_law_are_refused() {
+    let cases: [(&str, &[f64], &str); 4] = [
+        ("gent", &[1e4, 0.0, 2e6], "must be above 0"),
+        ("gent", &[1e4, -3.0, 2e6], "must be above 0"),
+        ("arruda-boyce", &[1e4, 1.0, 2e6], "lambda_m = 1: must be above 1"),
+        ("ogden", &[1e4, 0.0, 2e6], "alpha of term 1 is 0"),
+    ];
+    for (key, values, words) in cases {
+        let law = LAWS.iter().find(|law| law.key == key).expect("a law");
+        let message = law.check(values).expect_err("no such law").to_string();
+        assert!(message.contains(words), "{message}");
+    }
+}
+
+#[test]
 fn stress_is_the_derivative_of_energy() {
     for law in LAWS {
         let material = sample(law);
@@ -149,24 +164,6 @@ fn parameter_derivatives_of_isochoric_parts_are_those_of_their_energies() {
         }
     }
     assert_eq!(laws, 6);
-}
-
-#[test]
-fn parameter_derivatives_pass_the_taylor_test_where_they_are_not_linear() {
-    // a large stretch without a change of volume: bulk moduli, which are linear, do not outweigh
-    // the others
-    let stretched = deformations()[3];
-    let f = &(stretched / stretched.determinant().cbrt());
-    let bar = Mat3::new(0.4, -0.1, 0.2, 0.8, 0.5, -0.3, -0.6, 0.1, 0.7);
-    for law in LAWS.iter().filter(|law| law.parameters.iter().any(|p| p.unit == "1")) {
-        // parameters relative to the sample, so that all have the same scale
-        let scaled =
-            |x: &[f64]| -> Vec<f64> { x.iter().zip(law.sample).map(|(x, s)| x * s).collect() };
-        let value = |x: &[f64]| (law.build)(&scaled(x)).first_piola(&at(f)).dot(&bar);
-        let mut gradient = vec![0.0; law.sample.len()];
-        sample(law).add_parameter_vjp(&at(f), &bar, &mut gradient);
-        check_gradient(&vec![1.0; gradient.len()], &scaled(&gradient), 1e-2, value);
-    }
 }
 
 #[test]
@@ -295,19 +292,6 @@ fn uniaxial_tension_is_that_of_the_reference() {
         assert!((found_lateral - lateral).abs() < 1e-9, "{stretch}: {found_lateral}");
         assert!((found_stress - stress).abs() < 1e-3, "{stretch}: {found_stress}");
     }
-}
-
-#[test]
-fn the_two_volumetric_terms_differ_by_eight_percent_at_five_percent_volume() {
-    // pressure −0.1080 d₁ against −0.1000 d₁ at J = 0.95
-    let ball = at(&Mat3::from_diagonal_element(0.95_f64.cbrt()));
-    let pressure = |m: &dyn Material| {
-        let stress = m.first_piola(&ball)[(0, 0)];
-        stress / 0.95_f64.cbrt().powi(2)
-    };
-    let quadratic = MooneyRivlinQuadratic { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
-    assert!((pressure(&SILICONE) / 1e6 + 0.1080).abs() < 5e-5);
-    assert!((pressure(&quadratic) / 1e6 + 0.1000).abs() < 5e-5);
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //! Limits: with c₃ < 0, as fits to silicone often have it, the stress turns
 //! down at large stretch: mind the range of the fit.
 
-use super::isotropic::{Invariants, Isotropic, Partials};
+use super::decoupled::{Decoupled, Invariants, Partials};
 use super::law::{Law, Moduli, PA, Parameter};
 
 /// Parameters of the law.
@@ -40,7 +40,7 @@ pub(super) const LAW: Law = Law {
     sample: &[24.3e3, 2.25e3, -54.0, 2.4e6],
 };
 
-impl Isotropic for Yeoh {
+impl Decoupled for Yeoh {
     fn partials(&self, at: &Invariants) -> Partials {
         let ([c1, c2, c3], a) = (self.c, at.a);
         Partials {

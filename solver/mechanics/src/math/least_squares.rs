@@ -74,9 +74,6 @@ impl LevenbergMarquardt {
     }
 
     /// Tries a step. `model` has no residuals where x is not admissible, where no step goes.
-    ///
-    /// # Errors
-    /// Errors of the model.
     pub fn advance<E>(
         &mut self,
         model: impl FnOnce(&[f64]) -> Result<Option<Residuals>, E>,

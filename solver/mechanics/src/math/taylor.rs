@@ -23,9 +23,6 @@ pub struct Taylor {
 /// Runs the test with ε = `epsilon`·2⁻ᵏ, k = 0 … `steps` − 1.
 ///
 /// `directional` is g·q and `value(ε)` is J(θ + εq).
-///
-/// # Errors
-/// Whatever `value` returns.
 pub fn taylor<E>(
     epsilon: f64,
     steps: i32,

@@ -26,9 +26,6 @@ pub struct Formula {
 
 impl Formula {
     /// Reads an expression with parameters. [`Expression::new`] refuses functions that nobody knows.
-    ///
-    /// # Errors
-    /// [`Malformed`] with what was found and what is needed.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         parse(text).map(|root| Self { text: text.to_owned(), root })
     }
@@ -55,9 +52,6 @@ pub struct Expression(Formula);
 
 impl Expression {
     /// The expression of a formula with the values of all its names.
-    ///
-    /// # Errors
-    /// [`Malformed`] with the name that has none, or the function that nobody knows.
     pub fn new(formula: &Formula, parameters: &BTreeMap<String, f64>) -> Result<Self, Malformed> {
         let Formula { text, mut root } = formula.clone();
         root.give(parameters).map_err(|(what, name, at)| {
@@ -74,9 +68,6 @@ impl Expression {
     }
 
     /// Reads an expression without parameters.
-    ///
-    /// # Errors
-    /// [`Malformed`] with what was found and what is known.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         Self::new(&Formula::parse(text)?, &BTreeMap::new())
     }

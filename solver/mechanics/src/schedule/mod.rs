@@ -67,9 +67,6 @@ impl std::str::FromStr for Schedule {
 
 impl Schedule {
     /// Linear between values at increasing times [s], the first 0.
-    ///
-    /// # Errors
-    /// When times do not increase or a number is not finite.
     pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
         let table = Table::new(times.to_vec(), values.to_vec())?;
         Ok(Self { value: Value::Table(Arc::new(table)), first: times[1] })
@@ -140,9 +137,6 @@ impl Schedule {
     }
 
     /// Whether it is defined at all these times [s] and positions [m].
-    ///
-    /// # Errors
-    /// With the value and where it was found.
     pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
         if let Value::Number(value) = self.value {
             return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };

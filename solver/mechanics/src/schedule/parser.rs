@@ -47,9 +47,6 @@ fn shortened(text: &str) -> String {
 }
 
 /// The terms of an expression.
-///
-/// # Errors
-/// [`Malformed`] with what was found and what is known.
 pub(super) fn parse(text: &str) -> Result<Node, Malformed> {
     let characters: Vec<char> = text.chars().collect();
     let mut parser = Parser { text, characters: &characters, next: 0, depth: 0 };

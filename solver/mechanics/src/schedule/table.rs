@@ -28,9 +28,6 @@ impl TryFrom<Columns> for Table {
 
 impl Table {
     /// Values at increasing times [s].
-    ///
-    /// # Errors
-    /// With what is wrong in the table.
     pub fn new(t: Vec<f64>, value: Vec<f64>) -> Result<Self, String> {
         if t.len() != value.len() || t.len() < 2 {
             return Err(format!(
@@ -60,9 +57,6 @@ impl Table {
     }
 
     /// Whether all times [s] are in its range.
-    ///
-    /// # Errors
-    /// With both ranges.
     pub fn check_range(&self, times: &[f64]) -> Result<(), String> {
         let (first, last) = self.range();
         let from = times.iter().copied().fold(f64::INFINITY, f64::min);

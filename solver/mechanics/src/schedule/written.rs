@@ -43,9 +43,6 @@ impl std::str::FromStr for Written {
 
 impl Written {
     /// Its values with those of the parameters and the end of the first time step, t₁ > 0 [s].
-    ///
-    /// # Errors
-    /// [`Malformed`] with a name that has no value.
     pub fn schedule(
         &self,
         parameters: &BTreeMap<String, f64>,
@@ -62,9 +59,6 @@ impl Written {
     }
 
     /// Adds a constant.
-    ///
-    /// # Errors
-    /// [`Malformed`] when an expression becomes too long.
     pub fn add(&mut self, constant: f64) -> Result<(), Malformed> {
         match self {
             Self::Number(value) => *value += constant,
@@ -182,9 +176,6 @@ impl Default for WrittenField {
 
 impl WrittenField {
     /// Its values with those of the parameters and the end of the first time step, t₁ > 0 [s].
-    ///
-    /// # Errors
-    /// [`Malformed`] with a name that has no value.
     pub fn field(
         &self,
         parameters: &BTreeMap<String, f64>,

@@ -26,7 +26,7 @@ impl Scene {
         let zero = vec![0.0; problem.dofs()];
         let at = problem.iterate(rest, &zero, self.end());
         let mut forces = vec![0.0; problem.dofs()];
-        let loads = problem.energies.terms().filter(|term| !term.kind.is_elastic());
+        let loads = problem.energies.terms().filter(|term| !term.nature().is_elastic());
         loads.for_each(|term| term.energy.add_gradient(&at, &mut forces));
         let total: f64 = forces.iter().map(|f| f.abs()).sum();
         for motion in &free {

@@ -76,7 +76,7 @@ impl Scene {
             let remembers = self.config.time.is_some() && gas.remembers().is_some();
             let memory = remembers.then_some(internal + remembered);
             remembered += usize::from(remembers);
-            let chamber = Chamber { wall, gas, multiplier, memory };
+            let chamber = Chamber { multiplier, memory, ..Chamber::new(wall, gas) };
             chambers.push((config.name.clone(), chamber));
         }
         Ok(chambers)
@@ -101,7 +101,7 @@ impl Scene {
             let size = if rest.abs() > FLAT * largest { rest.abs() } else { largest };
             Multiplier { pressure: 0.0, penalty: PENALTY * shear / size }
         };
-        let chambers = energies.chambers().map(|(_, named)| &named.chamber);
+        let chambers = energies.chambers().map(|(_, chamber)| chamber);
         chambers.filter(|c| c.multiplier.is_some()).map(one).collect()
     }
 }

@@ -22,18 +22,17 @@ pub use objectives::{ObjectiveBuilder, Weighted};
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    BodyEnergies, BodyForce, ChamberId, Energies, Inertia, InternalVariables, Traction,
+    BodyForce, Chamber, Contact, Elastic, Energies, Energy, Fibres, Friction, Inertia,
+    InternalVariables, Membrane, Mullins, Owner, Term, Traction, Viscous, Winding,
 };
-use mechanics::forward::{
-    ArcLength, Growth, Integrator, Newton, Problem, State, Stepping, Workspace,
-};
+use mechanics::forward::{Growth, Integrator, Newton, Problem, State, Stepping, Workspace};
 use mechanics::schedule::Field;
+use mechanics::stability::ArcLength;
 use mechanics::stretch::Limits;
 use mesh::Vec3;
 use program::{KeyPath, Settings, misfit};
@@ -160,7 +159,7 @@ impl Scene {
         let supports = self.supports(body, &space)?;
         let rigid = self.rigid_sets(body, &space, &supports).with_context(context)?;
         let mut energies = self.energies(body, &space, &supports).with_context(context)?;
-        energies.rigid = self.rigid_energies(&rigid, body, &space).with_context(context)?;
+        energies.extend(self.rigid_terms(&rigid, body, &space).with_context(context)?);
         let multipliers = self.multipliers(body, &space, &energies);
         let mut problem =
             Problem::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
@@ -255,18 +254,16 @@ impl Scene {
         space: &FunctionSpace,
         supports: &Supports,
     ) -> Result<Energies> {
-        let mut energies = Energies::bodies(self.bodies(body, space, supports)?);
-        energies.membranes = self.sheets(body, space)?;
-        energies.fibres = self.fibres(body, space)?;
-        energies.windings = self.windings(body, space)?;
+        let mut energies: Energies =
+            self.terms_with_numbers(body, space, supports)?.into_iter().collect();
         let internal = energies.internal_count(space);
         for (name, chamber) in self.chambers(body, space, internal)? {
             chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
             energies = energies.with_chamber(name, chamber);
         }
         if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
-            energies.contact = Some(Arc::new(collisions.contact));
-            energies.friction = collisions.friction;
+            energies.extend([Term::of(Contact::OWNER, collisions.contact)]);
+            energies.extend(collisions.friction.map(|own| Term::of(Friction::OWNER, own)));
         }
         self.check_apart(body, space)?;
         self.check_symmetric(body)?;
@@ -276,16 +273,17 @@ impl Scene {
         for load in &self.config.body_force {
             let force = self.config.field(&load.force);
             self.check_field(KeyPath::list("body_force").key("force"), &force, &nodes)?;
-            energies.body_forces.push(BodyForce::whole(force));
+            energies = energies.with(BodyForce::whole(force));
         }
-        for load in &self.config.traction {
+        for (place, load) in self.config.traction.iter().enumerate() {
             let facets = body.facets(&load.on)?;
             let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
             let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
             let name = KeyPath::list("traction").on(&load.on).key("traction");
             let traction = self.config.field(&load.traction);
             self.check_field(name, &traction, &places)?;
-            energies.tractions.push(Traction::new(space, &facets, traction));
+            let traction = Traction::new(space, &facets, traction);
+            energies.extend([Term::of(Traction::owner(place), traction)]);
         }
         Ok(energies)
     }
@@ -295,68 +293,81 @@ impl Scene {
     /// problem.
     pub fn energies_like(&self, body: &Body, problem: &Problem) -> Result<Energies> {
         let space = &*problem.space;
-        let supports = self.supports(body, space)?;
-        let mut energies = problem.energies.clone();
-        energies.bodies = self.bodies(body, space, &supports)?;
-        energies.membranes = self.sheets(body, space)?;
-        energies.fibres = self.fibres(body, space)?;
-        energies.windings = self.windings(body, space)?;
-        for (i, chamber) in self.config.chamber.iter().enumerate() {
-            energies.set_gas_law(ChamberId::of(i), self.config.gas_law(chamber));
-        }
+        let own = self.terms_with_numbers(body, space, &self.supports(body, space)?)?;
+        let others = problem.energies.terms().skip(own.len()).cloned();
+        let mut energies: Energies = own.iter().cloned().chain(others).collect();
+        energies.change(|place, chamber: &Chamber| Chamber {
+            gas: self.config.gas_law(&self.config.chamber[place]),
+            ..chamber.clone()
+        });
         let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
-        energies.friction = energies.friction.map(|own| own.with_coefficient(coefficient));
-        if let (Some(contact), Some(law)) = (&energies.contact, self.law_of_contact()) {
+        energies.change(|_, own: &Friction| own.clone().with_coefficient(coefficient));
+        if let Some(law) = self.law_of_contact() {
             let stiffness = self.laws[law].material.moduli().shear;
-            energies.contact = Some(Arc::new(contact.with_stiffness(stiffness)));
+            energies.change(|_, contact: &Contact| contact.with_stiffness(stiffness));
         }
-        self.set_rigid_numbers(&mut energies.rigid);
+        self.set_rigid_numbers(&mut energies);
         Ok(energies)
     }
 
-    /// The terms of all bodies and volumes.
-    fn bodies(
+    /// The terms that begin the list, whose numbers are made with them: bodies, sheets, fibres, threads, inertia.
+    fn terms_with_numbers(
         &self,
         body: &Body,
         space: &FunctionSpace,
         supports: &Supports,
-    ) -> Result<Vec<BodyEnergies>> {
-        let mut bodies: Vec<BodyEnergies> = Vec::new();
-        let mut internal = 0;
-        for law in &self.laws {
-            let mut own = self.law_energies(law, body, space, supports)?;
-            own.viscous = self.overstress(law, law.elements(body), internal);
-            internal += own.viscous.as_ref().map_or(0, |of| InternalVariables::count(of, space));
-            own.mullins = self.softening(law, law.elements(body), internal);
-            internal += own.mullins.as_ref().map_or(0, |of| InternalVariables::count(of, space));
-            bodies.push(own);
+    ) -> Result<Vec<Term>> {
+        let mut terms = self.bodies(body, space)?;
+        terms.extend(owned(self.sheets(body, space)?, Membrane::owner));
+        terms.extend(owned(self.fibres(body, space)?, Fibres::owner));
+        terms.extend(owned(self.windings(body, space)?, Winding::owner));
+        for (place, law) in self.laws.iter().enumerate() {
+            let inertia = self.inertia(law, body, space, supports)?;
+            terms.extend(inertia.map(|inertia| Term::of(Inertia::owner(place), inertia)));
         }
-        Ok(bodies)
+        Ok(terms)
     }
 
-    /// The terms of a body, or of one of its volumes.
-    fn law_energies(
+    /// The terms of all bodies and volumes, but for inertia: elastic energy, overstress, softening and weight of each.
+    fn bodies(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Term>> {
+        let gravity = self.config.field(&self.config.gravity);
+        let (mut terms, mut internal) = (Vec::new(), 0);
+        for (place, law) in self.laws.iter().enumerate() {
+            let tets = law.elements(body);
+            let elastic = self.elastic(law, tets.clone())?;
+            let of_law = (Elastic::owner(place), elastic.material.parameter_count());
+            terms.push(Term::of(of_law.0, elastic));
+            if let Some(own) = self.overstress(law, tets.clone(), internal) {
+                internal += InternalVariables::count(&own, space);
+                terms.push(Term::of_both(of_law, Viscous::owner(place), own));
+            }
+            if let Some(own) = self.softening(law, tets.clone(), internal) {
+                internal += InternalVariables::count(&own, space);
+                terms.push(Term::of_both(of_law, Mullins::owner(place), own));
+            }
+            if !self.config.gravity.is_zero() {
+                let weight = BodyForce::weight(gravity.clone(), self.density(law)?, tets);
+                terms.push(Term::of(BodyForce::weight_owner(place), weight));
+            }
+        }
+        Ok(terms)
+    }
+
+    /// The inertia of a law on its elements, or the tiny mass of a body that is loose.
+    fn inertia(
         &self,
         law: &SceneLaw,
         body: &Body,
         space: &FunctionSpace,
         supports: &Supports,
-    ) -> Result<BodyEnergies> {
-        let (gravity, tets) = (&self.config.gravity, law.elements(body));
-        let weight = (!gravity.is_zero()).then(|| {
-            let (gravity, density) = (self.config.field(gravity), self.density(law)?);
-            Ok::<_, anyhow::Error>(BodyForce::weight(gravity, density, tets.clone()))
-        });
-        let inertia = if self.config.method().has_inertia() {
-            Some(Inertia::new(space, self.density(law)?, tets.clone()))
-        } else if supports.leave_loose(space, &body.parts[law.part].vertices) {
-            let density = law.material.density.unwrap_or(WATER);
-            Some(Inertia::tiny(space, density, tets.clone()))
-        } else {
-            None
-        };
-        let elastic = self.elastic(law, tets)?;
-        Ok(BodyEnergies { weight: weight.transpose()?, inertia, ..BodyEnergies::new(elastic) })
+    ) -> Result<Option<Inertia>> {
+        let tets = law.elements(body);
+        if self.config.method().has_inertia() {
+            return Ok(Some(Inertia::new(space, self.density(law)?, tets)));
+        }
+        let density = law.material.density.unwrap_or(WATER);
+        let is_loose = supports.leave_loose(space, &body.parts[law.part].vertices);
+        Ok(is_loose.then(|| Inertia::tiny(space, density, tets)))
     }
 
     /// Names of all surfaces that may touch: bodies, then obstacles.
@@ -443,4 +454,13 @@ pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
     nodes.sort_unstable();
     nodes.dedup();
     nodes
+}
+
+/// Terms with the owners of their numbers, by their places.
+fn owned<E: Energy>(
+    energies: impl IntoIterator<Item = E>,
+    owner: fn(usize) -> Owner,
+) -> impl Iterator<Item = Term> {
+    let places = energies.into_iter().enumerate();
+    places.map(move |(place, energy)| Term::of(owner(place), energy))
 }

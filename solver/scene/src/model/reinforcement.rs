@@ -222,9 +222,9 @@ impl<'a> Support<'a> {
         let axis = around.line(&winding.title())?;
         let climb = match climb {
             Climb::Pitch(pitch) => {
-                energy::Climb::Pitch(along(pitch, &winding.title().key("pitch"), axis, 1.0)?)
+                energy::Lead::Pitch(along(pitch, &winding.title().key("pitch"), axis, 1.0)?)
             }
-            Climb::Angle(angle) => energy::Climb::Angle(
+            Climb::Angle(angle) => energy::Lead::Angle(
                 along(angle, &winding.title().key("angle"), axis, 1.0_f64.to_radians())?,
                 axis.mean_distance(facets, x),
             ),

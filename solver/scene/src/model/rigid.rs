@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::{Context, Result};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass, RigidMoment};
+use mechanics::energy::{Energies, MassPoint, Rigid, RigidLoad, RigidMass, RigidMoment, Term};
 use mechanics::material::sheet::Strain;
 use mechanics::rigid::{Moves, RigidSet};
 use mechanics::schedule::{Written, WrittenField};
@@ -92,15 +92,25 @@ impl Scene {
     }
 
     /// Gives the terms of rigid parts the masses, forces and gravity of this scene.
-    pub(super) fn set_rigid_numbers(&self, energies: &mut [RigidEnergies]) {
-        for (part, own) in self.config.rigid.iter().zip(energies) {
-            own.load.force = self.config.field(&part.force);
-            own.load.gravity = self.config.field(&self.config.gravity);
-            own.load.mass = part.mass;
-            let moment = self.config.field(&part.moment);
-            own.moment.iter_mut().for_each(|own| own.moment.clone_from(&moment));
-            own.mass.iter_mut().for_each(|mass| mass.mass = part.mass);
-        }
+    pub(super) fn set_rigid_numbers(&self, energies: &mut Energies) {
+        let parts = &self.config.rigid;
+        energies.change(|place, own: &RigidLoad| {
+            let mut load = own.clone();
+            load.force = self.config.field(&parts[place].force);
+            load.gravity = self.config.field(&self.config.gravity);
+            load.mass = parts[place].mass;
+            load
+        });
+        energies.change(|place, own: &RigidMoment| {
+            let mut moment = own.clone();
+            moment.moment = self.config.field(&parts[place].moment);
+            moment
+        });
+        energies.change(|place, own: &RigidMass| {
+            let mut mass = own.clone();
+            mass.mass = parts[place].mass;
+            mass
+        });
     }
 
     /// The rigid parts, in the order of the scene.
@@ -200,14 +210,15 @@ impl Scene {
     }
 
     /// The terms of the rigid parts.
-    pub(super) fn rigid_energies(
+    pub(super) fn rigid_terms(
         &self,
         sets: &[RigidSet],
         body: &Body,
         space: &FunctionSpace,
-    ) -> Result<Vec<RigidEnergies>> {
+    ) -> Result<Vec<Term>> {
         let positions = space.node_positions(&body.mesh.vertices);
-        let one = |(part, set): (&RigidConfig, &RigidSet)| {
+        let mut terms = Vec::new();
+        for (place, (part, set)) in self.config.rigid.iter().zip(sets).enumerate() {
             let points = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
                 .with_context(|| part.title())?;
             let middle = middle(set, &points);
@@ -223,22 +234,17 @@ impl Scene {
                         AXES[lever.axis]
                     )
                 })?;
-            Ok(RigidEnergies {
-                moment,
-                name: part.on.clone(),
-                stiffness: (set.masters().len() > 1)
-                    .then(|| Rigid::new(set, &positions, self.shear_modulus_of(part, set))),
-                mass: has_mass.then(|| RigidMass::new(set, part.mass, &points)),
-                load: RigidLoad::new(
-                    set,
-                    middle,
-                    self.config.field(&part.force),
-                    gravity,
-                    part.mass,
-                ),
-            })
-        };
-        self.config.rigid.iter().zip(sets).map(one).collect()
+            let stiffness = (set.masters().len() > 1)
+                .then(|| Rigid::new(set, &positions, self.shear_modulus_of(part, set)));
+            let mass = has_mass.then(|| RigidMass::new(set, part.mass, &points));
+            let force = self.config.field(&part.force);
+            let load = RigidLoad::new(set, middle, force, gravity, part.mass);
+            terms.extend(stiffness.map(|own| Term::of(Rigid::owner(place), own)));
+            terms.extend(mass.map(|own| Term::of(RigidMass::owner(place), own)));
+            terms.push(Term::of(RigidLoad::owner(place), load));
+            terms.extend(moment.map(|own| Term::of(RigidMoment::owner(place), own)));
+        }
+        Ok(terms)
     }
 
     /// Largest shear modulus of what is not rigid, else of all [Pa].

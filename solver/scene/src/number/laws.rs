@@ -2,7 +2,7 @@
 
 use crate::SceneLaw;
 use anyhow::{Result, ensure};
-use mechanics::energy::ParameterId;
+use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Membrane, Mullins, Owner, Viscous};
 use mechanics::material::{Law, Specification};
 
 use super::{Entry, Kind, Setting, Swept, any};
@@ -34,10 +34,10 @@ pub(super) const MATERIAL: Kind = Kind {
         // a rigid body has another law than its own
         let body = &swept.scene.parts[swept.scene.laws[law].part].config.name;
         let rigid = swept.scene.is_rigid(body);
-        let own = if rigid { 0.0 } else { total(swept, ParameterId::Material(law), k) };
+        let own = if rigid { 0.0 } else { total(swept, Elastic::owner(law), k) };
         match swept.scene.law_of_contact() {
             Some(stiffest) if stiffest == law => {
-                let by_stiffness = total(swept, ParameterId::ContactStiffness, 0);
+                let by_stiffness = total(swept, Contact::OWNER, 0);
                 own + by_stiffness * shear_modulus_by(&swept.scene.laws[law].material, k)
             }
             _ => own,
@@ -62,7 +62,7 @@ pub(super) const DENSITY: Kind = Kind {
     check: |scene, place| positive("a density", (DENSITY.value)(scene, place)),
     derivative: |swept, [law, _]| {
         let of = |id| total(swept, id, 0);
-        of(ParameterId::Weight(law)) + of(ParameterId::Density(law))
+        of(BodyForce::weight_owner(law)) + of(Inertia::owner(law))
     },
     scale: None,
 };
@@ -91,7 +91,7 @@ pub(super) const RELAXATION: Kind = Kind {
     derivative: |swept, [table, k]| {
         let of = |(i, law): (usize, &SceneLaw)| -> Option<f64> {
             let place = 2 * swept.scene.branch_of(law, table)? + k;
-            swept.by.parameters.total(ParameterId::Relaxation(i)).get(place).copied()
+            swept.by.parameters.total(Viscous::owner(i)).get(place).copied()
         };
         swept.scene.laws.iter().enumerate().filter_map(of).sum()
     },
@@ -122,7 +122,7 @@ pub(super) const MULLINS: Kind = Kind {
     derivative: |swept, [table, k]| {
         let laws = swept.scene.laws.iter().enumerate();
         let own = laws.filter(|(_, law)| swept.scene.is_softened_by(law, table));
-        own.map(|(i, _)| total(swept, ParameterId::Mullins(i), k)).sum()
+        own.map(|(i, _)| total(swept, Mullins::owner(i), k)).sum()
     },
     scale: None,
 };
@@ -160,7 +160,7 @@ pub(super) const MEMBRANE: Kind = Kind {
         Ok(sheet.material.law.check(&sheet.material.values)?)
     },
     derivative: |swept, [sheet, k]| {
-        let by = total(swept, ParameterId::Membrane(sheet), k);
+        let by = total(swept, Membrane::owner(sheet), k);
         let angle = k > swept.scene.membranes[sheet].material.values.len();
         if angle { by.to_radians() } else { by }
     },
@@ -203,6 +203,6 @@ pub(super) fn positive(what: &str, value: f64) -> Result<()> {
 }
 
 /// The derivative by the k-th number of some terms; 0 where no term has it.
-pub(super) fn total(swept: &Swept, id: ParameterId, k: usize) -> f64 {
+pub(super) fn total(swept: &Swept, id: Owner, k: usize) -> f64 {
     swept.by.parameters.total(id).get(k).copied().unwrap_or(0.0)
 }

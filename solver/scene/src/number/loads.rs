@@ -4,7 +4,9 @@ use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
 use crate::{Scene, ScenePart, nodes_of};
 use anyhow::ensure;
 use mechanics::body::Body;
-use mechanics::energy::ParameterId;
+use mechanics::energy::{
+    BodyForce, ChamberId, Friction, RigidLoad, RigidMass, RigidMoment, Traction,
+};
 use mechanics::forward::Problem;
 use mechanics::schedule::Written;
 use mesh::Vec3;
@@ -32,8 +34,8 @@ pub(super) const CHAMBER: Kind = Kind {
         let name = &swept.scene.config.chamber[chamber].name;
         let own = swept.problem.energies.chambers().filter(|(_, named)| named.name == *name);
         let steps = 0..swept.by.parameters.steps();
-        let sum = |id| steps.clone().map(|n| swept.by.parameters.chamber(n, id)).sum::<f64>();
-        own.map(|(id, _)| sum(id)).sum()
+        let by = |id: ChamberId| steps.clone().map(move |n| swept.by.parameters.sum(n, id.owner()));
+        own.map(|(id, _)| by(id).sum::<f64>()).sum()
     },
     scale: Some(|scene, [chamber, _]| largest(scene, &scene.config.chamber[chamber].gas.value)),
 };
@@ -55,7 +57,7 @@ pub(super) const FRICTION: Kind = Kind {
         ensure!(value > 0.0 && value.is_finite(), "friction = {value}: must be positive");
         Ok(())
     },
-    derivative: |swept, _| total(swept, ParameterId::Friction, 0),
+    derivative: |swept, _| total(swept, Friction::OWNER, 0),
     scale: None,
 };
 
@@ -75,8 +77,8 @@ pub(super) const GRAVITY: Kind = Kind {
     derivative: |swept, [_, axis]| {
         let laws = 0..swept.scene.laws.len();
         let parts = 0..swept.scene.config.rigid.len();
-        let of_laws = laws.map(|law| total(swept, ParameterId::Weight(law), 1 + axis));
-        let of_parts = parts.map(|part| total(swept, ParameterId::RigidLoad(part), 4 + axis));
+        let of_laws = laws.map(|law| total(swept, BodyForce::weight_owner(law), 1 + axis));
+        let of_parts = parts.map(|part| total(swept, RigidLoad::owner(part), 4 + axis));
         of_laws.chain(of_parts).sum()
     },
     scale: Some(|scene, _| {
@@ -101,7 +103,7 @@ pub(super) const TRACTION: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(traction),
     check: any,
-    derivative: |swept, [load, axis]| total(swept, ParameterId::Traction(load), axis),
+    derivative: |swept, [load, axis]| total(swept, Traction::owner(load), axis),
     scale: Some(|scene, [load, _]| {
         let components = &scene.config.traction[load].traction.0;
         components.iter().map(|t| largest(scene, t)).fold(0.0, f64::max)
@@ -123,7 +125,7 @@ pub(super) const RIGID_MASS: Kind = Kind {
     check: |scene, place| positive("a mass", (RIGID_MASS.value)(scene, place)),
     derivative: |swept, [part, _]| {
         let of = |id| total(swept, id, 0);
-        of(ParameterId::RigidLoad(part)) + of(ParameterId::RigidMass(part))
+        of(RigidLoad::owner(part)) + of(RigidMass::owner(part))
     },
     scale: None,
 };
@@ -144,7 +146,7 @@ pub(super) const RIGID_FORCE: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(rigid_force),
     check: any,
-    derivative: |swept, [part, axis]| total(swept, ParameterId::RigidLoad(part), 1 + axis),
+    derivative: |swept, [part, axis]| total(swept, RigidLoad::owner(part), 1 + axis),
     scale: Some(|scene, [part, _]| {
         let components = &scene.config.rigid[part].force.0;
         components.iter().map(|force| largest(scene, force)).fold(0.0, f64::max)
@@ -166,7 +168,7 @@ pub(super) const RIGID_MOMENT: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(rigid_moment),
     check: any,
-    derivative: |swept, [part, axis]| total(swept, ParameterId::RigidMoment(part), axis),
+    derivative: |swept, [part, axis]| total(swept, RigidMoment::owner(part), axis),
     scale: Some(|scene, [part, axis]| largest(scene, &scene.config.rigid[part].moment.0[axis])),
 };
 

@@ -1,7 +1,7 @@
 //! Numbers of fibres and threads.
 
 use crate::config::{Along, FibreConfig, WindingConfig};
-use mechanics::energy::ParameterId;
+use mechanics::energy::{Fibres, Winding};
 
 use super::laws::total;
 use super::{Entry, Kind, Setting};
@@ -33,7 +33,7 @@ pub(super) const FIBRE: Kind = Kind {
     }),
     check: |scene, _| scene.config.check_fibres(),
     derivative: |swept, [family, k]| {
-        let by = total(swept, ParameterId::Fibre(family), k);
+        let by = total(swept, Fibres::owner(family), k);
         let law = swept.scene.config.fibre[family].k1.values().len() + 2;
         if k >= law { by.to_radians() } else { by }
     },
@@ -84,7 +84,7 @@ pub(super) const WINDING: Kind = Kind {
         Ok(())
     }),
     check: |scene, _| scene.config.check_windings(),
-    derivative: |swept, [thread, k]| total(swept, ParameterId::Winding(thread), k),
+    derivative: |swept, [thread, k]| total(swept, Winding::owner(thread), k),
     scale: None,
 };
 
@@ -119,7 +119,7 @@ pub(super) const COURSE: Kind = Kind {
     }),
     check: |scene, _| scene.config.check_windings(),
     derivative: |swept, [thread, k]| {
-        let by = total(swept, ParameterId::Winding(thread), k);
+        let by = total(swept, Winding::owner(thread), k);
         let winding = &swept.scene.config.winding[thread];
         if k == phase(winding) || winding.pitch.is_none() { by.to_radians() } else { by }
     },

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use measure::quantity::Partials;
+use measure::quantity::{Forces, Partials};
 use mechanics::forward::{Trajectory, Varied, neighbours};
 use mechanics::math::linear::dot;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::terms::{Forces, add_partials};
+use super::terms::add_partials;
 use super::{Rejected, Run, Scenario};
 
 /// Numbers of a vector in a piece.

@@ -1,13 +1,13 @@
 //! The gradient of the objective of a run, backwards through its time steps.
 
-use measure::quantity::{Equilibrium, Partials};
+use measure::quantity::{Equilibrium, Forces, Partials};
 use mechanics::adjoint::{self, Gradient, Wanted};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mesh::Vec3;
 use scene::Weighted;
 
-use super::terms::{Forces, add_partials};
+use super::terms::add_partials;
 use super::{Bound, Rejected, Run, Scenario};
 
 impl Scenario {
@@ -60,12 +60,11 @@ impl Scenario {
         factor: f64,
         gradient: &mut Gradient,
     ) {
-        let (rest, states) = (&run.rest[..], &*run.states);
-        for (n, Forces { contact, reaction }) in forces.iter().enumerate().skip(1) {
+        let Run { problem, rest, states, .. } = run;
+        for (n, forces) in forces.iter().enumerate().skip(1) {
             let state = states.state(n);
-            let (space, u, time) = (&*run.problem.space, &state.u[..], states.times[n]);
-            let threads = &run.problem.energies.windings;
-            let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
+            let at = problem.iterate(rest, &state.u, states.times[n]);
+            let here = Equilibrium::new(problem, &at, forces);
             for term in chosen(&self.terms, &self.bounds, of) {
                 let factor = factor * term.weight * term.factor * term.factors[n];
                 for (id, by) in term.quantity.by_parameters(&here, factor) {

@@ -4,11 +4,10 @@
 //!
 //! It costs one solve with the tangent, and one for its gradient ([`PressureSlope`]).
 
-use mechanics::adjoint::{Gradient, Grown};
+use mechanics::adjoint::{Gradient, ScaledPressure};
 use mechanics::energy::ChamberId;
-use mechanics::forward::{
-    Configuration, PressureSlope, Problem, Trajectory, Workspace, solve_multipliers,
-};
+use mechanics::forward::{Configuration, Problem, Trajectory, Workspace, solve_multipliers};
+use mechanics::stability::PressureSlope;
 use mesh::Vec3;
 
 use super::{Bound, Rejected, Run, Scenario};
@@ -58,7 +57,7 @@ impl Scenario {
         let u = u.clone().into_owned();
         let end = Configuration { rest, time, step: None, u, multipliers };
         let chambers = growing(problem, &self.scene.config.limit.clone().unwrap_or_default());
-        let held = problem.held(time, &chambers);
+        let held = problem.with_scaled_pressures(time, &chambers);
         // the unknowns are those of the shape before
         let mut workspace = self.growing.take().unwrap_or_else(|| Workspace::new(&held));
         let slope = PressureSlope::of(&held, &mut workspace, &end, &chambers);
@@ -77,8 +76,8 @@ impl Scenario {
         let Run { problem, rest, states, .. } = run;
         let ((growing, mut workspace), slope) = self.slope_at(problem, rest, states)?;
         let Growing { held, chambers, end } = &growing;
-        let grown = Grown { problem, held, rest, time: end.time, growing: chambers };
-        let by = grown.gradient_of_slope(&mut workspace, end, &slope);
+        let scaled = ScaledPressure { problem, held, rest, time: end.time, chambers };
+        let by = scaled.gradient_of_slope(&mut workspace, end, &slope);
         self.growing = Some(workspace);
         let by = by.map_err(|why| {
             self.reject(format!("the slope of the pressure has no gradient: {why}"))

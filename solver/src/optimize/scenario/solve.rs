@@ -22,7 +22,7 @@ const NEARBY_IN_TIME: usize = 30;
 /// Smallest load step of such a run, as a fraction of a time step.
 const NEARBY_INCREMENT: f64 = 0.25;
 
-/// How many times its volume at the start a chamber has that is taken to balloon, next to another run ...
+/// Volume at which a softening chamber is taken to balloon, over that at its start: next to another run ...
 const BALLOONED_NEARBY: f64 = 1.0;
 /// ... and from rest, where a chamber may grow a lot.
 const BALLOONED: f64 = 4.0;

@@ -2,35 +2,25 @@
 
 use std::collections::BTreeMap;
 
-use measure::quantity::{Equilibrium, Partials, Quantity};
+use measure::quantity::{Equilibrium, Forces, Partials, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
 
 use super::{Bound, Run, Scenario};
 
-/// Forces on the nodes at a moment [N], three components per node; empty where no term looks at
-/// them.
-pub(super) struct Forces {
-    /// Forces of contact and friction.
-    pub contact: Vec<f64>,
-    /// Forces of supports.
-    pub reaction: Vec<f64>,
-}
-
 /// Adds the partial derivatives of some terms, times a factor, by what they look at in a moment.
 pub(super) fn add_partials<'a>(
     terms: impl Iterator<Item = &'a Weighted>,
     run: &Run,
     n: usize,
-    Forces { contact, reaction }: &Forces,
+    forces: &Forces,
     factor: f64,
     out: &mut Partials,
 ) {
-    let (state, time) = (run.states.state(n), run.states.times[n]);
-    let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
-    let threads = &run.problem.energies.windings;
-    let here = Equilibrium { space, rest, u, time, contact, reaction, threads };
+    let state = run.states.state(n);
+    let at = run.problem.iterate(&run.rest, &state.u, run.states.times[n]);
+    let here = Equilibrium::new(&run.problem, &at, forces);
     for term in terms {
         let factor = factor * term.weight * term.factor * term.factors[n];
         if factor != 0.0 {
@@ -78,12 +68,9 @@ impl Scenario {
         if self.bounds.is_empty() {
             return Vec::new();
         }
-        let Forces { contact, reaction } = self.forces(run, end);
-        let (state, time) = (run.states.state(end), run.states.times[end]);
-        let (space, rest, u) = (&*run.problem.space, &run.rest[..], &state.u[..]);
-        let (contact, reaction) = (&contact, &reaction);
-        let threads = &run.problem.energies.windings;
-        let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
+        let (forces, state) = (self.forces(run, end), run.states.state(end));
+        let at = run.problem.iterate(&run.rest, &state.u, run.states.times[end]);
+        let at = Equilibrium::new(&run.problem, &at, &forces);
         let one = |bound: &Bound| match bound.probe() {
             Some(probe) => bound.kept(probe.quantity.value(&at)),
             None => bound.kept(run.slope.unwrap_or(f64::NAN)),
@@ -93,15 +80,12 @@ impl Scenario {
 
     /// Values over a run of the terms that are wanted, zero of the others.
     fn values_of(&mut self, run: &Run, wanted: impl Fn(&Weighted) -> bool) -> Vec<f64> {
-        let (rest, states) = (&run.rest[..], &*run.states);
+        let Run { problem, rest, states, .. } = run;
         let mut values = vec![0.0; self.terms.len()];
         for n in 0..=states.steps() {
-            let Forces { contact, reaction } = self.forces(run, n);
-            let (state, time) = (states.state(n), states.times[n]);
-            let (space, u) = (&*run.problem.space, &state.u[..]);
-            let (contact, reaction) = (&contact, &reaction);
-            let threads = &run.problem.energies.windings;
-            let at = Equilibrium { space, rest, u, time, contact, reaction, threads };
+            let (forces, state) = (self.forces(run, n), states.state(n));
+            let at = problem.iterate(rest, &state.u, states.times[n]);
+            let at = Equilibrium::new(problem, &at, &forces);
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
                 if factor != 0.0 && wanted(term) {

@@ -45,6 +45,38 @@ fn probes(s: f64) -> Vec<String> {
     ]
 }
 
+/// Objectives beside the examples of their kinds, and how near the state they are smooth: curvature jumps where a stretch
+/// passes its limit, or a point the side of a cell of the lattice of distances.
+const OTHERS: [(&str, f64); 15] = [
+    (
+        "kind = 'displacement'\non = 'top'\ndisplacement = ['t*y*(1 + x)', 7, 0.1]\ncomponents = 'xz'",
+        5e-5,
+    ),
+    (
+        "kind = 'displacement'\non = 'top'\ndisplacement = ['t*y', 7, 0.1]\nmeasure = 'deformed'",
+        5e-5,
+    ),
+    ("kind = 'position'\non = 'left'\nposition = ['t*y*(1 + x)', 7, 0.1]\ncomponents = 'xz'", 5e-5),
+    ("kind = 'volume'", 5e-5),
+    ("kind = 'volume'\nvolume = 0.3\nmeasure = 'deformed'", 5e-5),
+    ("kind = 'volume'\non = 'top'\nmeasure = 'deformed'", 5e-5),
+    (
+        "kind = 'target'\non = 'top'\ntarget = 'target.stl'\nspacing = 0.4\nmeasure = 'deformed'",
+        5e-5,
+    ),
+    (
+        "kind = 'target'\non = 'top'\ntarget = 'target.stl'\nspacing = 0.4\ndistance = 'unsigned'",
+        5e-5,
+    ),
+    ("kind = 'stress'", 5e-5),
+    ("kind = 'strain-limit'\nlargest = 1.02", 1e-5),
+    ("kind = 'strain-limit'\nlargest = 1e3\nsmallest = 0.98", 1e-5),
+    ("kind = 'contact-force'\non = 'top'", 5e-5),
+    ("kind = 'contact-force'\non = 'top'\nform = 'sum-of-squares'", 5e-5),
+    ("kind = 'contact-force'\non = 'top'\nform = 'sum'", 5e-5),
+    ("kind = 'smoothness'\non = 'top'", 5e-5),
+];
+
 /// The body of a case, with a tag for each face.
 fn body(case: &Case) -> Body {
     let mesh = TetMesh { vertices: case.rest.clone(), tets: case.space.tets().to_vec() };
@@ -146,8 +178,8 @@ fn derivatives_of_every_kind_belong_to_its_value() {
     mesh::io::write_surface(&folder.path().join("target.stl"), &skin).expect("a file");
     for degree in 1..=2 {
         let case = Case::cube(degree, 1.0);
-        let built = |list: List, kind: &Kind| {
-            let text = format!("name = 'q'\nkind = '{}'\n{}", kind.key, kind.example);
+        let built = |list: List, keys: &str| {
+            let text = format!("name = 'q'\n{keys}");
             on_site(&case, |mut site| {
                 site.targets = Targets::new(folder.path());
                 if list == List::Objective {
@@ -162,12 +194,18 @@ fn derivatives_of_every_kind_belong_to_its_value() {
         };
         for kind in KINDS {
             for &list in kind.lists {
-                let quantity = built(list, kind).unwrap_or_else(|e| panic!("{}: {e:#}", kind.key));
+                let keys = format!("kind = '{}'\n{}", kind.key, kind.example);
+                let quantity = built(list, &keys).unwrap_or_else(|e| panic!("{keys}: {e:#}"));
                 assert!(kind.needs_contact || !quantity.uses_contact(), "{}", kind.key);
                 eprintln!("{} of degree {degree}", kind.key);
                 // another pair of points becomes the closest one, as above
                 check(&case, quantity, if kind.key == "gap" { 2e-5 } else { 5e-5 });
             }
+        }
+        for (keys, near) in OTHERS {
+            eprintln!("{keys} of degree {degree}");
+            let quantity = built(List::Objective, keys);
+            check(&case, quantity.unwrap_or_else(|e| panic!("{keys}: {e:#}")), near);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Gradients of runs of blocks with fibres and threads.
 
-use super::membrane::to_equilibrium;
+use super::membrane::at_full_load;
 use super::*;
 use crate::energy::Isobaric;
 use crate::energy::{Axis, Direction, Directions, Fibres, Profile, Winding, polyline};
@@ -73,46 +73,36 @@ impl Reinforced {
         let mut values = self.values();
         values.iter_mut().zip(by).for_each(|(value, by)| *value *= by);
         let stiffness = values.pop().expect("that of the thread");
-        energies.fibres.push(self.family(&values, axis, slack, count));
+        let family = self.family(&values, axis, slack, count);
+        energies.extend([Term::of(Fibres::owner(0), family)]);
         let [_, (angle, k1)] = FAMILIES;
         let law = Fibre { k1, k2: 2.0, dispersion: 0.05, slack };
-        energies.fibres.push(Fibres::new(law, Direction::Helical(axis, angle), 0..count));
+        energies = energies.with(Fibres::new(law, Direction::Helical(axis, angle), 0..count));
         let path = [[0.003, 0.004, 0.02], [0.016, 0.013, 0.02]].map(Vec3::from);
         let pieces = polyline(&top, &Self::mesh().vertices, &path).expect("it lies on the top");
         let numbers = [stiffness, 0.02, 0.1];
-        energies.windings.push(Winding::new(&space, &pieces, numbers));
+        let thread = Winding::new(&space, &pieces, numbers);
+        energies.extend([Term::of(Winding::owner(0), thread)]);
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
-        energies =
-            energies.with_chamber("around", Chamber { wall, gas, multiplier: None, memory: None });
+        energies = energies.with_chamber("around", Chamber::new(wall, gas));
         let problem = Problem::new(space, energies, &fixed);
         let workspace = Workspace::new(&problem);
         (problem, workspace)
     }
 
-    fn run(&self, by: &[f64], rest: &[Vec3]) -> (Problem, Workspace, Trajectory) {
-        to_equilibrium(self.problem(by), rest)
-    }
-
     fn check(&self) {
         let values = self.values();
-        let (same, rest) = (vec![1.0; values.len()], Self::mesh().vertices);
-        let (problem, mut workspace, at) = self.run(&same, &rest);
-        let probe = Probe::new(problem.dofs(), false);
-        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
-        check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| {
-            let rest = points(x);
-            let (problem, _, run) = self.run(&same, &rest);
-            probe.value(&problem, &rest, &run)
-        });
-        let mut by = gradient.parameters.total(ParameterId::Fibre(0));
-        by.push(gradient.parameters.total(ParameterId::Winding(0))[0]);
-        let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
-        assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
-        check_gradient(&same, &by, 1e-2, |by| {
-            let (problem, _, run) = self.run(by, &rest);
-            probe.value(&problem, &rest, &run)
-        });
+        let (own, thread) = values.split_at(values.len() - 1);
+        let by = |gradient: &Gradient| {
+            let mut by = by_factors(gradient, Fibres::owner(0), own);
+            by.push(gradient.parameters.total(Winding::owner(0))[0] * thread[0]);
+            assert!(by.iter().all(|by| *by != 0.0), "{by:?}");
+            vec![by]
+        };
+        let problem = |by: &[f64]| self.problem(by);
+        let runs = Runs { problem: &problem, run: &at_full_load, forces: false };
+        runs.check(&Self::mesh().vertices, &[1e-2], by);
     }
 }
 

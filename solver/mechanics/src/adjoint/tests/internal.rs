@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::energy::{
-    Energy, Hessian, InternalCotangent, InternalVariables, PastCotangent, TimeStep,
+    Energy, Hessian, InternalCotangent, InternalVariables, Nature, PastCotangent, TimeStep,
 };
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
@@ -36,6 +36,10 @@ impl Maxwell {
 impl Energy for Maxwell {
     fn name(&self) -> &'static str {
         "maxwell"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Other
     }
 
     fn value(&self, at: &Iterate) -> f64 {

@@ -49,11 +49,11 @@ impl Sheets {
         let angle = 0.5 * factors.last().copied().unwrap_or(1.0);
         let axis = Axis { point: Vec3::new(0.005, -0.01, 0.0), along: Vec3::x() };
         let warp = Direction::Helical(axis, angle);
-        energies.membranes.push(if has_axes { sheet.along(warp) } else { sheet });
+        let sheet = if has_axes { sheet.along(warp) } else { sheet };
+        energies.extend([Term::of(Membrane::owner(0), sheet)]);
         let gas = Box::new(Isobaric { pressure: self.pressure.into() });
         let wall = Wall::new(&space, &wall);
-        energies =
-            energies.with_chamber("around", Chamber { wall, gas, multiplier: None, memory: None });
+        energies = energies.with_chamber("around", Chamber::new(wall, gas));
         let problem = Problem::new(space, energies, &fixed);
         let workspace = Workspace::new(&problem);
         (problem, workspace)
@@ -70,39 +70,24 @@ impl Sheets {
         let row = &LAWS[self.law];
         let mut values: Vec<f64> = [2e-3].iter().chain(row.sample).copied().collect();
         values.extend((row.build)(row.sample).has_axes().then_some(0.5));
-        let numbers = values.len();
-        let rest = Self::mesh().vertices;
-        let run = |factors: &[f64], rest: &[Vec3]| to_equilibrium(self.problem(factors), rest);
-        let same = vec![1.0; numbers];
-        let (problem, mut workspace, at) = run(&same, &rest);
-        let probe = Probe::new(problem.dofs(), false);
-        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
-        check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| {
-            let rest = points(x);
-            let (problem, _, run) = run(&same, &rest);
-            probe.value(&problem, &rest, &run)
-        });
-        let by = gradient.parameters.total(ParameterId::Membrane(0));
-        assert_eq!(by.len(), numbers);
-        let by: Vec<f64> = by.iter().zip(values).map(|(by, value)| by * value).collect();
-        check_gradient(&same, &by, 1e-3, |factors| {
-            let (problem, _, run) = run(factors, &rest);
-            probe.value(&problem, &rest, &run)
-        });
+        let by = |gradient: &Gradient| vec![by_factors(gradient, Membrane::owner(0), &values)];
+        let problem = |factors: &[f64]| self.problem(&factors[..values.len()]);
+        let runs = Runs { problem: &problem, run: &at_full_load, forces: false };
+        runs.check(&Self::mesh().vertices, &[1e-3], by);
     }
 }
 
 /// The run of a body to its equilibrium under full load.
-pub(super) fn to_equilibrium(
-    (problem, mut workspace): (Problem, Workspace),
+pub(super) fn at_full_load(
+    problem: &Problem,
+    workspace: &mut Workspace,
     rest: &[Vec3],
-) -> (Problem, Workspace, Trajectory) {
+) -> Trajectory {
     let zero = vec![0.0; problem.dofs()];
     let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
     let mut stepper = TimeStepper::new(TIGHT, integrator);
-    let run = stepper.run(&problem, &mut workspace, rest, &[1.0], ON_DISK, |_| ());
-    let run = run.expect("an equilibrium");
-    (problem, workspace, run)
+    let run = stepper.run(problem, workspace, rest, &[1.0], ON_DISK, |_| ());
+    run.expect("an equilibrium")
 }
 
 #[test]

@@ -13,8 +13,8 @@ use crate::contact::potential::Partners;
 use crate::contact::surface::Surface;
 use crate::element::FunctionSpace;
 use crate::energy::{
-    BodyEnergies, BodyForce, Chamber, Contact, Elastic, Energies, Friction, Inertia, Multiplier,
-    ParameterId, Wall,
+    BodyForce, Chamber, Contact, Elastic, Energies, Friction, Inertia, Multiplier, Owner, Term,
+    Wall,
 };
 use crate::forward::{Integrator, Method, Newton, Stepping, TimeStepper};
 use crate::material::MooneyRivlin;
@@ -28,12 +28,10 @@ mod fibre;
 mod inside;
 mod internal;
 mod linearizations;
-mod longer;
 mod membrane;
 mod mullins;
 mod neighbours;
 mod rigid;
-mod tangent;
 mod viscous;
 
 use inside::Inside;
@@ -178,19 +176,17 @@ impl Case {
         } else {
             self.hits().then(|| Inertia::tiny(&space, TINY * numbers.density, upper..count))
         };
-        let mut energies = Energies::bodies(vec![BodyEnergies {
-            elastic: Elastic::whole(Box::new(law)),
-            viscous: None,
-            mullins: None,
-            weight: Some(BodyForce::weight(Field(gravity), numbers.density, 0..count)),
-            inertia,
-        }]);
+        let weight = BodyForce::weight(Field(gravity), numbers.density, 0..count);
+        let mut energies = Energies::elastic(Box::new(law));
+        energies.extend([Term::of(BodyForce::weight_owner(0), weight)]);
+        energies.extend(inertia.map(|inertia| Term::of(Inertia::owner(0), inertia)));
         if !wall.is_empty() {
             let number = numbers.pressure;
             let gas = inside::gas(self, number);
             let memory = gas.remembers().map(|_| 0);
             let multiplier = self.prescribes_volume().then_some(0);
-            let chamber = Chamber { wall: Wall::new(&space, &wall), gas, multiplier, memory };
+            let chamber = Chamber::new(Wall::new(&space, &wall), gas);
+            let chamber = Chamber { multiplier, memory, ..chamber };
             energies = energies.with_chamber("hole", chamber);
         }
         let held = !wall.is_empty() && self.prescribes_volume();
@@ -200,8 +196,9 @@ impl Case {
         if self.hits() {
             let contact = self.barrier(&mesh, &space, &fixed).with_stiffness(numbers.stiffness);
             let surface = Arc::clone(contact.surface());
-            energies.contact = Some(Arc::new(contact));
-            energies.friction = Some(Friction::new(surface, numbers.friction, 0.05));
+            let friction = Friction::new(surface, numbers.friction, 0.05);
+            energies.extend([Term::of(Contact::OWNER, contact)]);
+            energies.extend([Term::of(Friction::OWNER, friction)]);
         }
         let problem = Problem::new(space, energies, &fixed).with_multipliers(multipliers);
         let workspace = Workspace::new(&problem);
@@ -254,7 +251,7 @@ impl Case {
 
 /// Largest number of pairs of nearly parallel edges that repel each other in a step.
 fn mollified_pairs(problem: &Problem, rest: &[Vec3], run: &Trajectory) -> usize {
-    let contact = problem.energies.contact.as_ref().expect("bodies that hit");
+    let contact = problem.energies.contact().expect("bodies that hit");
     let at =
         |n: usize| contact.mollified_pairs(&problem.iterate(rest, &run.state(n).u, run.times[n]));
     (1..=run.steps()).map(at).max().unwrap_or(0)
@@ -333,6 +330,59 @@ impl Probe {
     }
 }
 
+/// A family of runs by numbers that are 1 in the run whose gradient is checked.
+struct Runs<'a> {
+    problem: &'a dyn Fn(&[f64]) -> (Problem, Workspace),
+    run: &'a dyn Fn(&Problem, &mut Workspace, &[Vec3]) -> Trajectory,
+    /// Whether the forces of contact are measured.
+    forces: bool,
+}
+
+impl Runs<'_> {
+    /// What is measured of the run by numbers.
+    fn value(&self, numbers: &[f64], rest: &[Vec3]) -> f64 {
+        let (problem, mut workspace) = (self.problem)(numbers);
+        let run = (self.run)(&problem, &mut workspace, rest);
+        Probe::new(problem.dofs(), self.forces).value(&problem, rest, &run)
+    }
+
+    /// Taylor tests by the rest shape, and by numbers with their first steps; `by` are the derivatives by each group of
+    /// numbers, in their order.
+    fn check(
+        &self,
+        rest: &[Vec3],
+        groups: &[f64],
+        by: impl Fn(&Gradient) -> Vec<Vec<f64>>,
+    ) -> (Problem, Trajectory) {
+        let count = |by: &[Vec<f64>]| by.iter().map(Vec::len).sum::<usize>();
+        let many = [1.0; 32];
+        let (problem, mut workspace) = (self.problem)(&many);
+        let run = (self.run)(&problem, &mut workspace, rest);
+        let probe = Probe::new(problem.dofs(), self.forces);
+        let gradient = probe.gradient(&problem, &mut workspace, rest, &run);
+        let by = by(&gradient);
+        let ones = vec![1.0; count(&by)];
+        check_gradient(&flat(rest), &gradient.rest, 2e-6, |x| self.value(&ones, &points(x)));
+        let mut first = 0;
+        for (by, step) in by.iter().zip(groups) {
+            check_gradient(&vec![1.0; by.len()], by, *step, |x| {
+                let mut numbers = ones.clone();
+                numbers[first..first + x.len()].copy_from_slice(x);
+                self.value(&numbers, rest)
+            });
+            first += by.len();
+        }
+        (problem, run)
+    }
+}
+
+/// Derivatives by numbers as those by factors of them.
+fn by_factors(gradient: &Gradient, owner: Owner, numbers: &[f64]) -> Vec<f64> {
+    let by = gradient.parameters.total(owner);
+    assert_eq!(by.len(), numbers.len());
+    by.iter().zip(numbers).map(|(by, number)| by * number).collect()
+}
+
 fn check(case: &Case, forces: bool) {
     let (problem, mut workspace, rest) = case.problem(&NUMBERS);
     let start = case.start(&problem, &rest);
@@ -358,8 +408,8 @@ fn check(case: &Case, forces: bool) {
         probe.value(&problem, &rest, &run)
     });
     // numbers, each relative to itself
-    let of = |id: ParameterId| gradient.parameters.total(id);
-    let one = |id: ParameterId| of(id).first().copied().unwrap_or(0.0);
+    let of = |id: Owner| gradient.parameters.total(id);
+    let one = |id: Owner| of(id).first().copied().unwrap_or(0.0);
     // without contact the remainder of a smaller change is lost in rounding
     let part = if case.hits() { 1e-3 } else { 8e-3 };
     let with = |p: &[f64], by: &[f64]| {
@@ -378,18 +428,18 @@ fn check(case: &Case, forces: bool) {
             probe.value(&problem, &rest, &run)
         });
     };
-    let law = of(ParameterId::Material(0));
+    let law = of(Elastic::owner(0));
     assert_eq!(law.len(), NUMBERS.law.len());
     let mut by: Vec<f64> = law.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
     let heavier = if case.method.has_inertia() { 1.0 } else { TINY };
-    let by_density = one(ParameterId::Weight(0)) + heavier * one(ParameterId::Density(0));
+    let by_density = one(BodyForce::weight_owner(0)) + heavier * one(Inertia::owner(0));
     by.push(by_density * NUMBERS.density);
-    by.push(one(ParameterId::Friction) * NUMBERS.friction);
-    let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
+    by.push(one(Friction::OWNER) * NUMBERS.friction);
+    let chamber = problem.energies.chambers().map(|(id, _)| id.owner()).next();
     let pressure = chamber.map_or(0.0, one);
     by.push(pressure * case.by_pressure() * NUMBERS.pressure);
-    by.push(one(ParameterId::ContactStiffness) * NUMBERS.stiffness);
-    let falls = of(ParameterId::Weight(0)).into_iter().skip(1);
+    by.push(one(Contact::OWNER) * NUMBERS.stiffness);
+    let falls = of(BodyForce::weight_owner(0)).into_iter().skip(1);
     by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
     with(&[1.0; 11], &by);
     // the start, of what can move

@@ -53,9 +53,9 @@ fn both_ways(case: &Case, size: f64) -> [[f64; 2]; 3] {
         (probe.value(&varied[i].problem, &varied[i].rest, run) - here) / size
     };
     let all = all.expect("the tangents are regular");
-    let chamber = problem.energies.chambers().map(|(id, _)| ParameterId::Chamber(id)).next();
+    let chamber = problem.energies.chambers().map(|(id, _)| id.owner()).next();
     let by_pressure = chamber.map_or(0.0, |id| gradient.parameters.total(id)[0]);
-    let by_law = gradient.parameters.total(ParameterId::Material(0))[0] * NUMBERS.law[0];
+    let by_law = gradient.parameters.total(Elastic::owner(0))[0] * NUMBERS.law[0];
     let by_rest = 0.02 * dot(&gradient.rest, &flat(&motion));
     let by_numbers = by_law + by_pressure * case.by_pressure() * NUMBERS.pressure;
     [

@@ -4,10 +4,10 @@ use mesh::SurfaceMesh;
 
 use super::*;
 use crate::contact::surface::Obstacle;
-use crate::energy::{IdealGas, MassPoint, Rigid, RigidEnergies, RigidLoad, RigidMass};
-use crate::forward::{ArcFollower, ArcLength};
+use crate::energy::{IdealGas, MassPoint, Rigid, RigidLoad, RigidMass};
 use crate::material::{Lame, NeoHookean};
 use crate::rigid::{Moves, RigidSet};
+use crate::stability::{ArcLength, Continuation};
 
 /// Edge of the block [m].
 const EDGE: f64 = 0.02;
@@ -55,16 +55,15 @@ impl Topped {
         let law = NeoHookean(Lame::new(YOUNG * factor, 0.45));
         let mut energies = Energies::elastic(Box::new(law));
         if self.method.has_inertia() {
-            energies.bodies[0].inertia = Some(Inertia::new(&space, 1000.0, 0..space.tets().len()));
+            energies = energies.with(Inertia::new(&space, 1000.0, 0..space.tets().len()));
         }
         let inertia = self.method.has_inertia();
-        energies.rigid.push(RigidEnergies {
-            name: "top".to_owned(),
-            stiffness: (part.masters().len() > 1).then(|| Rigid::new(&part, &nodes, SHEAR)),
-            mass: inertia.then(|| RigidMass::new(&part, mass, &points)),
-            load: RigidLoad::new(&part, weights, force, gravity, mass),
-            moment: None,
-        });
+        let stiffness = (part.masters().len() > 1).then(|| Rigid::new(&part, &nodes, SHEAR));
+        let own = inertia.then(|| RigidMass::new(&part, mass, &points));
+        let load = RigidLoad::new(&part, weights, force, gravity, mass);
+        energies.extend(stiffness.map(|own| Term::of(Rigid::owner(0), own)));
+        energies.extend(own.map(|own| Term::of(RigidMass::owner(0), own)));
+        energies.extend([Term::of(RigidLoad::owner(0), load)]);
         let problem = Problem::new(space, energies, &fixed).with_rigid(&[part]);
         let workspace = Workspace::new(&problem);
         (problem, workspace)
@@ -136,8 +135,8 @@ fn a_top_that_cannot_turn_is_that_of_a_moved_support() {
     let moved: Vec<f64> =
         nodes.iter().flat_map(|x| if x.z > 0.0 { motion.into() } else { [0.0; 3] }).collect();
     let space = FunctionSpace::new(2, rest.len(), Topped::mesh().tets);
-    let mut elastic = problem.energies.clone();
-    elastic.rigid.clear();
+    let elastic = problem.energies.terms().filter(|term| term.downcast::<Elastic>().is_some());
+    let elastic = elastic.cloned().collect();
     let held = Problem::new(space, elastic, &fixed).with_displacement(&moved);
     let other = case.run(&held, &mut Workspace::new(&held), &rest);
     let (run, other) = (run.last(), other.last());
@@ -156,7 +155,7 @@ fn a_path_carries_a_rigid_top_along() {
     let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
     let mut stepper = TimeStepper::new(TIGHT, integrator);
     let path = ArcLength { first: 0.2, largest: 0.5, smallest: 1e-3, end: 1.0 };
-    let mut follower = ArcFollower::new(path);
+    let mut follower = Continuation::new(path);
     let mut workspace = Workspace::new(&problem);
     let end = loop {
         let step = follower.next(&mut stepper, &problem, &mut workspace, &rest).expect("a state");
@@ -179,8 +178,12 @@ fn the_load_of_a_held_part_does_not_grow() {
     let u: Vec<f64> = Random::new(2).numbers(problem.dofs()).iter().map(|x| 1e-4 * x).collect();
     let at = |problem: &Problem, time: f64| problem.gradient(&problem.iterate(&rest, &u, time)).0;
     let mut grows = problem.clone();
-    grows.energies.rigid[0].load.force.0[0] = "3*t".parse().expect("an expression");
-    let held = grows.held(1.0, &[]);
+    grows.energies.change(|_, own: &RigidLoad| {
+        let mut load = own.clone();
+        load.force.0[0] = "3*t".parse().expect("an expression");
+        load
+    });
+    let held = grows.with_scaled_pressures(1.0, &[]);
     assert_eq!(at(&held, 1.0), at(&grows, 1.0));
     assert_eq!(at(&held, 2.5), at(&held, 1.0));
     assert_ne!(at(&grows, 2.5), at(&grows, 1.0));
@@ -210,9 +213,9 @@ fn runs_with_a_rigid_top_have_their_gradients() {
         let (problem, mut workspace, at) = run(&same, &rest);
         let probe = Probe::new(problem.dofs(), false);
         let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
-        let load = gradient.parameters.total(ParameterId::RigidLoad(0));
-        let inertia = gradient.parameters.total(ParameterId::RigidMass(0));
-        let law = gradient.parameters.total(ParameterId::Material(0));
+        let load = gradient.parameters.total(RigidLoad::owner(0));
+        let inertia = gradient.parameters.total(RigidMass::owner(0));
+        let law = gradient.parameters.total(Elastic::owner(0));
         let by_mass = load[0] + inertia.first().copied().unwrap_or(0.0);
         let by = [
             by_mass * numbers[0],
@@ -242,11 +245,11 @@ fn runs_with_a_rigid_top_have_their_gradients() {
 fn energy(problem: &Problem, rest: &[Vec3], state: &State) -> f64 {
     // loads are zero at t = 0
     let at = problem.iterate(rest, &state.u, 1.0);
-    let stored = problem.energies.terms().filter(|term| term.kind.is_stored());
-    let stored: f64 = stored.map(|term| term.energy.value(&at)).sum();
+    let stored = problem.energies.iter().filter(|energy| energy.nature().is_stored());
+    let stored: f64 = stored.map(|energy| energy.value(&at)).sum();
     let of_bodies = problem.energies.inertia();
     let of_bodies: f64 = of_bodies.map(|m| m.kinetic_energy(&problem.space, rest, &state.v)).sum();
-    let masses = problem.energies.rigid.iter().filter_map(|part| part.mass.as_ref());
+    let masses = problem.energies.each::<RigidMass>();
     stored + of_bodies + masses.map(|mass| mass.kinetic_energy(&state.v)).sum::<f64>()
 }
 
@@ -265,10 +268,10 @@ fn below_a_plate() -> (Problem, Vec<Vec3>) {
     };
     let points: Vec<_> = top.iter().map(point).collect();
     let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(YOUNG, 0.45))));
-    energies.bodies[0].inertia = Some(Inertia::new(&space, 1000.0, 0..space.tets().len()));
+    energies = energies.with(Inertia::new(&space, 1000.0, 0..space.tets().len()));
     let gas = IdealGas { fill: Schedule::held(2e3), ambient: 101.3e3, exponent: 1.4 };
     let (wall, gas) = (Wall::new(&space, &wall), Box::new(gas));
-    let chamber = Chamber { wall, gas, multiplier: None, memory: None };
+    let chamber = Chamber::new(wall, gas);
     energies = energies.with_chamber("hole", chamber);
     let facets = topology::boundary(&mesh).facets;
     let corners = [[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]];
@@ -278,22 +281,13 @@ fn below_a_plate() -> (Problem, Vec<Vec3>) {
     let surface = Surface::new(&space, &facets, &vec![0; facets.len()], vec![plate], 1, &fixed);
     let (form, density, thickness) = (Form::Convergent, Density::LogSquared, 0.0);
     let barrier = Barrier { form, density, activation: 2e-4, stiffness: 5e4, thickness };
-    energies.contact =
-        Some(Arc::new(Contact::new(Arc::new(surface), Partners::ThroughAir, barrier)));
+    energies = energies.with(Contact::new(Arc::new(surface), Partners::ThroughAir, barrier));
     let [none, down] = [0.0, -9.81].map(|g| Field([0.0, 0.0, g].map(Schedule::held)));
-    energies.rigid.push(RigidEnergies {
-        name: "top".to_owned(),
-        stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
-        mass: Some(RigidMass::new(&part, 0.05, &points)),
-        load: RigidLoad::new(
-            &part,
-            part.weights_at(rest[top[0]]).expect("there"),
-            none,
-            down,
-            0.05,
-        ),
-        moment: None,
-    });
+    let at = part.weights_at(rest[top[0]]).expect("there");
+    energies = energies
+        .with(Rigid::new(&part, &rest, SHEAR))
+        .with(RigidMass::new(&part, 0.05, &points))
+        .with(RigidLoad::new(&part, at, none, down, 0.05));
     (Problem::new(space, energies, &fixed).with_rigid(&[part]), rest)
 }
 
@@ -336,7 +330,7 @@ fn largest_change(energies: &[f64]) -> f64 {
 fn a_top_that_turns_keeps_its_energy_along_chords() {
     let case = Topped { degree: 1, method: Method::Newmark, steps: 1, moves: Moves::Freely };
     let (mut problem, _) = case.problem(0.05, [0.0; 3], 1.0);
-    problem.energies.rigid[0].load = problem.energies.rigid[0].load.held(1.0);
+    problem.energies.change(|_, own: &RigidLoad| own.held(1.0));
     let on = (&problem, &Topped::mesh().vertices[..]);
     let off = |method| largest_change(&energies_of_a_thrown_top(on, method, 1e-3, 400));
     let (keeps, grows) = (off(Method::EnergyMomentum), off(Method::Newmark));
@@ -352,7 +346,8 @@ fn a_top_that_turns_keeps_its_energy_along_chords() {
 fn energy_stays_for_500_periods_with_air_and_not_with_contact() {
     let (problem, rest) = below_a_plate();
     let mut open = problem.clone();
-    open.energies.contact = None;
+    let others = problem.energies.terms().filter(|term| !term.nature().is_contact());
+    open.energies = others.cloned().collect();
     let dt = 1e-3;
     for (name, problem, steps, bound) in
         [("air", &open, 12_000, 1e-6), ("air and contact", &problem, 1_200, 0.2)]
@@ -377,15 +372,15 @@ fn a_spinning_rigid_block_keeps_its_momentum_and_energy() {
     let part = RigidSet::new(&all, &rest, Moves::Freely).expect("nodes");
     let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(YOUNG, 0.4))));
     let inertia = Inertia::new(&space, 1000.0, 0..space.tets().len());
-    energies.bodies[0].inertia = Some(inertia.clone());
+    energies = energies.with(inertia.clone());
     let none = Field([0.0, 0.0, 0.0].map(Schedule::from));
-    energies.rigid.push(RigidEnergies {
-        moment: None,
-        name: "block".to_owned(),
-        stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
-        mass: None,
-        load: RigidLoad::new(&part, vec![0.25; 4], none.clone(), none, 0.0),
-    });
+    energies = energies.with(Rigid::new(&part, &rest, SHEAR)).with(RigidLoad::new(
+        &part,
+        vec![0.25; 4],
+        none.clone(),
+        none,
+        0.0,
+    ));
     let problem = Problem::new(space, energies, &vec![false; 3 * rest.len()]).with_rigid(&[part]);
     let mut workspace = Workspace::new(&problem);
     let velocity: Vec<f64> =
@@ -427,17 +422,17 @@ fn a_rigid_block_swings_as_a_pendulum() {
     let fixed: Vec<bool> = all.iter().flat_map(|n| [edge.contains(n); 3]).collect();
     let part = RigidSet::hinged(&all, &edge, &rest, Moves::Freely).expect("nodes");
     let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(YOUNG, 0.4))));
-    energies.bodies[0].inertia = Some(Inertia::new(&space, 1000.0, 0..space.tets().len()));
+    energies = energies.with(Inertia::new(&space, 1000.0, 0..space.tets().len()));
     let none = Field([0.0, 0.0, 0.0].map(Schedule::from));
     let down = Field([0.0, 0.0, -gravity].map(Schedule::held));
     let middle = part.weights_at(Vec3::zeros()).expect("inside");
-    energies.rigid.push(RigidEnergies {
-        moment: None,
-        name: "block".to_owned(),
-        stiffness: Some(Rigid::new(&part, &rest, SHEAR)),
-        mass: None,
-        load: RigidLoad::new(&part, middle, none, down, 1000.0 * EDGE.powi(3)),
-    });
+    energies = energies.with(Rigid::new(&part, &rest, SHEAR)).with(RigidLoad::new(
+        &part,
+        middle,
+        none,
+        down,
+        1000.0 * EDGE.powi(3),
+    ));
     let problem = Problem::new(space, energies, &fixed).with_rigid(&[part]);
     let mut workspace = Workspace::new(&problem);
     let start = State::new(vec![0.0; problem.dofs()], vec![0.0; problem.dofs()]);

@@ -17,42 +17,35 @@ pub(super) fn problem(
     let [c1, c2, c3, d1] = numbers.law;
     let law = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
     let count = problem.space.tets().len();
-    let own = &mut problem.energies.bodies[0];
-    own.viscous = Some(Viscous::new(law, branches.to_vec(), 0..count, 0));
+    let viscous = Viscous::new(law, branches.to_vec(), 0..count, 0);
+    let of_law = (Elastic::owner(0), numbers.law.len());
+    problem.energies.extend([Term::of_both(of_law, Viscous::owner(0), viscous)]);
     let workspace = Workspace::new(&problem);
     (problem, workspace, rest)
 }
 
 fn check_viscous(case: &Case) {
-    let (own, mut workspace, rest) = problem(case, &NUMBERS, &BRANCHES);
-    let start = case.start(&own, &rest);
-    let run = case.run(&own, &mut workspace, &rest, start.clone());
-    let probe = Probe::new(own.dofs(), case.hits());
-    let gradient = probe.gradient(&own, &mut workspace, &rest, &run);
-    let value = |numbers: &Numbers, branches: &[Branch], rest: &[Vec3]| {
-        let (problem, mut workspace, _) = problem(case, numbers, branches);
-        let run = case.run(&problem, &mut workspace, rest, start.clone());
-        probe.value(&problem, rest, &run)
-    };
-    check_gradient(&flat(&rest), &gradient.rest, 2e-6, |x| value(&NUMBERS, &BRANCHES, &points(x)));
-    let by = gradient.parameters.total(ParameterId::Material(0));
-    let by: Vec<f64> = by.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
-    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
+    let with = |p: &[f64]| {
         let law = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
-        value(&Numbers { law, ..NUMBERS }, &BRANCHES, &rest)
-    });
-    let by = gradient.parameters.total(ParameterId::Relaxation(0));
-    let numbers = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]);
-    let by: Vec<f64> = by.iter().zip(numbers).map(|(g, c)| g * c).collect();
-    assert!(by.len() == 4 && by.iter().all(|by| *by != 0.0), "{by:?}");
-    check_gradient(&[1.0; 4], &by, 1e-3, |p| {
         let scaled = |(i, b): (usize, &Branch)| Branch {
-            overstress: p[2 * i] * b.overstress,
-            time: p[2 * i + 1] * b.time,
+            overstress: p[4 + 2 * i] * b.overstress,
+            time: p[5 + 2 * i] * b.time,
         };
         let branches: Vec<Branch> = BRANCHES.iter().enumerate().map(scaled).collect();
-        value(&NUMBERS, &branches, &rest)
-    });
+        let (problem, workspace, _) = problem(case, &Numbers { law, ..NUMBERS }, &branches);
+        (problem, workspace)
+    };
+    let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
+        case.run(problem, workspace, rest, case.start(problem, rest))
+    };
+    let by = |g: &Gradient| {
+        let numbers: Vec<f64> = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]).collect();
+        let of_branches = by_factors(g, Viscous::owner(0), &numbers);
+        assert!(of_branches.iter().all(|by| *by != 0.0), "{of_branches:?}");
+        vec![by_factors(g, Elastic::owner(0), &NUMBERS.law), of_branches]
+    };
+    let rest = case.bodies().0.vertices;
+    Runs { problem: &with, run: &run, forces: case.hits() }.check(&rest, &[1e-3, 1e-3], by);
 }
 
 #[test]
@@ -70,22 +63,6 @@ fn viscous_runs_have_their_gradients_with_any_formula() {
     }
 }
 
-#[test]
-#[ignore = "half a minute: runs in make test-all; one element with each formula stays"]
-fn viscous_bodies_of_many_elements_have_their_gradients() {
-    let (method, body, inside) = (Method::Quasistatic, Shape::Hollow, Inside::Pressure);
-    check_viscous(&Case { method, degree: 2, steps: 2, dt: 0.02, body, inside });
-    let blocks = Case {
-        method: Method::ImplicitEuler,
-        degree: 1,
-        steps: 3,
-        dt: 2e-3,
-        body: Shape::Blocks,
-        inside: Inside::Pressure,
-    };
-    check_viscous(&blocks);
-}
-
 /// A unit cube sheared by a given displacement of all its nodes: forces of its law and overstress.
 #[test]
 fn stress_relaxes_as_the_formula_says() {
@@ -94,9 +71,9 @@ fn stress_relaxes_as_the_formula_says() {
     let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 0.0, d1: 1e6 };
     let count = mesh.tets.len();
     let elastic = Elastic::whole(Box::new(law));
-    let mut energies = Energies::bodies(vec![BodyEnergies::new(elastic)]);
+    let energies = Energies::bodies([elastic]);
     let isochoric = law.isochoric().expect("in invariants");
-    energies.bodies[0].viscous = Some(Viscous::new(isochoric, BRANCHES.to_vec(), 0..count, 0));
+    let energies = energies.with(Viscous::new(isochoric, BRANCHES.to_vec(), 0..count, 0));
     let problem = Problem::new(space, energies, &[true; 3 * 27]);
     let rest = &mesh.vertices;
     let nodes = problem.space.node_positions(rest);

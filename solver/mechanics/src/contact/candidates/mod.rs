@@ -56,10 +56,6 @@ pub struct TooMany {
 /// All pairs of two of `features` that come closer than `radius` [m] while
 /// vertices move from `x0` to `x1` [m], and some that do not: sorted, each once,
 /// without those that share a vertex and those whose corners `skip` is true for.
-///
-/// # Errors
-/// [`TooMany`] where more than [`budget`] pairs of boxes overlap, so that memory is
-/// bounded however long the step is.
 pub fn between(
     features: &Features,
     x0: &[Vec3],
@@ -71,9 +67,6 @@ pub fn between(
 }
 
 /// As [`between`], with a budget of one's own.
-///
-/// # Errors
-/// As [`between`].
 pub fn between_within(
     budget: usize,
     features: &Features,

@@ -42,15 +42,9 @@ const ACCURATE: f64 = 1.0 - 1e-6;
 /// is free so far is returned then.
 const RENEWALS: usize = 100;
 
-/// A time in [0, 1] until which the features of a pair keep more than `thickness`
-/// and about [`KEPT`] of their gap beyond it, when their corners move from
-/// `start` to `end` [m]: 1 if they do all along, 0 if they are no further
-/// apart than `thickness` from the start, or numbers are not finite.
-pub fn time_of_impact(pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thickness: f64) -> f64 {
-    time_within(1.0, pair, start, end, thickness)
-}
-
-/// The least [`time_of_impact`] of all pairs, the same for any number of threads.
+/// The least time of impact of all pairs when vertices move from `x0` to `x1` [m], the same for any number of threads: a
+/// time in [0, 1] until which the features of a pair keep more than `thickness` and about [`KEPT`] of their gap beyond it,
+/// 1 if they do all along, 0 if they are no further apart than that from the start, or numbers are not finite.
 pub fn max_step(pairs: &[Pair], x0: &[Vec3], x1: &[Vec3], thickness: f64) -> f64 {
     // numbers ≥ 0 are ordered as their bits
     let least = AtomicU64::new(1.0_f64.to_bits());

@@ -277,6 +277,10 @@ fn degenerate(pair: Pair, random: &mut Random) -> [[Vec3; 4]; 2] {
     [start, end]
 }
 
+fn time_of_impact(pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thickness: f64) -> f64 {
+    time_within(1.0, pair, start, end, thickness)
+}
+
 /// What became of many paths.
 struct Outcome {
     paths: usize,
@@ -331,24 +335,20 @@ fn check(path: &Path, all: &mut Outcome) {
     }
 }
 
-/// No step goes through a contact, and none ends before the gap is used up, on
-/// some or many paths of each family.
-fn steps_end_before_contact_and_not_long_before(share: f64) {
-    let families: [(&str, Family, f64); 7] = [
-        ("anything", anything, 400.0),
-        ("hitting", hitting, 350.0),
-        ("coplanar", coplanar, 50.0),
-        ("sliding", sliding, 50.0),
-        ("still", still, 50.0),
-        ("parallel", parallel, 50.0),
-        ("degenerate", degenerate, 50.0),
+/// No step goes through a contact, and none ends before the gap is used up, on thousands of paths of each family.
+#[test]
+fn steps_end_before_contact_and_not_long_before() {
+    let families: [(&str, Family, usize); 7] = [
+        ("anything", anything, 24),
+        ("hitting", hitting, 21),
+        ("coplanar", coplanar, 3),
+        ("sliding", sliding, 3),
+        ("still", still, 3),
+        ("parallel", parallel, 3),
+        ("degenerate", degenerate, 3),
     ];
-    eprintln!(
-        "                          paths contacts  t / contact: least, 1 %, median  gap left / kept"
-    );
     for pair in KINDS {
         for (name, family, parts) in families {
-            let parts = (share * parts) as usize;
             let one = |seed| follow(family, pair, PLACES[seed % PLACES.len()], seed as u64, 1000);
             let outcomes: Vec<Outcome> = (0..parts).into_par_iter().map(one).collect();
             let mut ratios: Vec<f64> = outcomes.iter().flat_map(|o| &o.ratios).copied().collect();
@@ -356,35 +356,13 @@ fn steps_end_before_contact_and_not_long_before(share: f64) {
             let paths: usize = outcomes.iter().map(|o| o.paths).sum();
             let least = outcomes.iter().fold(f64::INFINITY, |all, o| all.min(o.left[0]));
             let most = outcomes.iter().fold(0.0, |all: f64, o| all.max(o.left[1]));
-            let of = |share: f64| {
-                ratios.get((share * ratios.len() as f64) as usize).copied().unwrap_or(f64::NAN)
-            };
-            let kind = if pair == KINDS[0] { "point-triangle" } else { "edge-edge" };
-            eprintln!(
-                "{kind:<15}{name:<11}{paths:>7}{:>9}  {:.3} {:.3} {:.3}  {least:.4} to {most:.4}",
-                ratios.len(),
-                of(0.0),
-                of(0.01),
-                of(0.5)
-            );
             assert_eq!(paths, 1000 * parts);
             // with what rounding and the end of the search allow
             assert!(least > 0.99 && most < 1.05, "{name}");
             assert_eq!(ratios.is_empty(), name == "still");
-            assert!(ratios.is_empty() || of(0.5) > 0.85, "{name}");
+            assert!(ratios.is_empty() || ratios[ratios.len() / 2] > 0.85, "{name}");
         }
     }
-}
-
-#[test]
-fn a_hundred_thousand_steps_end_before_contact() {
-    steps_end_before_contact_and_not_long_before(0.06);
-}
-
-#[test]
-#[ignore = "takes a minute"]
-fn two_million_steps_end_before_contact() {
-    steps_end_before_contact_and_not_long_before(1.0);
 }
 
 #[test]

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, Nature, Owner};
 use crate::contact::barrier::Barrier;
 use crate::contact::candidates::coming_within;
 use crate::contact::ccd;
@@ -58,6 +58,9 @@ pub struct GapSummary {
 }
 
 impl Contact {
+    /// Who owns the stiffness of the barrier, in its own forces and in those of friction.
+    pub const OWNER: Owner = Owner::new("contact", 0);
+
     /// The barrier between features of a surface.
     pub fn new(surface: Arc<Surface>, partners: Partners, barrier: Barrier) -> Self {
         // each copy of a part has the same share of the energy of the whole
@@ -235,6 +238,10 @@ impl Contact {
 impl Energy for Contact {
     fn name(&self) -> &'static str {
         "contact"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Contact
     }
 
     fn value(&self, at: &Iterate) -> f64 {

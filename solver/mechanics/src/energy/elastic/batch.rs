@@ -23,7 +23,7 @@ use mesh::Vec3;
 /// ψ of each lane [J/m³].
 #[inline(always)]
 fn energy_densities<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> [f64; MOST] {
-    if let Some(law) = law.isotropic() {
+    if let Some(law) = law.decoupled() {
         return Points::new(simd, grad_u).energy_densities(law);
     }
     if let Some(law) = law.neo_hookean() {
@@ -39,7 +39,7 @@ fn energy_densities<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) ->
 /// P [Pa].
 #[inline(always)]
 fn first_piola<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tensor<S> {
-    if let Some(law) = law.isotropic() {
+    if let Some(law) = law.decoupled() {
         let points = Points::new(simd, grad_u);
         return points.first_piola(&points.partials(law));
     }
@@ -67,7 +67,7 @@ fn first_piola<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tens
 /// ∂P/∂F [Pa].
 #[inline(always)]
 fn tangents<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tangents<S> {
-    if let Some(law) = law.isotropic() {
+    if let Some(law) = law.decoupled() {
         let points = Points::new(simd, grad_u);
         return points.tangent(&points.partials(law));
     }
@@ -104,7 +104,7 @@ fn project<S: Simd>(simd: S, law: &dyn Material, tangents: &mut Tangents<S>, gra
     if lanes.peek().is_none() {
         return;
     }
-    if law.isotropic().is_some() || law.neo_hookean().is_some() {
+    if law.decoupled().is_some() || law.neo_hookean().is_some() {
         let f = plus_identity(grad_u, Lanes::splat(simd, 1.0));
         return projection::project_isotropic(tangents, &f, pivots);
     }

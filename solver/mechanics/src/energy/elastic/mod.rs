@@ -21,8 +21,8 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::Iterate;
 use super::elements::{Element, corner_gradients, points};
+use super::{Iterate, Owner};
 use crate::element::{FunctionSpace, at};
 use crate::material::{Kinematics, Material, Split};
 use crate::math::tensor::{Mat3, cofactor_change, vec9};
@@ -52,6 +52,11 @@ fn field_gradient<const N: usize>(values: &[Vec3; N], gradients: &[Vec3; N]) -> 
 }
 
 impl Elastic {
+    /// Who owns the parameters of the law of a body, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("material", place)
+    }
+
     /// All elements have one law.
     pub fn whole(material: Box<dyn Material>) -> Self {
         Self { material: material.into(), elements: None, mean: None }
@@ -166,4 +171,4 @@ impl Elastic {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

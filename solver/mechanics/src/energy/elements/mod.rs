@@ -7,7 +7,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use pulp::{Simd, WithSimd};
 
-use super::{Energy, Hessian, Iterate};
+use super::{Energy, Hessian, Iterate, Nature};
 use crate::element::{FunctionSpace, add_at};
 use crate::math::lanes::{Lanes, MOST, widest};
 use crate::math::pool::Pool;
@@ -318,9 +318,13 @@ macro_rules! with_nodes {
     };
 }
 
-impl<E: ElementEnergy> Energy for E {
+impl<E: ElementEnergy + 'static> Energy for E {
     fn name(&self) -> &'static str {
         E::NAME
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Elastic
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

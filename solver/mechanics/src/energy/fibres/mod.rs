@@ -35,7 +35,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 
 use super::elements::{Element, corner_gradients};
-use super::{Iterate, Profile};
+use super::{Iterate, Owner, Profile};
 use crate::element::at;
 use crate::material::Kinematics;
 use crate::material::fibre::{Fibre, Response};
@@ -44,7 +44,7 @@ use crate::math::tensor::Mat3;
 pub use direction::{Axis, Direction};
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Where the fibres of a family lead.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,6 +229,11 @@ fn gradient(nodes: &[usize], gradients: &[Vec3], w: &[f64]) -> Mat3 {
 }
 
 impl Fibres {
+    /// Who owns the numbers of a family, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("fibre", place)
+    }
+
     /// A family in consecutive elements.
     pub fn new(law: Fibre, directions: impl Into<Directions>, elements: Range<usize>) -> Self {
         let (name, directions) = (String::new(), directions.into());

@@ -1,26 +1,66 @@
 //! Fibres in a cube: derivatives, lanes, and what does not depend on them.
 
 use super::*;
-use crate::energy::elements::tests::{Case, check_lanes};
+use crate::energy::elements::tests::check_lanes;
+use crate::energy::tests::{Case, Sample};
 use crate::energy::{Energy, Hessian};
-use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::testing::{check_gradient, cube};
+use crate::testing::cube;
 
 fn profile(axis: Axis, heights: [f64; 2], values: &[f64]) -> Profile {
     Profile::new(axis, heights, values.to_vec()).expect("it is good")
 }
 
-/// A profile with its values times or plus others.
-fn changed(of: &Profile, by: &[f64], scaled: bool) -> Profile {
-    let change = |(value, by): (&f64, &f64)| if scaled { value * (1.0 + by) } else { value + by };
-    let values: Vec<f64> = of.values().iter().zip(by).map(change).collect();
-    profile(*of.axis(), of.heights(), &values)
-}
-
 /// A cube of a degree with random displacements, in two cells a side.
 fn case(degree: usize, size: f64) -> Case {
     Case::new(cube(2, 0.2), degree, &mut Random::new(41), size)
+}
+
+/// The numbers of a family in the order of its derivatives by them.
+fn numbers(family: &Fibres) -> Vec<f64> {
+    let Fibre { k1, k2, dispersion, .. } = family.law;
+    let mut numbers = family.stiffness.as_ref().map_or(vec![k1], |k1| k1.values().to_vec());
+    numbers.extend([k2, dispersion]);
+    match &family.directions {
+        Directions::Formula(Direction::Helical(_, angle)) => numbers.push(*angle),
+        Directions::Twisting(angle) => numbers.extend(angle.values()),
+        _ => numbers.resize(numbers.len() + family.counts()[1], 0.0),
+    }
+    numbers
+}
+
+/// A family with other numbers.
+fn with_numbers(family: &Fibres, numbers: &[f64]) -> Fibres {
+    let along = |of: &Profile, values: &[f64]| profile(*of.axis(), of.heights(), values);
+    let (k1, others) = numbers.split_at(family.counts()[0]);
+    let law = Fibre { k1: k1[0], k2: others[0], dispersion: others[1], ..family.law };
+    let directions = match &family.directions {
+        Directions::Formula(Direction::Helical(axis, _)) => {
+            Direction::Helical(*axis, others[2]).into()
+        }
+        Directions::Twisting(angle) => Directions::Twisting(along(angle, &others[2..])),
+        other => other.clone(),
+    };
+    let stiffness = family.stiffness.as_ref().map(|of| along(of, k1));
+    Fibres::new(law, directions, family.elements()).with_stiffness(stiffness)
+}
+
+/// Families of all kinds in elements of all degrees.
+pub fn samples() -> Vec<Sample> {
+    let mut samples = Vec::new();
+    for degree in [1, 2, 3] {
+        let case = Arc::new(case(degree, 0.03));
+        for (kind, family) in case.families().into_iter().enumerate() {
+            samples.push(Sample {
+                name: format!("fibres {kind} P{degree}"),
+                case: Arc::clone(&case),
+                sizes: [3e-4; 2],
+                numbers: numbers(&family),
+                term: Box::new(move |numbers| Box::new(with_numbers(&family, numbers))),
+            });
+        }
+    }
+    samples
 }
 
 impl Case {
@@ -51,57 +91,6 @@ impl Case {
             Fibres::new(law, Directions::Elements(by_element), elements.clone())
                 .with_stiffness(Some(stiffness)),
         ]
-    }
-}
-
-#[test]
-fn derivatives_pass_the_taylor_test() {
-    for degree in [1, 2, 3] {
-        let case = case(degree, 0.03);
-        case.families().iter().for_each(|family| case.check_derivatives(family, 3e-4));
-    }
-}
-
-#[test]
-fn parameters_have_their_derivatives() {
-    let case = case(2, 0.03);
-    let (u, rest, weights) = (&case.u, &case.rest, case.weights());
-    for family in case.families() {
-        let mut by = family.parameter_vjp(&case.at(u, rest), &weights);
-        let [stiffnesses, angles] = family.counts();
-        assert_eq!(by.len(), stiffnesses + 2 + angles);
-        let one = [family.law.k1];
-        let values = family.stiffness.as_ref().map_or(&one[..], Profile::values);
-        by.iter_mut().zip(values).for_each(|(by, k1)| *by *= k1);
-        let with = |x: &[f64]| {
-            let (by_k1, rest) = x.split_at(stiffnesses);
-            let Fibre { k1, k2, dispersion, slack } = family.law;
-            let law = Fibre {
-                k1: k1 * (1.0 + by_k1[0]),
-                k2: k2 + rest[0],
-                dispersion: dispersion + rest[1],
-                slack,
-            };
-            let direction = match &family.directions {
-                Directions::Formula(Direction::Helical(axis, angle)) => {
-                    Direction::Helical(*axis, angle + rest[2]).into()
-                }
-                Directions::Twisting(angle) => {
-                    Directions::Twisting(changed(angle, &rest[2..], false))
-                }
-                other => other.clone(),
-            };
-            let stiffness = family.stiffness.as_ref().map(|k1| changed(k1, by_k1, true));
-            Fibres::new(law, direction, family.elements()).with_stiffness(stiffness)
-        };
-        let start = vec![0.0; by.len()];
-        check_gradient(&start, &by, 1e-2, |x| dot(&weights, &case.gradient(&with(x), u, rest)));
-        let turns = match family.directions {
-            Directions::Formula(direction) => matches!(direction, Direction::Helical(..)),
-            Directions::Twisting(_) => true,
-            Directions::Elements(_) => false,
-        };
-        assert!(by[stiffnesses + 2..].iter().all(|by| (*by != 0.0) == turns), "{by:?}");
     }
 }
 

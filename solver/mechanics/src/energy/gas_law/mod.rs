@@ -123,9 +123,6 @@ pub trait GasLaw: Debug + Send + Sync {
     /// The schedule of that number, to be changed.
     fn schedule_mut(&mut self) -> &mut Schedule;
     /// Checks what can be checked without a body, at the moments of the scene [s].
-    ///
-    /// # Errors
-    /// [`Refused`] with what was found and what is needed.
     fn check(&self, _moments: &[f64]) -> Result<(), Refused> {
         Ok(())
     }

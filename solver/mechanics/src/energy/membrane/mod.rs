@@ -38,7 +38,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::{Matrix2, Matrix3x2, SMatrix, Vector2};
 
-use super::{Direction, Energy, Hessian, Iterate};
+use super::{Direction, Energy, Hessian, Iterate, Nature, Owner};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::sheet::{self, Sheet, State, Strain, Stress};
 use crate::math::sparse::BlockMatrix;
@@ -46,7 +46,7 @@ use crate::math::tensor::{Mat3, project_positive};
 use crate::parallel::map_merge;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Nodes of a facet, at most.
 const MOST_NODES: usize = 10;
@@ -239,6 +239,11 @@ fn points(sheet: &Membrane, facet: &Facet, iterate: &Iterate, mut f: impl FnMut(
 }
 
 impl Membrane {
+    /// Who owns the numbers of a sheet, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("membrane", place)
+    }
+
     /// A sheet of a thickness [m] on facets of the mesh (vertex ids in any order).
     ///
     /// # Panics
@@ -308,6 +313,10 @@ impl Membrane {
 impl Energy for Membrane {
     fn name(&self) -> &'static str {
         "membrane"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Elastic
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

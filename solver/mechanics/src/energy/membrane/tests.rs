@@ -4,19 +4,17 @@ use mesh::{TetMesh, topology};
 
 use super::*;
 use crate::energy::Axis;
+use crate::energy::tests::{Case, Sample};
 use crate::material::sheet::LAWS;
 use crate::material::sheet::TensionField;
 use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::math::sparse::Pattern;
-use crate::testing::{check_gradient, cube, flat, points as from_flat};
+use crate::testing::cube;
 
 /// A sheet with a state near a homogeneous one.
-struct Case {
+struct Sheets {
     name: String,
-    space: FunctionSpace,
-    rest: Vec<Vec3>,
-    u: Vec<f64>,
+    case: Case,
     membrane: Membrane,
 }
 
@@ -55,7 +53,7 @@ fn facets(mesh: &TetMesh) -> Vec<[usize; 3]> {
     all
 }
 
-impl Case {
+impl Sheets {
     fn new(degree: usize, stretches: [f64; 2], sheet: Box<dyn Sheet>, name: String) -> Self {
         let mut mesh = cube(2, 0.0);
         let facets = facets(&mesh);
@@ -75,55 +73,56 @@ impl Case {
         let has_axes = sheet.has_axes();
         let membrane = Membrane::new(&space, &facets, 2e-3, sheet);
         let membrane = if has_axes { membrane.along(HELICAL) } else { membrane };
-        Self { name, space, rest: mesh.vertices, u, membrane }
-    }
-
-    fn at<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64]) -> Iterate<'a> {
-        Iterate::new(&self.space, rest, u, 1.0)
-    }
-
-    fn here(&self) -> Iterate<'_> {
-        self.at(&self.rest, &self.u)
-    }
-
-    fn gradient(&self, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; u.len()];
-        self.membrane.add_gradient(&self.at(rest, u), &mut gradient);
-        gradient
-    }
-
-    fn times_hessian(&self, kind: Hessian, q: &[f64]) -> Vec<f64> {
-        let space = &self.space;
-        let (nodes, each) = (space.element_nodes(), space.nodes_per_element());
-        let pattern = Pattern::new(space.node_count(), nodes, each, &[]);
-        let mut matrix = BlockMatrix::zeros(&pattern);
-        self.membrane.add_hessian(&self.here(), kind, &mut matrix);
-        matrix.multiply(q)
+        let case = Case { space, rest: mesh.vertices, u, step: None };
+        Self { name, case, membrane }
     }
 
     fn share(&self, state: State) -> f64 {
-        let all = self.membrane.summary(&self.here());
+        let all = self.membrane.summary(&self.case.here());
         [all.taut, all.wrinkled, all.slack][state as usize]
     }
 }
 
 /// All laws with and without compression, in the states in which they resist.
-fn cases(degrees: &[usize]) -> Vec<Case> {
+fn cases(degrees: &[usize]) -> Vec<Sheets> {
     let mut cases = Vec::new();
     for &degree in degrees {
         for (state, stretches) in STRETCHES {
             for row in LAWS {
                 let name = format!("{} {state} P{degree}", row.key);
                 let law = || (row.build)(row.sample);
-                cases.push(Case::new(degree, stretches, law(), name.clone()));
+                cases.push(Sheets::new(degree, stretches, law(), name.clone()));
                 if state != "compressed" {
                     let relaxed = Box::new(TensionField(law()));
-                    cases.push(Case::new(degree, stretches, relaxed, name + " in tension"));
+                    cases.push(Sheets::new(degree, stretches, relaxed, name + " in tension"));
                 }
             }
         }
     }
     cases
+}
+
+/// All cases; of the warp of laws with axes the angle is a number, too.
+pub fn samples() -> Vec<Sample> {
+    let sample = |Sheets { name, case, membrane }: Sheets| {
+        let key = name.split(' ').next();
+        let row = LAWS.iter().find(|row| Some(row.key) == key).expect("a law");
+        let mut numbers: Vec<f64> = [2e-3].iter().chain(row.sample).copied().collect();
+        numbers.extend(membrane.direction.map(|_| 0.6));
+        let tension = name.ends_with("tension");
+        let term = move |numbers: &[f64]| -> Box<dyn Energy> {
+            let law = (row.build)(&numbers[1..=row.sample.len()]);
+            let law: Box<dyn Sheet> = if tension { Box::new(TensionField(law)) } else { law };
+            let mut own = Membrane { thickness: numbers[0], sheet: law.into(), ..membrane.clone() };
+            if let Some(Direction::Helical(axis, _)) = own.direction {
+                own.direction = Some(Direction::Helical(axis, numbers[numbers.len() - 1]));
+            }
+            Box::new(own)
+        };
+        let (case, term) = (Arc::new(case), Box::new(term));
+        Sample { name, case, sizes: [SIZE; 2], numbers, term }
+    };
+    cases(&[1, 2, 3]).into_iter().map(sample).collect()
 }
 
 #[test]
@@ -139,85 +138,22 @@ fn every_case_is_in_one_state() {
 }
 
 #[test]
-fn gradient_and_hessian_are_derivatives_of_the_energy() {
-    for case in cases(&[1, 2, 3]) {
-        let gradient = case.gradient(&case.rest, &case.u);
-        let value = |u: &[f64]| case.membrane.value(&case.at(&case.rest, u));
-        check_gradient(&case.u, &gradient, SIZE, value);
-        let lambda = Random::new(5).numbers(case.u.len());
-        let product = case.times_hessian(Hessian::Exact, &lambda);
-        let value = |u: &[f64]| dot(&case.gradient(&case.rest, u), &lambda);
-        check_gradient(&case.u, &product, SIZE, value);
-    }
-}
-
-#[test]
-fn the_mixed_derivative_is_that_of_the_gradient_by_the_rest_shape() {
-    for case in cases(&[1, 2, 3]) {
-        let lambda = Random::new(6).numbers(case.u.len());
-        let mut mixed = vec![0.0; 3 * case.rest.len()];
-        case.membrane.add_mixed_vjp(&case.here(), &lambda, &mut mixed);
-        let value = |x: &[f64]| dot(&case.gradient(&from_flat(x), &case.u), &lambda);
-        check_gradient(&flat(&case.rest), &mixed, SIZE, value);
-    }
-}
-
-#[test]
-fn parameter_derivatives_are_those_of_the_gradient() {
-    for row in LAWS {
-        for (tension, stretches) in [(false, [0.85, 0.9]), (true, [1.3, 0.75]), (true, [1.4, 1.2])]
-        {
-            let with = |numbers: &[f64]| {
-                let law = (row.build)(&numbers[1..=row.sample.len()]);
-                let law: Box<dyn Sheet> = if tension { Box::new(TensionField(law)) } else { law };
-                let mut case = Case::new(2, stretches, law, row.key.to_owned());
-                case.membrane.thickness = numbers[0];
-                if let (Some(Direction::Helical(axis, _)), Some(angle)) =
-                    (case.membrane.direction, numbers.get(1 + row.sample.len()))
-                {
-                    case.membrane.direction = Some(Direction::Helical(axis, *angle));
-                }
-                case
-            };
-            let mut numbers: Vec<f64> = [2e-3].iter().chain(row.sample).copied().collect();
-            numbers.extend((row.build)(row.sample).has_axes().then_some(0.6));
-            let case = with(&numbers);
-            let lambda = Random::new(7).numbers(case.u.len());
-            let by = case.membrane.parameter_vjp(&case.here(), &lambda);
-            assert_eq!(by.len(), numbers.len());
-            for (i, by) in by.iter().enumerate() {
-                let value = |e: f64| {
-                    let mut numbers = numbers.clone();
-                    numbers[i] *= 1.0 + e;
-                    let case = with(&numbers);
-                    dot(&case.gradient(&case.rest, &case.u), &lambda)
-                };
-                // differences by the angle have the third derivatives of cos 4α
-                let h = if i > row.sample.len() { 1e-5 } else { 1e-4 };
-                let slope = (value(h) - value(-h)) / (2.0 * h * numbers[i]);
-                let scale = value(0.0).abs() / numbers[i];
-                assert!((slope - by).abs() < 1e-7 * (by.abs() + scale), "{} {i}", row.key);
-            }
-        }
-    }
-}
-
-#[test]
 fn a_slack_sheet_does_nothing() {
     for degree in [1, 2, 3] {
         for row in LAWS {
             let law = Box::new(TensionField((row.build)(row.sample)));
-            let case = Case::new(degree, [0.85, 0.9], law, row.key.to_owned());
+            let case = Sheets::new(degree, [0.85, 0.9], law, row.key.to_owned());
             assert!((case.share(State::Slack) - 1.0).abs() < 1e-12);
-            assert_eq!(case.membrane.value(&case.here()), 0.0);
+            let Sheets { case, membrane, .. } = case;
+            assert_eq!(membrane.value(&case.here()), 0.0);
             let q = Random::new(8).numbers(case.u.len());
             let mut mixed = vec![0.0; 3 * case.rest.len()];
-            case.membrane.add_mixed_vjp(&case.here(), &q, &mut mixed);
+            membrane.add_mixed_vjp(&case.here(), &q, &mut mixed);
             let all = [
-                case.gradient(&case.rest, &case.u),
-                case.times_hessian(Hessian::Exact, &q),
+                case.gradient(&membrane, &case.u, &case.rest),
+                case.times_hessian(&membrane, Hessian::Exact, &q),
                 mixed,
-                case.membrane.parameter_vjp(&case.here(), &q),
+                membrane.parameter_vjp(&case.here(), &q),
             ];
             assert!(all.iter().flatten().all(|x| *x == 0.0), "{}", row.key);
         }
@@ -229,9 +165,9 @@ fn the_projected_hessian_is_positive_and_that_of_a_sheet_in_tension_exact() {
     let mut random = Random::new(9);
     for case in cases(&[1, 2]) {
         let convex = case.name.ends_with("tension") || case.name.contains("taut");
-        let q = random.numbers(case.u.len());
-        let [exact, projected] =
-            [Hessian::Exact, Hessian::Projected].map(|kind| case.times_hessian(kind, &q));
+        let q = random.numbers(case.case.u.len());
+        let [exact, projected] = [Hessian::Exact, Hessian::Projected]
+            .map(|kind| case.case.times_hessian(&case.membrane, kind, &q));
         assert!(dot(&q, &projected) >= 0.0, "{}", case.name);
         let change: Vec<f64> = exact.iter().zip(&projected).map(|(e, p)| e - p).collect();
         let relative = (dot(&change, &change) / dot(&exact, &exact)).sqrt();

@@ -27,10 +27,12 @@ mod moment;
 
 pub use moment::{NoLever, RigidMoment};
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 
-use super::{Chord, Energy, Hessian, Iterate, PastCotangent};
+use super::{Chord, Energy, Hessian, Iterate, Nature, Owner, PastCotangent, chord};
 use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
@@ -56,6 +58,11 @@ pub struct Rigid {
 }
 
 impl Rigid {
+    /// Which part it keeps rigid, by its place among all: it has no numbers.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("rigid", place)
+    }
+
     /// A part bonded to a body with a shear modulus [Pa], with the positions of all nodes at rest [m].
     pub fn new(part: &RigidSet, positions: &[Vec3], shear: f64) -> Self {
         let masters = part.masters().to_vec();
@@ -147,6 +154,14 @@ impl Energy for Rigid {
         "rigid"
     }
 
+    fn nature(&self) -> Nature {
+        Nature::Elastic
+    }
+
+    fn chord_points(&self, _: &Iterate) -> &'static [chord::Point] {
+        chord::MIDDLE
+    }
+
     fn value(&self, at: &Iterate) -> f64 {
         let (_, strain) = self.deformation(at);
         0.25 * self.stiffness * strain.norm_squared()
@@ -206,6 +221,11 @@ pub struct RigidMass {
 }
 
 impl RigidMass {
+    /// Who owns the mass of a part in its inertia, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("rigid_mass", place)
+    }
+
     /// A mass [kg] at some points.
     pub fn new(part: &RigidSet, mass: f64, points: &[MassPoint]) -> Self {
         let masters = part.masters().to_vec();
@@ -246,6 +266,10 @@ impl RigidMass {
 impl Energy for RigidMass {
     fn name(&self) -> &'static str {
         "inertia"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Inertia
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
@@ -307,6 +331,12 @@ pub struct RigidLoad {
 }
 
 impl RigidLoad {
+    /// Who owns the mass of a part in its weight, then the components of what is added to the force on it, and to gravity; by
+    /// its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("rigid_load", place)
+    }
+
     /// A force [N] and the weight of a mass [kg] where masters have these weights.
     pub fn new(
         part: &RigidSet,
@@ -339,6 +369,14 @@ impl Energy for RigidLoad {
         "rigid_load"
     }
 
+    fn nature(&self) -> Nature {
+        Nature::DeadLoad
+    }
+
+    fn held(&self, time: f64) -> Option<Arc<dyn Energy>> {
+        Some(Arc::new(Self::held(self, time)))
+    }
+
     fn value(&self, at: &Iterate) -> f64 {
         -self.force_at(at.time).dot(&self.of_point(at.u))
     }
@@ -368,4 +406,4 @@ impl Energy for RigidLoad {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

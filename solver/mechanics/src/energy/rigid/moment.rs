@@ -12,10 +12,12 @@
 //! turns about that axis alone, as on a hinge, and to first order everywhere. See Ziegler 1968, "Principles of Structural
 //! Stability", section 5.1 (quasi-tangential moments).
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::super::{Energy, Hessian, Iterate};
+use super::super::{Energy, Hessian, Iterate, Nature, Owner};
 use super::pairs;
 use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
@@ -113,10 +115,12 @@ fn across(columns: &DMatrix<f64>, axis: Vec3) -> Vec<Vec3> {
 }
 
 impl RigidMoment {
+    /// Who owns the three components of what is added to the moment on a part, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("rigid_moment", place)
+    }
+
     /// Moments [N m] on a part, with the positions of all nodes at rest [m].
-    ///
-    /// # Errors
-    /// When the part cannot be turned about an axis about which there is a moment.
     pub fn new(part: &RigidSet, positions: &[Vec3], moment: Field) -> Result<Self, NoLever> {
         let turn = |axis: usize| {
             let turns = !moment.0[axis].is_zero();
@@ -142,6 +146,14 @@ impl RigidMoment {
 impl Energy for RigidMoment {
     fn name(&self) -> &'static str {
         "rigid_moment"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Load
+    }
+
+    fn held(&self, time: f64) -> Option<Arc<dyn Energy>> {
+        Some(Arc::new(Self::held(self, time)))
     }
 
     fn value(&self, at: &Iterate) -> f64 {

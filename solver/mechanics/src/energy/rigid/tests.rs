@@ -1,114 +1,113 @@
 //! Derivatives of the terms of a rigid part, and that it costs nothing to turn it.
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 use nalgebra::Rotation3;
 
 use super::*;
-use crate::element::FunctionSpace;
+use crate::energy::tests::{Case, Sample};
 use crate::energy::{FreeFlight, TimeStep};
 use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::math::sparse::Pattern;
 use crate::rigid::Moves;
-use crate::testing::{check_gradient, cube};
+use crate::testing::cube;
 
 /// A block with one face that is rigid, or all of it.
-struct Case {
-    space: FunctionSpace,
-    rest: Vec<Vec3>,
+struct Block {
+    case: Case,
     part: RigidSet,
 }
 
-impl Case {
-    fn new(whole: bool) -> Self {
-        let mesh = cube(2, 0.1);
-        let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets);
-        let positions = space.node_positions(&mesh.vertices);
+impl Block {
+    /// Turned and shifted, with some noise.
+    fn new(whole: bool, noise: f64) -> Self {
+        let mut case = Case::new(cube(2, 0.1), 2, &mut Random::new(3), 0.0);
+        let positions = case.space.node_positions(&case.rest);
         let inside = |&n: &usize| whole || (positions[n].z - 1.0).abs() < 1e-9;
-        let nodes: Vec<usize> = (0..space.node_count()).filter(inside).collect();
+        let nodes: Vec<usize> = (0..case.space.node_count()).filter(inside).collect();
         let part = RigidSet::new(&nodes, &positions, Moves::Freely).expect("nodes");
-        Self { space, rest: mesh.vertices, part }
+        case.u = moved(&positions, noise);
+        let flight = FreeFlight { at: moved(&positions, 0.1), square: 0.04 };
+        case.step = Some(TimeStep { free_flight: Some(flight), ..TimeStep::default() });
+        Self { case, part }
     }
 
     fn positions(&self) -> Vec<Vec3> {
-        self.space.node_positions(&self.rest)
+        self.case.space.node_positions(&self.case.rest)
     }
 
-    fn at<'a>(&'a self, u: &'a [f64], step: Option<&'a TimeStep>) -> Iterate<'a> {
-        Iterate { step, ..Iterate::new(&self.space, &self.rest, u, 0.7) }
+    fn stiffness(&self) -> Rigid {
+        Rigid::new(&self.part, &self.positions(), 2.0)
     }
 
-    /// Turned and shifted, with some noise.
-    fn moved(&self, noise: f64) -> Vec<f64> {
-        let turn = Rotation3::from_euler_angles(0.7, -0.4, 1.9);
-        let mut random = Random::new(3);
-        let place = |x: Vec3| turn * x - x + Vec3::new(0.1, 0.5, -0.3) + noise * random.vector();
-        self.positions().into_iter().map(place).flat_map(<[f64; 3]>::from).collect()
+    fn mass(&self) -> RigidMass {
+        let positions = self.positions();
+        let point = |&m: &usize| MassPoint {
+            share: 0.25,
+            weights: self.part.weights_at(positions[m]).expect("on the part"),
+        };
+        let points: Vec<_> = self.part.masters().iter().map(point).collect();
+        RigidMass::new(&self.part, 3.0, &points)
     }
 
-    fn gradient(&self, term: &dyn Energy, at: &Iterate) -> Vec<f64> {
-        let mut gradient = vec![0.0; 3 * self.space.node_count()];
-        term.add_gradient(at, &mut gradient);
-        gradient
+    fn moment(&self) -> RigidMoment {
+        let moment = Field([0.3, -0.2, 0.5].map(Schedule::held));
+        RigidMoment::new(&self.part, &self.positions(), moment).expect("levers")
     }
 
-    fn times_hessian(&self, term: &dyn Energy, at: &Iterate, kind: Hessian, q: &[f64]) -> Vec<f64> {
-        let (nodes, each) = (self.space.element_nodes(), self.space.nodes_per_element());
-        let couplings = term.couplings(at, 1.0);
-        let pattern = Pattern::new(self.space.node_count(), nodes, each, &couplings);
-        let mut matrix = BlockMatrix::zeros(&pattern);
-        term.add_hessian(at, kind, &mut matrix);
-        matrix.multiply(q)
-    }
-
-    fn check(&self, term: &dyn Energy, u: &[f64], step: Option<&TimeStep>) {
-        let gradient = self.gradient(term, &self.at(u, step));
-        check_gradient(u, &gradient, 1e-4, |u| term.value(&self.at(u, step)));
-        let q = Random::new(4).numbers(u.len());
-        let product = self.times_hessian(term, &self.at(u, step), Hessian::Exact, &q);
-        check_gradient(u, &product, 1e-4, |u| dot(&self.gradient(term, &self.at(u, step)), &q));
+    fn at<'a>(&'a self, u: &'a [f64]) -> Iterate<'a> {
+        self.case.at(u, &self.case.rest)
     }
 }
 
-#[test]
-fn stiffness_and_inertia_have_their_derivatives() {
+fn moved(positions: &[Vec3], noise: f64) -> Vec<f64> {
+    let turn = Rotation3::from_euler_angles(0.7, -0.4, 1.9);
+    let mut random = Random::new(3);
+    let mut place = |x: &Vec3| turn * x - x + Vec3::new(0.1, 0.5, -0.3) + noise * random.vector();
+    positions.iter().flat_map(|x| <[f64; 3]>::from(place(x))).collect()
+}
+
+/// Stiffness, mass and moment of a part and of a whole body.
+pub fn samples() -> Vec<Sample> {
+    let mut samples = Vec::new();
     for whole in [true, false] {
-        let case = Case::new(whole);
-        let rigid = Rigid::new(&case.part, &case.positions(), 2.0);
-        let u = case.moved(0.2);
-        case.check(&rigid, &u, None);
-        let q = Random::new(9).numbers(u.len());
-        let at = case.at(&u, None);
-        let curvature = dot(&q, &case.times_hessian(&rigid, &at, Hessian::Projected, &q));
-        assert!(curvature > 0.0);
-        let share = |x: Vec3| MassPoint {
-            share: 0.25,
-            weights: case.part.weights_at(x).expect("on the part"),
+        let block = Block::new(whole, 0.2);
+        let (stiffness, mass, moment) = (block.stiffness(), block.mass(), block.moment());
+        let near = Arc::new(Block::new(whole, 0.05).case);
+        let far = Arc::new(block.case);
+        let mut add = |name: &str, case: &Arc<Case>, term: Box<dyn Fn() -> Box<dyn Energy>>| {
+            samples.push(Sample {
+                name: format!("{name}, whole: {whole}"),
+                case: Arc::clone(case),
+                sizes: [1e-4; 2],
+                numbers: Vec::new(),
+                term: Box::new(move |_| term()),
+            });
         };
-        let points: Vec<_> =
-            case.part.masters().iter().map(|&m| share(case.positions()[m])).collect();
-        let mass = RigidMass::new(&case.part, 3.0, &points);
-        let flight = FreeFlight { at: case.moved(0.1), square: 0.04 };
-        let step = TimeStep { free_flight: Some(flight), ..TimeStep::default() };
-        let gradient = case.gradient(&mass, &case.at(&u, Some(&step)));
-        check_gradient(&u, &gradient, 1e-4, |u| mass.value(&case.at(u, Some(&step))));
-        // its gradient is linear
-        let moved: Vec<f64> = u.iter().zip(&q).map(|(u, q)| u + q).collect();
-        let change = case.gradient(&mass, &case.at(&moved, Some(&step)));
-        let product = case.times_hessian(&mass, &case.at(&u, Some(&step)), Hessian::Exact, &q);
-        for ((after, before), product) in change.iter().zip(&gradient).zip(product) {
-            assert!((after - before - product).abs() < 1e-9);
-        }
+        add("stiffness", &far, Box::new(move || Box::new(stiffness.clone())));
+        add("mass", &far, Box::new(move || Box::new(mass.clone())));
+        add("moment", &near, Box::new(move || Box::new(moment.clone())));
+    }
+    samples
+}
+
+#[test]
+fn the_projected_hessian_is_positive() {
+    for whole in [true, false] {
+        let block = Block::new(whole, 0.2);
+        let q = Random::new(9).numbers(block.case.u.len());
+        let product = block.case.times_hessian(&block.stiffness(), Hessian::Projected, &q);
+        assert!(dot(&q, &product) > 0.0);
     }
 }
 
 #[test]
 fn the_rotation_of_a_part_is_known() {
     for whole in [true, false] {
-        let case = Case::new(whole);
-        let rigid = Rigid::new(&case.part, &case.positions(), 2.0);
+        let block = Block::new(whole, 0.0);
         let expected = Rotation3::from_euler_angles(0.7, -0.4, 1.9).scaled_axis();
-        assert!((rigid.rotation(&case.moved(0.0)) - expected).norm() < 1e-9);
+        assert!((block.stiffness().rotation(&block.case.u) - expected).norm() < 1e-9);
     }
 }
 
@@ -116,12 +115,12 @@ fn the_rotation_of_a_part_is_known() {
 #[test]
 fn only_strains_cost_energy() {
     for whole in [true, false] {
-        let case = Case::new(whole);
-        let rigid = Rigid::new(&case.part, &case.positions(), 2.0);
-        let turned = rigid.value(&case.at(&case.moved(0.0), None));
+        let case = Block::new(whole, 0.0);
+        let rigid = case.stiffness();
+        let turned = rigid.value(&case.case.here());
         let stretched: Vec<f64> =
             case.positions().into_iter().flat_map(|x| [0.01 * x.x, 0.0, 0.0]).collect();
-        let stretched = rigid.value(&case.at(&stretched, None));
+        let stretched = rigid.value(&case.at(&stretched));
         assert!(turned < 1e-9 * stretched, "{turned} {stretched}");
         let extent = case.part.extents().iter().copied().fold(0.0, f64::max);
         let (k, d) = (STIFFNESS * 2.0 * extent, 0.01 * extent);
@@ -130,20 +129,18 @@ fn only_strains_cost_energy() {
     }
 }
 
-/// A moment has its derivatives, and works by the angle where the part turns about its axis.
+/// A moment works by the angle where the part turns about its axis.
 #[test]
 fn a_moment_works_by_the_angle() {
     for whole in [true, false] {
-        let case = Case::new(whole);
-        let moment = Field([0.3, -0.2, 0.5].map(Schedule::held));
-        let term = RigidMoment::new(&case.part, &case.positions(), moment).expect("levers");
-        case.check(&term, &case.moved(0.05), None);
+        let case = Block::new(whole, 0.0);
+        let term = case.moment();
         for (axis, share) in [0.3, -0.2, 0.5].into_iter().enumerate() {
             let unit = nalgebra::Unit::new_unchecked(Vec3::ith(axis, 1.0));
             let turn = Rotation3::from_axis_angle(&unit, 1.3);
             let u: Vec<f64> =
                 case.positions().iter().flat_map(|x| <[f64; 3]>::from(turn * x - x)).collect();
-            let work = -term.value(&case.at(&u, None));
+            let work = -term.value(&case.at(&u));
             assert!((work - share * 1.3).abs() < 1e-12, "{axis}: {work}");
         }
     }

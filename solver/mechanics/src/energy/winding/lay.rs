@@ -5,7 +5,7 @@
 //! must follow each other without a gap and without a second layer.
 //!
 //! A helix has c = θ/2π − θ₀/2π − τ(z) up to whole numbers, with the height z along the axis, the angle θ around it
-//! and its turns τ ([`Climb`]); t is the height from its start. Vertices lie where they are; between them angle and
+//! and its turns τ ([`Lead`]); t is the height from its start. Vertices lie where they are; between them angle and
 //! turns are linear in the facet. For an arc of φ the angle is off by φ³/(72 √3), 0.02° for facets of 20°. A leg of a
 //! polyline is cut by the plane through both of its ends, moved to the nearest points of the facets, and the mean of
 //! the normals there; t counts the legs.
@@ -14,7 +14,7 @@
 //! at c = 0 and moves along d, Σ d_k = 0: along the edge that it is on, and at its height where it is an end of
 //! the thread or at a vertex. So
 //!
-//! λ̇ = −ċ(λ) d/Σ c_k d_k      ċ = −∂τ/∂v by a value v of the climb      ċ = ∓1/2π by θ₀ of a right- or left-handed screw
+//! λ̇ = −ċ(λ) d/Σ c_k d_k      ċ = −∂τ/∂v by a value v of the lead      ċ = ∓1/2π by θ₀ of a right- or left-handed screw
 //!
 //! As long as no piece appears or vanishes, that is the derivative of all ends. There, and where the thread passes
 //! a vertex, forces are continuous, with a kink.
@@ -24,7 +24,7 @@ use std::f64::consts::{PI, TAU};
 use mesh::Vec3;
 use mesh::bvh::closest_on_triangle;
 
-use super::climb::{Climb, Course, Turns};
+use super::lead::{Lead, Turns, TurnsByHeight};
 use crate::energy::Axis;
 
 /// What is rounding beside the numbers of a facet [1].
@@ -40,7 +40,7 @@ pub struct Helix {
     /// The axis; heights are along it from its point.
     pub axis: Axis,
     /// How it climbs.
-    pub climb: Climb,
+    pub lead: Lead,
     /// 1 for a right-handed screw, −1 for a left-handed one.
     pub hand: f64,
     /// Heights of its ends [m].
@@ -58,7 +58,7 @@ pub struct Piece {
     pub ends: [[f64; 3]; 2],
     /// How far along the thread its ends are: turns of a helix, legs of a polyline.
     pub range: [f64; 2],
-    /// Derivatives of `ends` by each value of the climb of a helix, and at last by its phase [1/rad]; none of a
+    /// Derivatives of `ends` by each value of the lead of a helix, and at last by its phase [1/rad]; none of a
     /// polyline.
     pub rates: Vec<[[f64; 3]; 2]>,
 }
@@ -163,10 +163,10 @@ fn slide(end: &[f64; 3], corners: &[[f64; 2]; 3], free: bool) -> [f64; 3] {
 }
 
 impl Helix {
-    /// A helix of the hand of its climb.
-    pub fn new(axis: Axis, climb: Climb, heights: [f64; 2], phase: f64) -> Self {
-        let hand = climb.hand();
-        Self { axis, climb, hand, heights, phase }
+    /// A helix of the hand of its lead.
+    pub fn new(axis: Axis, lead: Lead, heights: [f64; 2], phase: f64) -> Self {
+        let hand = lead.hand();
+        Self { axis, lead, hand, heights, phase }
     }
 
     /// The helix of the other hand from the same start.
@@ -177,7 +177,7 @@ impl Helix {
     /// Its turns.
     pub fn turns(&self) -> f64 {
         let [start, end] = self.heights;
-        Course::new(&self.climb, start).turns(end).count
+        TurnsByHeight::new(&self.lead, start).turns(end).count
     }
 
     /// Its segment in a facet, by c and t of the corners and their turns, with its rates. The range is that of t.
@@ -189,7 +189,7 @@ impl Helix {
     ) -> Option<Piece> {
         let rise = self.heights[1] - self.heights[0];
         let mut piece = cut(facet, corners, [0.0, rise])?;
-        let values = self.climb.number().values().len();
+        let values = self.lead.number().values().len();
         piece.rates = vec![[[0.0; 3]; 2]; values + 1];
         for (k, (end, t)) in piece.ends.iter().zip(piece.range).enumerate() {
             // an end of the thread that is on an edge moves at its height, too
@@ -306,12 +306,9 @@ fn range_between(heights: [f64; 3], values: [f64; 3], [start, end]: [f64; 2]) ->
 }
 
 /// Lays a helix on facets at rest positions: pieces of up to one facet, in the order of its turns.
-///
-/// # Errors
-/// [`LayError`] where it leaves the facets or meets several layers of them.
 pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece>, LayError> {
     let [start, end] = own.heights;
-    let course = Course::new(&own.climb, start);
+    let turns_by_height = TurnsByHeight::new(&own.lead, start);
     let mut pieces = Vec::new();
     for &facet in facets {
         let corners = facet.map(|v| own.axis.coordinates(x[v]));
@@ -324,7 +321,7 @@ pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece
         }
         let angles = [first, first + sides[0], first - sides[2]];
         let beside = angles.map(|angle| own.hand * (angle - own.phase) / TAU);
-        let turns = corners.map(|[height, _]| course.turns(height));
+        let turns = corners.map(|[height, _]| turns_by_height.turns(height));
         let along = [0, 1, 2].map(|k| turns[k].count);
         let heights = corners.map(|[height, _]| height);
         let Some([low, high]) = range_between(heights, along, own.heights) else { continue };
@@ -339,7 +336,7 @@ pub fn helix(facets: &[[usize; 3]], x: &[Vec3], own: &Helix) -> Result<Vec<Piece
     }
     let mut chain = chained(pieces, x, [0.0, end - start])?;
     for piece in &mut chain {
-        piece.range = piece.range.map(|height| course.turns(start + height).count);
+        piece.range = piece.range.map(|height| turns_by_height.turns(start + height).count);
     }
     Ok(chain)
 }
@@ -356,9 +353,6 @@ fn nearest(facets: &[[usize; 3]], x: &[Vec3], point: Vec3) -> Option<(Vec3, Vec3
 
 /// Lays a polyline on facets at rest positions, leg by leg; its points are moved to the nearest ones of the
 /// facets. Pieces farther from a leg than half its length are none of it.
-///
-/// # Errors
-/// [`LayError`] where it leaves the facets or meets several layers of them.
 pub fn polyline(
     facets: &[[usize; 3]],
     x: &[Vec3],

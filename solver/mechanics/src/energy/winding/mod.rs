@@ -19,7 +19,7 @@
 //!
 //! w [½ EA q″ (t·m) (t/L − l D/L³) + N (m − (t·m) t)/l]
 //!
-//! The parameters are the values of EA, N₀, and of a helix the values of its [`Climb`] and its phase [rad]. By the
+//! The parameters are the values of EA, N₀, and of a helix the values of its [`Lead`] and its phase [rad]. By the
 //! course, ends of segments move at the rates of their [`Piece`]: with δ from end to end and λ a point of a segment,
 //!
 //! Ḋ = Σ δ̇_k X_k      φ̇′ = ∇φ · δ̇ + δ · ∇∇φ λ̇      L̇ = ∂L/∂D · Ḋ + Σ_a (∂L/∂u′ · u_a + w N t · λ_a) φ̇′_a
@@ -27,14 +27,14 @@
 //! ∂L/∂u′ is w (½ EA q″/L t⊗t + N/l (I − t⊗t)) m: the Hessian by u′ times m. Where EA changes along an axis, each
 //! point takes that of its new height, which adds ∂L/∂EA dEA/dz ż.
 
-mod climb;
+mod lead;
 mod force;
 mod lay;
 mod measures;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate, Profile};
+use super::{Energy, Hessian, Iterate, Nature, Owner, Profile};
 use crate::element::quadrature::Rule;
 use crate::element::{FunctionSpace, add_at, at, tabulate};
 use crate::material::slack::square;
@@ -42,12 +42,12 @@ use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
 use crate::parallel::map_merge;
 
-pub use climb::{Along, Climb};
 pub use lay::{Helix, LayError, Piece, helix, polyline};
+pub use lead::{Along, Lead};
 pub use measures::{Strand, WindingSummary};
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// Threads of one kind on the facets of a tag.
 #[derive(Clone)]
@@ -59,7 +59,7 @@ pub struct Winding {
     /// Strain over which the thread becomes taut [1].
     pub slack: f64,
     /// Sum of the ranges of all pieces.
-    course: f64,
+    turns: f64,
     /// Places of the points of a segment, and their weights.
     rule: Vec<(f64, f64)>,
     segments: Vec<Segment>,
@@ -75,7 +75,7 @@ struct Segment {
     /// δ, from one end to the other.
     across: Vec<f64>,
     points: Vec<Place>,
-    /// δ̇ by the values of the climb, and by the phase.
+    /// δ̇ by the values of the lead, and by the phase.
     rates: Vec<Vec<f64>>,
 }
 
@@ -85,13 +85,13 @@ struct Place {
     weight: f64,
     /// φ′ of the nodes.
     slopes: Vec<f64>,
-    /// φ̇′ of the nodes by the values of the climb, and by the phase.
+    /// φ̇′ of the nodes by the values of the lead, and by the phase.
     rates: Vec<Vec<f64>>,
     /// λ̇ by the same.
     moves: Vec<Vec<f64>>,
     /// What each value of EA has of that here.
     shares: Vec<(usize, f64)>,
-    /// Derivatives of EA by the values of the climb, and by the phase.
+    /// Derivatives of EA by the values of the lead, and by the phase.
     stiffness_rates: Vec<f64>,
 }
 
@@ -243,6 +243,11 @@ impl Point<'_> {
 }
 
 impl Winding {
+    /// Who owns the numbers of a thread, by its place among all.
+    pub const fn owner(place: usize) -> Owner {
+        Owner::new("winding", place)
+    }
+
     /// A thread of pieces in facets of the mesh, as [`helix`] and [`polyline`] lay them.
     ///
     /// # Panics
@@ -253,9 +258,9 @@ impl Winding {
         [stiffness, pretension, slack]: [f64; 3],
     ) -> Self {
         let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();
-        let course = pieces.iter().map(|piece| piece.range[1] - piece.range[0]).sum();
+        let turns = pieces.iter().map(|piece| piece.range[1] - piece.range[0]).sum();
         let rule = rule(space.degree());
-        Self { stiffness: vec![stiffness], pretension, slack, course, rule, segments }
+        Self { stiffness: vec![stiffness], pretension, slack, turns, rule, segments }
     }
 
     /// The same with a stiffness that changes along an axis [N]: each point of the thread has that of its height at rest.
@@ -269,10 +274,10 @@ impl Winding {
             for (place, (s, _)) in segment.points.iter_mut().zip(&self.rule) {
                 let height = (1.0 - s) * a + s * b;
                 place.shares = profile.basis(height).pairs().collect();
-                let climb = |by: &Vec<f64>| by.iter().zip(&corners).map(|(by, z)| by * z).sum();
-                let climbs = place.moves.iter().map(climb);
+                let lead = |by: &Vec<f64>| by.iter().zip(&corners).map(|(by, z)| by * z).sum();
+                let climbs = place.moves.iter().map(lead);
                 let slope = profile.slope(height);
-                place.stiffness_rates = climbs.map(|climb: f64| slope * climb).collect();
+                place.stiffness_rates = climbs.map(|lead: f64| slope * lead).collect();
             }
         }
         self
@@ -289,8 +294,8 @@ impl Winding {
     }
 
     /// How long it is in the unit in which it was laid: turns of helices, legs of polylines.
-    pub fn course(&self) -> f64 {
-        self.course
+    pub fn turns(&self) -> f64 {
+        self.turns
     }
 
     /// Number of its segments.
@@ -352,6 +357,10 @@ impl Winding {
 impl Energy for Winding {
     fn name(&self) -> &'static str {
         "winding"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Elastic
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

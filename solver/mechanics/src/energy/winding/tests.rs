@@ -1,21 +1,21 @@
 //! Threads on cubes and tubes: derivatives, lengths, and what cannot be laid.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::energy::Axis;
+use crate::energy::tests::{Case, Sample};
 use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::math::sparse::Pattern;
-use crate::testing::{check_gradient, cube, flat, points};
+use crate::testing::{check_gradient, cube};
 
 /// A cube of a degree with random displacements, and a thread across its top.
-struct Case {
-    space: FunctionSpace,
-    rest: Vec<Vec3>,
-    u: Vec<f64>,
+struct Wound {
+    case: Arc<Case>,
     pieces: Vec<Piece>,
 }
 
-impl Case {
+impl Wound {
     fn new(degree: usize, size: f64) -> Self {
         let mesh = cube(3, 0.2);
         let boundary = mesh::topology::boundary(&mesh).facets;
@@ -26,54 +26,33 @@ impl Case {
         let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
         let numbers = Random::new(43).numbers(3 * space.node_count());
         let u = numbers.iter().map(|x| size * x).collect();
-        Self { space, rest: mesh.vertices, u, pieces }
+        let case = Arc::new(Case { space, rest: mesh.vertices, u, step: None });
+        Self { case, pieces }
     }
 
     /// A thread of which a part is slack; the slack is wide, so that its curvature is seen by steps of the
     /// Taylor test.
     fn thread(&self, [stiffness, pretension]: [f64; 2]) -> Winding {
         let numbers = [stiffness, pretension, 0.3];
-        Winding::new(&self.space, &self.pieces, numbers)
-    }
-
-    fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
-        Iterate::new(&self.space, rest, u, 1.0)
-    }
-
-    fn gradient(&self, thread: &Winding, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
-        let mut gradient = vec![0.0; u.len()];
-        thread.add_gradient(&self.at(u, rest), &mut gradient);
-        gradient
+        Winding::new(&self.case.space, &self.pieces, numbers)
     }
 }
 
 const NUMBERS: [f64; 2] = [40.0, 2.0];
 
-#[test]
-fn derivatives_pass_the_taylor_test() {
-    for degree in [1, 2, 3] {
-        let case = Case::new(degree, 0.03);
-        let (u, rest) = (&case.u, &case.rest);
-        let weights = Random::new(33).numbers(u.len());
-        let thread = case.thread(NUMBERS);
-        let gradient = case.gradient(&thread, u, rest);
-        check_gradient(u, &gradient, 3e-4, |u| thread.value(&case.at(u, rest)));
-        let n = case.space.nodes_per_element();
-        let pattern = Pattern::new(case.space.node_count(), case.space.element_nodes(), n, &[]);
-        let mut hessian = BlockMatrix::zeros(&pattern);
-        thread.add_hessian(&case.at(u, rest), Hessian::Exact, &mut hessian);
-        let weighed = |u: &[f64], rest: &[Vec3]| dot(&weights, &case.gradient(&thread, u, rest));
-        check_gradient(u, &hessian.multiply(&weights), 5e-5, |u| weighed(u, rest));
-        let mut mixed = vec![0.0; 3 * rest.len()];
-        thread.add_mixed_vjp(&case.at(u, rest), &weights, &mut mixed);
-        check_gradient(&flat(rest), &mixed, 5e-5, |x| weighed(u, &points(x)));
-        let by = thread.parameter_vjp(&case.at(u, rest), &weights);
-        let scaled: Vec<f64> = by.iter().zip(NUMBERS).map(|(by, value)| by * value).collect();
-        check_gradient(&[1.0; 2], &scaled, 1e-2, |x| {
-            let other = case.thread([NUMBERS[0] * x[0], NUMBERS[1] * x[1]]);
-            dot(&weights, &case.gradient(&other, u, rest))
-        });
-    }
+/// Threads on facets.
+pub fn samples() -> Vec<Sample> {
+    let sample = |degree| {
+        let wound = Wound::new(degree, 0.03);
+        Sample {
+            name: format!("thread P{degree}"),
+            case: Arc::clone(&wound.case),
+            sizes: [3e-4, 5e-5],
+            numbers: NUMBERS.to_vec(),
+            term: Box::new(move |n| Box::new(wound.thread([n[0], n[1]]))),
+        }
+    };
+    [1, 2, 3].map(sample).into()
 }
 
 /// The side faces of the cube.
@@ -86,22 +65,22 @@ fn sides(mesh: &mesh::TetMesh) -> Vec<[usize; 3]> {
 }
 
 /// Tests the derivatives of a helix around the cube, on its sides: by its stiffness, pretension,
-/// course and phase. The functions give the climb of its values, and the stiffness, of all values relative to `NUMBERS`.
+/// course and phase. The functions give the lead of its values, and the stiffness, of all values relative to `NUMBERS`.
 /// Steps are so short that no piece appears or vanishes.
 fn check_helix(
     degree: usize,
     values: &[f64],
-    climb: impl Fn(&[f64]) -> Climb,
+    lead: impl Fn(&[f64]) -> Lead,
     stiffness: impl Fn(&[f64]) -> Along,
 ) {
-    let (case, mesh) = (Case::new(degree, 0.03), cube(3, 0.2));
+    let (case, mesh) = (Wound::new(degree, 0.03).case, cube(3, 0.2));
     let sides = sides(&mesh);
     let axis = Axis { point: Vec3::new(0.5, 0.45, 0.0), along: Vec3::z() };
     let count = stiffness(values).values().len();
     let pieces = |values: &[f64]| {
         let phase = values[values.len() - 1];
         let course = &values[count + 1..values.len() - 1];
-        let own = Helix::new(axis, climb(course), [0.1, 0.85], phase);
+        let own = Helix::new(axis, lead(course), [0.1, 0.85], phase);
         helix(&sides, &mesh.vertices, &own).expect("it lies on the sides")
     };
     let facets =
@@ -114,7 +93,7 @@ fn check_helix(
             Along::Profile(profile) => thread.with_stiffness(&profile, &case.rest),
         }
     };
-    let (here, at) = (facets(values), case.at(&case.u, &case.rest));
+    let (here, at) = (facets(values), case.here());
     let weights = Random::new(33).numbers(case.u.len());
     let with = |x: &[f64]| {
         let values: Vec<f64> = x.iter().zip(values).map(|(x, value)| x * value).collect();
@@ -142,7 +121,7 @@ fn derivatives_by_the_course_of_a_helix_pass_the_taylor_test() {
             check_helix(
                 degree,
                 &[40.0, 2.0, 0.53 * hand, 0.3],
-                |course| Climb::Pitch(Along::Number(course[0])),
+                |course| Lead::Pitch(Along::Number(course[0])),
                 |stiffness| Along::Number(stiffness[0]),
             );
         }
@@ -163,14 +142,14 @@ fn derivatives_by_values_along_the_axis_pass_the_taylor_test() {
             check_helix(
                 degree,
                 &[&[40.0, 30.0, 55.0, 2.0][..], &pitches, &[0.3]].concat(),
-                |values| Climb::Pitch(profile([0.05, 0.8], values)),
+                |values| Lead::Pitch(profile([0.05, 0.8], values)),
                 |values| profile([0.0, 0.9], &values[..3]),
             );
             let angles = [1.42, 1.39, 1.46].map(|angle| hand * angle);
             check_helix(
                 degree,
                 &[&[40.0, 30.0, 2.0][..], &angles, &[0.3]].concat(),
-                |values| Climb::Angle(profile([0.2, 1.0], values), 0.55),
+                |values| Lead::Angle(profile([0.2, 1.0], values), 0.55),
                 |values| stiffness(&values[..2]),
             );
         }
@@ -183,7 +162,7 @@ fn a_helix_of_a_changing_pitch_is_where_its_turns_are() {
     let (facets, x) = tube(96, 64, 1.0);
     let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
     let profile = Profile::new(axis, [0.5, 3.5], vec![0.3, 0.7]).expect("it is good");
-    let own = Helix::new(axis, Climb::Pitch(Along::Profile(profile)), [0.5, 3.5], 0.2);
+    let own = Helix::new(axis, Lead::Pitch(Along::Profile(profile)), [0.5, 3.5], 0.2);
     let pieces = helix(&facets, &x, &own).expect("it lies on the tube");
     let slope = 0.4 / 3.0;
     let turns = |z: f64| ((0.3 + slope * (z - 0.5)) / 0.3).ln() / slope;
@@ -201,7 +180,7 @@ fn a_helix_of_a_changing_pitch_is_where_its_turns_are() {
     // turns that vary a lot within facets of a quarter
     let (facets, x) = tube(24, 16, 1.0);
     let profile = Profile::new(axis, [0.0, 4.0], vec![0.01, 0.01, 1.0]).expect("it is good");
-    let own = Helix { climb: Climb::Pitch(Along::Profile(profile)), ..own };
+    let own = Helix { lead: Lead::Pitch(Along::Profile(profile)), ..own };
     let pieces = helix(&facets, &x, &own).expect("it lies on the tube");
     let count: f64 = pieces.iter().map(|p| p.range[1] - p.range[0]).sum();
     assert!((count / own.turns() - 1.0).abs() < 1e-9, "{count}");
@@ -211,10 +190,11 @@ fn a_helix_of_a_changing_pitch_is_where_its_turns_are() {
 #[test]
 fn a_stretched_thread_has_its_force() {
     for degree in [1, 2, 3] {
-        let mut case = Case::new(degree, 0.0);
-        let places = case.space.node_positions(&case.rest);
-        case.u = places.iter().flat_map(|x| [0.4 * x.x, 0.4 * x.y, 0.4 * x.z]).collect();
-        let at = case.at(&case.u, &case.rest);
+        let wound = Wound::new(degree, 0.0);
+        let (at, case) = (wound.case.here(), &wound);
+        let places = at.space.node_positions(at.rest);
+        let u: Vec<f64> = places.iter().flat_map(|x| [0.4 * x.x, 0.4 * x.y, 0.4 * x.z]).collect();
+        let at = Iterate { u: &u, ..at };
         for pretension in [0.0, 3.0] {
             let found = case.thread([40.0, pretension]).summary(&at);
             let force = 16.0 + pretension;
@@ -238,9 +218,8 @@ fn a_stretched_thread_has_its_force() {
 /// Means of threads that are nowhere and somewhere taut: from the mean to the largest force.
 #[test]
 fn power_means_of_the_force_tend_to_the_largest() {
-    let case = Case::new(2, 0.03);
-    let at = case.at(&case.u, &case.rest);
-    let thread = case.thread(NUMBERS);
+    let wound = Wound::new(2, 0.03);
+    let (at, thread) = (wound.case.here(), wound.thread(NUMBERS));
     let summary = thread.summary(&at);
     assert!((thread.mean_force(&at, 1.0) / summary.mean_force - 1.0).abs() < 1e-12);
     let mut largest = 0.0_f64;
@@ -253,13 +232,13 @@ fn power_means_of_the_force_tend_to_the_largest() {
 
 #[test]
 fn a_slack_thread_does_nothing() {
-    let mut case = Case::new(2, 0.0);
-    let places = case.space.node_positions(&case.rest);
-    case.u = places.iter().flat_map(|x| [-0.1 * x.x, -0.1 * x.y, 0.0]).collect();
-    let thread = case.thread([40.0, 0.0]);
-    let at = case.at(&case.u, &case.rest);
+    let wound = Wound::new(2, 0.0);
+    let (at, thread) = (wound.case.here(), wound.thread([40.0, 0.0]));
+    let places = at.space.node_positions(at.rest);
+    let u: Vec<f64> = places.iter().flat_map(|x| [-0.1 * x.x, -0.1 * x.y, 0.0]).collect();
+    let at = Iterate { u: &u, ..at };
     assert_eq!((thread.value(&at), thread.summary(&at).taut), (0.0, 0.0));
-    assert!(case.gradient(&thread, &case.u, &case.rest).iter().all(|g| *g == 0.0));
+    assert!(wound.case.gradient(&thread, &u, at.rest).iter().all(|g| *g == 0.0));
     assert_eq!(thread.mean_force(&at, 2.0), 0.0);
     assert_eq!(thread.mean_force_by_parameters(&at, 2.0), [0.0; 2]);
 }
@@ -281,7 +260,7 @@ fn tube(around: usize, along: usize, radius: f64) -> (Vec<[usize; 3]>, Vec<Vec3>
 
 fn screw(pitch: f64, phase: f64) -> Helix {
     let axis = Axis { point: Vec3::zeros(), along: Vec3::z() };
-    Helix::new(axis, Climb::Pitch(Along::Number(pitch)), [0.5, 3.5], phase)
+    Helix::new(axis, Lead::Pitch(Along::Number(pitch)), [0.5, 3.5], phase)
 }
 
 fn length(pieces: &[Piece], x: &[Vec3]) -> f64 {

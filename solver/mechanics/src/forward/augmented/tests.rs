@@ -52,9 +52,8 @@ fn pusher(degree: usize, distance: f64, h: Option<f64>, ceiling: f64) -> Pusher 
     let elements = 0..space.tets().len();
     let mass = if h.is_some() { Inertia::new } else { Inertia::tiny };
     let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(1e5, 0.35))));
-    energies.bodies[0].inertia = Some(mass(&space, 1e3, elements));
-    energies.contact =
-        Some(Arc::new(Contact::new(Arc::new(surface), Partners::ThroughAir, barrier).certified()));
+    let contact = Contact::new(Arc::new(surface), Partners::ThroughAir, barrier);
+    energies = energies.with(mass(&space, 1e3, elements)).with(contact.certified());
     let still = vec![0.0; fixed.len()];
     let free_flight = h.map(|h| FreeFlight { at: still.clone(), square: h * h });
     let step = TimeStep { h: h.unwrap_or(1.0), history: still, free_flight, ..TimeStep::default() };

@@ -107,9 +107,6 @@ pub trait DirectSolver: Send + Sync {
 
     /// L Lᵀ = A, or A + E with E at a few replaced pivots, and the number of these. `lower` are
     /// the values of the lower triangle.
-    ///
-    /// # Errors
-    /// The position of a pivot that was refused: A is not positive definite.
     fn factor_positive(
         &self,
         lower: &[f64],

@@ -131,9 +131,6 @@ impl SparseSolver {
 
     /// Factors a matrix whose sparse part is positive definite. Where single
     /// precision finds a pivot that is not positive, double precision decides.
-    ///
-    /// # Errors
-    /// [`NotPositive`] at such a pivot.
     pub fn factor_positive(
         &mut self,
         matrix: Symmetric,
@@ -145,9 +142,6 @@ impl SparseSolver {
     }
 
     /// [`Self::factor_positive`] for the caller to keep.
-    ///
-    /// # Errors
-    /// [`NotPositive`] at a pivot that is not positive.
     pub fn positive(
         &self,
         matrix: Symmetric,
@@ -181,9 +175,6 @@ impl SparseSolver {
     /// Factors a matrix in single precision as if it were positive definite: L Lᵀ = A + E,
     /// where E is nonzero at pivots that are not positive alone. Returns their number, too. For
     /// the solution see [`Factorization::solve_modified`].
-    ///
-    /// # Errors
-    /// [`NotPositive`] where there are many such pivots.
     pub fn factor_modified(
         &mut self,
         matrix: Symmetric,
@@ -213,7 +204,7 @@ impl SparseSolver {
 
     /// Factors the last matrix in double precision if its factor is in single; none where that
     /// changes nothing.
-    pub fn sharpen(&mut self) -> Option<&Factorization> {
+    pub fn refactor_double(&mut self) -> Option<&Factorization> {
         let last = self.last.take_if(|last| last.positive == Some(Precision::Single))?;
         let matrix = Arc::try_unwrap(last)
             .map_or_else(|shared| shared.matrix().clone(), Factorization::into_matrix);
@@ -235,7 +226,7 @@ impl SparseSolver {
     }
 
     /// Makes one that was kept the last factorisation again; false where it is of another pattern.
-    pub fn take_up(&mut self, kept: &Arc<Factorization>) -> bool {
+    pub fn reuse(&mut self, kept: &Arc<Factorization>) -> bool {
         let fits = kept.is_of(&self.pattern);
         if fits {
             self.last = Some(Arc::clone(kept));

@@ -167,9 +167,6 @@ impl Fronts {
 
     /// L of the matrix with the lower triangle `a`, in the layout of faer's
     /// supernodal factor, and the number of pivots that were replaced.
-    ///
-    /// # Errors
-    /// The position of a pivot that is not positive, where these are refused.
     pub fn factor<T: Scalar>(
         &self,
         a: &[f64],

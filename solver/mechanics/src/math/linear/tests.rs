@@ -182,16 +182,16 @@ fn a_factor_is_sharpened_once() {
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
     let (start, rows, values) = laplacian(n, 0.0);
     let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
-    assert!(solver.sharpen().is_none());
+    assert!(solver.refactor_double().is_none());
     let unrefined = |factored: &Factorization| {
         norm(&factored.residual(&b, &factored.inverse_times(&b))) / norm(&b)
     };
     let blunt = solver.factor_positive(Symmetric::sparse(values), Precision::Single);
     let blunt = unrefined(blunt.expect("positive"));
     // the two precisions are a factor of 5e8 apart
-    let sharp = unrefined(solver.sharpen().expect("a factor in single precision"));
+    let sharp = unrefined(solver.refactor_double().expect("a factor in single precision"));
     assert!(sharp < 1e-6 * blunt && sharp < 1e-11, "{blunt:e} {sharp:e}");
-    assert!(solver.sharpen().is_none());
+    assert!(solver.refactor_double().is_none());
 }
 
 #[test]

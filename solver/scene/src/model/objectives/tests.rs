@@ -126,7 +126,8 @@ fn values(contact: &str, terms: &str) -> Result<Vec<(String, f64, Vec<f64>)>> {
     pull.chunks_exact_mut(3).for_each(|f| f[2] = 1.0);
     let rest = &scene.body.mesh.vertices;
     let (space, u, contact) = (&space, &u, &pull);
-    let at = Equilibrium { space, rest, u, time: 1.0, contact, reaction: &[], threads: &[] };
+    let energies = &mechanics::energy::Energies::default();
+    let at = Equilibrium { space, rest, u, time: 1.0, contact, reaction: &[], energies };
     let terms = builder.build(&scene, &scene.body, space)?;
     let one = |t: &Weighted| {
         assert!(t.weight == 2.0);

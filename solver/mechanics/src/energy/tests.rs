@@ -1,0 +1,240 @@
+//! Every term against differences, over one registry of samples: forces, Hessian, and derivatives of the forces by the rest
+//! shape and by the numbers that the term is made with.
+
+use std::sync::Arc;
+
+use mesh::{TetMesh, Vec3};
+use nalgebra::{DMatrix, DVector};
+
+use super::*;
+use crate::math::linear::dot;
+use crate::math::random::Random;
+use crate::math::sparse::Pattern;
+use crate::schedule::{Field, Schedule};
+use crate::testing::{check_gradient, cube, flat, points};
+
+/// A body at a state.
+pub struct Case {
+    pub space: FunctionSpace,
+    pub rest: Vec<Vec3>,
+    pub u: Vec<f64>,
+    pub step: Option<TimeStep>,
+}
+
+impl Case {
+    /// A body of a degree with random displacements.
+    pub fn new(mesh: TetMesh, degree: usize, random: &mut Random, size: f64) -> Self {
+        let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
+        let u = random.numbers(3 * space.node_count()).iter().map(|x| size * x).collect();
+        Self { space, rest: mesh.vertices, u, step: None }
+    }
+
+    pub fn at<'a>(&'a self, u: &'a [f64], rest: &'a [Vec3]) -> Iterate<'a> {
+        Iterate { step: self.step.as_ref(), ..Iterate::new(&self.space, rest, u, 1.0) }
+    }
+
+    pub fn here(&self) -> Iterate<'_> {
+        self.at(&self.u, &self.rest)
+    }
+
+    pub fn gradient(&self, energy: &dyn Energy, u: &[f64], rest: &[Vec3]) -> Vec<f64> {
+        let mut gradient = vec![0.0; u.len()];
+        energy.add_gradient(&self.at(u, rest), &mut gradient);
+        gradient
+    }
+
+    /// The Hessian times vectors.
+    fn products<'a>(
+        &self,
+        energy: &dyn Energy,
+        kind: Hessian,
+        by: impl Iterator<Item = &'a [f64]>,
+    ) -> Vec<Vec<f64>> {
+        let (at, n) = (self.here(), self.space.nodes_per_element());
+        let (nodes, couplings) = (self.space.element_nodes(), energy.couplings(&at, 1.0));
+        let pattern = Pattern::new(self.space.node_count(), nodes, n, &couplings);
+        let mut hessian = BlockMatrix::zeros(&pattern);
+        energy.add_hessian(&at, kind, &mut hessian);
+        let dense = energy.rank_one(&at);
+        let product = |by: &[f64]| {
+            let mut product = hessian.multiply(by);
+            if let Some(RankOne { scale, vector }) = &dense {
+                let along = scale * dot(vector, by);
+                product.iter_mut().zip(vector).for_each(|(p, v)| *p += along * v);
+            }
+            product
+        };
+        by.map(product).collect()
+    }
+
+    pub fn times_hessian(&self, energy: &dyn Energy, kind: Hessian, by: &[f64]) -> Vec<f64> {
+        self.products(energy, kind, [by].into_iter()).remove(0)
+    }
+
+    pub fn weights(&self) -> Vec<f64> {
+        Random::new(33).numbers(self.u.len())
+    }
+
+    /// The smallest eigenvalue of the Hessian, as a part of the largest.
+    pub fn smallest(&self, energy: &dyn Energy, kind: Hessian) -> f64 {
+        self.smallest_of(energy, kind, &(0..self.u.len()).collect::<Vec<_>>())
+    }
+
+    /// The smallest eigenvalue of the rows and columns `free` of the Hessian, as a part of the largest.
+    pub fn smallest_of(&self, energy: &dyn Energy, kind: Hessian, free: &[usize]) -> f64 {
+        let unit = DMatrix::<f64>::identity(self.u.len(), self.u.len());
+        let units = unit.as_slice().chunks_exact(self.u.len());
+        let columns = self.products(energy, kind, units).into_iter().map(DVector::from_vec);
+        let dense = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        let eigenvalues = dense.select_rows(free).select_columns(free).symmetric_eigenvalues();
+        eigenvalues.min() / eigenvalues.amax()
+    }
+}
+
+/// A term at a state.
+pub struct Sample {
+    pub name: String,
+    pub case: Arc<Case>,
+    /// First steps of the tests of the energy and of the forces [m].
+    pub sizes: [f64; 2],
+    /// The numbers that the term is made with, in the order of the derivatives by them.
+    pub numbers: Vec<f64>,
+    /// The term by such numbers.
+    pub term: Box<dyn Fn(&[f64]) -> Box<dyn Energy>>,
+}
+
+impl Sample {
+    fn own(&self) -> Box<dyn Energy> {
+        (self.term)(&self.numbers)
+    }
+}
+
+/// One sample or more of every term; contact and friction have bodies of their own.
+fn samples() -> Vec<Sample> {
+    let mut all = elastic::tests::samples();
+    all.extend(fibres::tests::samples());
+    all.extend(membrane::tests::samples());
+    all.extend(winding::tests::samples());
+    all.extend(rigid::tests::samples());
+    all.extend(loads());
+    all
+}
+
+/// Loads, gas around the body, and inertia, on a cube.
+fn loads() -> Vec<Sample> {
+    let mut case = Case::new(cube(2, 0.2), 2, &mut Random::new(41), 0.03);
+    let at = case.weights();
+    case.step = Some(TimeStep {
+        free_flight: Some(FreeFlight { at, square: 0.04 }),
+        ..TimeStep::default()
+    });
+    let case = Arc::new(case);
+    let mesh = TetMesh { vertices: case.rest.clone(), tets: case.space.tets().to_vec() };
+    let facets = mesh::topology::boundary(&mesh).facets;
+    let all = 0..mesh.tets.len();
+    let field = |values: &[f64]| Field([0, 1, 2].map(|axis| Schedule::held(values[axis])));
+    let sample =
+        |name: &str, numbers: &[f64], term: Box<dyn Fn(&[f64]) -> Box<dyn Energy>>| Sample {
+            name: name.to_owned(),
+            case: Arc::clone(&case),
+            sizes: [1e-2; 2],
+            numbers: numbers.to_vec(),
+            term,
+        };
+    let (elements, on, own) = (all.clone(), facets.clone(), Arc::clone(&case));
+    let mut samples = vec![
+        sample("weight", &[3.0, 1.0, -2.0, 0.5], {
+            Box::new(move |n| Box::new(BodyForce::weight(field(&n[1..]), n[0], elements.clone())))
+        }),
+        sample("traction", &[1.0, -2.0, 0.5], {
+            Box::new(move |n| Box::new(Traction::new(&own.space, &on, field(n))))
+        }),
+    ];
+    let own = Arc::clone(&case);
+    samples.push(sample("inertia", &[3.0], {
+        Box::new(move |n| Box::new(Inertia::new(&own.space, n[0], all.clone())))
+    }));
+    let outside: Vec<[usize; 3]> = facets.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let gas = |fill: f64| -> [Box<dyn GasLaw>; 2] {
+        let ideal = IdealGas { fill: Schedule::held(fill), ambient: 101.3e3, exponent: 1.4 };
+        [Box::new(ideal), Box::new(Isobaric { pressure: Schedule::held(fill) })]
+    };
+    for (kind, name) in ["ideal gas", "pressure"].into_iter().enumerate() {
+        let (own, outside) = (Arc::clone(&case), outside.clone());
+        samples.push(sample(name, &[3e4], {
+            Box::new(move |n| {
+                let (wall, [ideal, isobaric]) = (Wall::new(&own.space, &outside), gas(n[0]));
+                let gas = if kind == 0 { ideal } else { isobaric };
+                Box::new(Chamber::new(wall, gas))
+            })
+        }));
+    }
+    samples
+}
+
+/// Taylor test of a derivative, or that the function is linear.
+fn check(name: &str, x: &[f64], by: &[f64], size: f64, value: impl Fn(&[f64]) -> f64) {
+    let q = Random::new(7).numbers(x.len());
+    let moved: Vec<f64> = x.iter().zip(&q).map(|(x, q)| x + size * q).collect();
+    let along = size * dot(by, &q);
+    let scale = along.abs().max(1e-4 * value(x).abs());
+    if (value(&moved) - value(x) - along).abs() <= 1e-9 * scale {
+        return;
+    }
+    eprintln!("{name}");
+    check_gradient(x, by, size, value);
+}
+
+#[test]
+fn forces_are_the_derivative_of_the_energy() {
+    for sample in samples() {
+        let (case, term) = (&sample.case, sample.own());
+        let by = case.gradient(&*term, &case.u, &case.rest);
+        let value = |u: &[f64]| term.value(&case.at(u, &case.rest));
+        check(&sample.name, &case.u, &by, sample.sizes[0], value);
+    }
+}
+
+#[test]
+fn hessians_are_the_derivatives_of_the_forces() {
+    for sample in samples() {
+        let (case, term, weights) = (&sample.case, sample.own(), sample.case.weights());
+        let by = case.times_hessian(&*term, Hessian::Exact, &weights);
+        let value = |u: &[f64]| dot(&weights, &case.gradient(&*term, u, &case.rest));
+        check(&sample.name, &case.u, &by, sample.sizes[1], value);
+    }
+}
+
+#[test]
+fn mixed_derivatives_are_those_of_the_forces_by_the_rest_shape() {
+    for sample in samples() {
+        let (case, term, weights) = (&sample.case, sample.own(), sample.case.weights());
+        let mut by = vec![0.0; 3 * case.rest.len()];
+        term.add_mixed_vjp(&case.here(), &weights, &mut by);
+        let value = |x: &[f64]| dot(&weights, &case.gradient(&*term, &case.u, &points(x)));
+        check(&sample.name, &flat(&case.rest), &by, sample.sizes[1], value);
+    }
+}
+
+#[test]
+fn derivatives_by_the_numbers_of_a_term_are_those_of_its_forces() {
+    for Sample { name, case, numbers, term, .. } in samples() {
+        if numbers.is_empty() {
+            continue;
+        }
+        let weights = case.weights();
+        let by = term(&numbers).parameter_vjp(&case.here(), &weights);
+        assert_eq!(by.len(), numbers.len(), "{name}");
+        for (i, by) in by.iter().enumerate() {
+            let unit = if numbers[i] == 0.0 { 1.0 } else { numbers[i] };
+            let value = |part: f64| {
+                let mut changed = numbers.clone();
+                changed[i] += part * unit;
+                dot(&weights, &case.gradient(&*term(&changed), &case.u, &case.rest))
+            };
+            let (slope, by) = ((value(1e-5) - value(-1e-5)) / 2e-5, by * unit);
+            let scale = by.abs() + value(0.0).abs();
+            assert!((slope - by).abs() < 1e-7 * scale, "{name} {i}: {slope} {by}");
+        }
+    }
+}
