@@ -34,7 +34,7 @@ fn settings() {
         (
             "first_step",
             "largest_step = 0.0\nfirst_step",
-            &["design.toml", "largest_step = 0 must be"],
+            &["design.toml", "largest_step = 0: must be"],
         ),
         ("spacing", "spaces", &["design.toml", "unknown field `spaces`", "`spacing`"]),
         ("kind = \"target\"", "kind = \"goal\"", &["design.toml", "`goal`", "`clearance`"]),

@@ -192,9 +192,9 @@ fn bars_are_derivatives_times_what_the_numbers_are_off() {
 #[test]
 fn bad_uncertainties_are_refused() {
     let cases: &[(&str, &str, &[&str])] = &[
-        ("modulus = 0.04", "modulus = -0.1", &["modulus = -0.1", "positive"]),
+        ("modulus = 0.04", "modulus = -0.1", &["modulus = -0.1", "above 0 and below 1"]),
         ("modulus = 0.04", "modulus = 12", &["modulus = 12", "below 1"]),
-        ("modulus = 0.04", "modulus = nan", &["modulus = NaN", "positive"]),
+        ("modulus = 0.04", "modulus = nan", &["modulus = NaN", "above 0 and below 1"]),
         ("modulus = 0.04", "modulus = \"source\"", &["\"source\"", "\"sources\""]),
         ("modulus = 0.04", "modulus = \"sources\"", &["silicone of the library"]),
         ("wall = 0.05e-3", "walls = 0.05e-3", &["unknown field `walls`", "`wall`"]),

@@ -325,7 +325,7 @@ fn fibres_that_cannot_be_used_are_refused() {
             "",
             &["angle without an axis", "add around"],
         ),
-        ("axis = [1, 0, 0]", "axis = [0, 0, 0]", &["around", "axis", "no direction"]),
+        ("axis = [1, 0, 0]", "axis = [0, 0, 0]", &["around", "axis", "a direction with a length"]),
         (
             "point = [0, 0.02, -0.02]",
             "point = [0, 0.02, 0.02]",

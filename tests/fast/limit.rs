@@ -90,7 +90,10 @@ fn what_has_no_limit_or_path_is_refused() {
     );
     refused("[solver]\npath_states = 3\n", &["path_states", "arc-length"]);
     refused("[solver]\npath_only = true\n", &["path_only", "arc-length"]);
-    refused("[solver]\nfollow = \"arc-length\"\npath_states = 0\n", &["path_states", "one state"]);
+    refused(
+        "[solver]\nfollow = \"arc-length\"\npath_states = 0\n",
+        &["path_states = 0", "positive"],
+    );
 }
 
 /// The factors of the limit and of the burst change with the modulus in proportion, as pressure is the only load; by one

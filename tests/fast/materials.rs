@@ -242,12 +242,12 @@ fn scenarios_of_unknown_volumes_are_refused() {
     for (keys, words) in [
         ("modulus = { roof = 1.1 }", &["\"x\"", "modulus of \"roof\"", "floor, walls"][..]),
         ("density = { floor = 1.1 }", &["density of \"floor\"", "no material of floor has one"]),
-        ("modulus = {}", &["modulus = {}", "expected a factor"]),
+        ("modulus = {}", &["modulus = {}", "expected a number"]),
         ("density = { roof = 1.1 }", &["density of \"roof\"", "floor, walls"]),
-        ("modulus = { floor = -1 }", &["modulus of floor = -1", "positive"]),
+        ("modulus = { floor = -1 }", &["modulus: floor = -1", "positive"]),
         (
             "modulus = { floor = \"soft\" }",
-            &["modulus", "a factor, or a table with one for each name"],
+            &["modulus", "a number, or a table with one for each name"],
         ),
         ("membrane = { paper = 1.1 }", &["membrane", "the scene has no [[membrane]]"]),
     ] {

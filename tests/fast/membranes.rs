@@ -260,7 +260,7 @@ fn what_cannot_be_used_is_refused() {
         (
             "around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }\nangle = 30\n",
             "direction = [0, 0, 0]\n",
-            &["direction = [0.0, 0.0, 0.0]", "no direction"],
+            &["direction = [0.0, 0.0, 0.0]", "a direction with a length"],
         ),
         ("angle = 30", "angle = 30\ndirection = [1, 0, 0]", &["direction beside around"]),
         ("weft = 1e6", "weft = -1e6", &["[[membrane]] on \"top\"", "weft = -1e6 Pa", "above 0"]),

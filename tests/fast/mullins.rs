@@ -336,8 +336,8 @@ fn what_means_nothing_is_refused() {
     for (numbers, words) in [
         ([0.5, 1.0, 0.1], "r = 0.5: must be above 1"),
         ([f64::INFINITY, 1.0, 0.1], "r = inf"),
-        ([2.0, -3.0, 0.1], "m = -3 Pa: must be 0 or more"),
-        ([2.0, 1.0, -0.1], "beta = -0.1: must be 0 or more"),
+        ([2.0, -3.0, 0.1], "m = -3 Pa: must be finite and not negative"),
+        ([2.0, 1.0, -0.1], "beta = -0.1: must be finite and not negative"),
         ([2.0, 0.0, 0.0], "m = 0 Pa and beta = 0"),
     ] {
         refused(&cube(&mullins(numbers), &RISES), &[words]);

@@ -113,8 +113,8 @@ fn derivatives_by_mass_and_force_are_those_of_the_runs() {
 #[test]
 fn parts_that_cannot_be_are_refused() {
     refused("along = \"z\"\n", &["along", "turns = false"]);
-    refused("along = \"\"\n", &["along", "[[fixed]]"]);
-    refused("mass = -1\n", &["mass", "0 or more"]);
+    refused("along = \"\"\n", &["along", "some of x, y, z"]);
+    refused("mass = -1\n", &["mass = -1 kg", "not negative"]);
     refused("along = \"z\"\nturns = false\nforce = [1, 0, 0]\n", &["force", "along x"]);
     refused("[[rigid]]\non = \"top\"\n", &["given twice"]);
     refused("[[rigid]]\non = \"bottom\"\n", &["bottom", "[[fixed]]"]);

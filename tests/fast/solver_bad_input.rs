@@ -38,7 +38,7 @@ fn scenes() {
             ("c1 =", "c9 =", &["unknown parameter \"c9\"", "c1 [Pa]", "d1 [Pa]"]),
             ("mooney-rivlin", "rubber", &["\"rubber\"", "mooney-rivlin, ", "neo-hookean"]),
             ("degree = 2", "degree = \"two\"", &["sim.toml:3:10", "invalid type", "two"]),
-            ("degree = 2", "degree = 4", &["degree = 4", "1, 2 or 3"]),
+            ("degree = 2", "degree = 4", &["degree = 4", "between 1 and 3"]),
             ("d1 = 1e6", "", &["no \"d1\"", "d1 [Pa]"]),
             ("c1 = 55e3", "c1 = -55e3", &["shear = 2 (c1 + c2) = -100000 Pa"]),
             ("c1 = 55e3", "c1 = -5e3", &["shear = 2 (c1 + c2) = 0 Pa"]),

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, bail};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::schedule::Field;
@@ -81,22 +81,9 @@ impl Supports {
     /// Whether some connected part of a range of vertices can move as a whole.
     pub fn leave_loose(&self, space: &FunctionSpace, vertices: &Range<usize>) -> bool {
         parts(space).iter().any(|part| {
-            let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
             // the lowest node of a part is a vertex
-            vertices.contains(&part[0]) && self.rigid_motion(part, centre).is_some()
+            vertices.contains(&part[0]) && !self.motions_of(part).is_empty()
         })
-    }
-
-    /// As [`Self::new`], but no connected part can move as a rigid body.
-    pub fn without_rigid_motions(
-        configs: &[Support],
-        times: &[f64],
-        body: &Body,
-        space: &FunctionSpace,
-    ) -> Result<Self> {
-        let supports = Self::new(configs, times, body, space)?;
-        supports.check_rigid_motions(space)?;
-        Ok(supports)
     }
 
     /// Whether any support moves.
@@ -180,51 +167,46 @@ impl Supports {
 
     /// The supports of every connected part must prevent all its six rigid motions:
     /// otherwise the stiffness matrix is singular.
-    fn check_rigid_motions(&self, space: &FunctionSpace) -> Result<()> {
-        let positions = &self.positions;
+    pub fn check_rigid_motions(&self, space: &FunctionSpace) -> Result<()> {
         let parts = parts(space);
         for part in &parts {
-            let centre = part.iter().map(|&n| positions[n]).sum::<Vec3>() / part.len() as f64;
-            if let Some(motion) = self.rigid_motion(part, centre) {
-                if parts.len() == 1 {
-                    bail!(misfit!(
-                        KeyPath::list("fixed"),
-                        ": the body can still {motion} as a whole; fix more components or tags"
-                    ));
-                }
+            let Some(RigidMotion { name, .. }) = self.motions_of(part).into_iter().next() else {
+                continue;
+            };
+            if parts.len() == 1 {
                 bail!(misfit!(
                     KeyPath::list("fixed"),
-                    ": the body consists of {} parts that do not touch, and the one \
-                     around ({:.5}, {:.5}, {:.5}) m, of {} nodes, can still {motion} as a whole; \
-                     fix it, too, or take it out of the mesh",
-                    parts.len(),
-                    centre.x,
-                    centre.y,
-                    centre.z,
-                    part.len()
+                    ": the body can still {name} as a whole; fix more components or tags"
                 ));
             }
+            let centre = self.centre(part);
+            bail!(misfit!(
+                KeyPath::list("fixed"),
+                ": the body consists of {} parts that do not touch, and the one \
+                 around ({:.5}, {:.5}, {:.5}) m, of {} nodes, can still {name} as a whole; \
+                 fix it, too, or take it out of the mesh",
+                parts.len(),
+                centre.x,
+                centre.y,
+                centre.z,
+                part.len()
+            ));
         }
         Ok(())
     }
 
-    /// A rigid motion of some nodes that no support of theirs prevents.
-    fn rigid_motion(&self, part: &[usize], centre: Vec3) -> Option<&'static str> {
-        self.motions_of(part, centre).first().map(|motion| motion.name)
-    }
-
     /// The rigid motions of all connected parts that no support prevents.
     pub fn free_motions(&self, space: &FunctionSpace) -> Vec<RigidMotion> {
-        let of = |part: &Vec<usize>| {
-            let centre = part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64;
-            self.motions_of(part, centre)
-        };
-        parts(space).iter().flat_map(of).collect()
+        parts(space).iter().flat_map(|part| self.motions_of(part)).collect()
+    }
+
+    fn centre(&self, part: &[usize]) -> Vec3 {
+        part.iter().map(|&n| self.positions[n]).sum::<Vec3>() / part.len() as f64
     }
 
     /// The rigid motions of some nodes that no support of theirs prevents, the freest first.
-    fn motions_of(&self, part: &[usize], centre: Vec3) -> Vec<RigidMotion> {
-        let positions = &self.positions;
+    fn motions_of(&self, part: &[usize]) -> Vec<RigidMotion> {
+        let (positions, centre) = (&self.positions, self.centre(part));
         let size = part.iter().map(|&n| (positions[n] - centre).norm()).fold(0.0, f64::max);
         let mut prevented = Matrix6::zeros();
         let dofs = part.iter().flat_map(|n| 3 * n..3 * n + 3);
@@ -335,7 +317,9 @@ mod tests {
     fn supports(configs: &[Support]) -> Result<Supports> {
         let body = body();
         let space = FunctionSpace::new(2, body.mesh.vertices.len(), body.mesh.tets.clone());
-        Supports::without_rigid_motions(configs, &[0.0, 1.0], &body, &space)
+        let supports = Supports::new(configs, &[0.0, 1.0], &body, &space)?;
+        supports.check_rigid_motions(&space)?;
+        Ok(supports)
     }
 
     fn message(configs: &[Support]) -> String {
@@ -372,10 +356,8 @@ mod tests {
         let body = Body::new(body.mesh, body.tags);
         let space = FunctionSpace::new(1, body.mesh.vertices.len(), body.mesh.tets.clone());
         let configs = [fixed("bottom", "xyz", [0.0; 3])];
-        let text = Supports::without_rigid_motions(&configs, &[1.0], &body, &space)
-            .err()
-            .expect("refused")
-            .to_string();
+        let supports = Supports::new(&configs, &[1.0], &body, &space).expect("on its tag");
+        let text = supports.check_rigid_motions(&space).expect_err("refused").to_string();
         for word in ["2 parts", "(3.50000, 0.50000, 0.50000) m", "27 nodes", "can still"] {
             assert!(text.contains(word), "{text}");
         }

@@ -9,7 +9,6 @@ use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
 use mechanics::energy::{Iterate, Nature};
 use mechanics::forward::{LoadStep, Problem, Progress, Timings};
-use mechanics::schedule::{Field, Schedule};
 use mechanics::stability::ArcProgress;
 use mesh::Vec3;
 use mesh::io::vtu;

@@ -1,15 +1,12 @@
 //! Settings that no type can rule out.
 
-use anyhow::{Context, Result, bail, ensure};
-use mechanics::element::HIGHEST_DEGREE;
+use anyhow::{Context, Result, ensure};
 use mechanics::energy::GasLaw;
-use mechanics::schedule::{Field, Malformed, Schedule, Written, WrittenField, is_free_name};
+use mechanics::schedule::{Field, Malformed, Schedule, Written, WrittenField};
+use program::table::Table;
 use program::{KeyPath, misfit};
 
-use super::{ChamberConfig, ContactConfig, Fixed, SimConfig, TimeConfig};
-
-/// Most time steps of a scene or a level.
-pub(super) const MOST_STEPS: usize = 1_000_000;
+use super::{ChamberConfig, Fixed, SimConfig, TimeConfig};
 
 /// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
@@ -17,8 +14,12 @@ const MOMENTS: usize = 8;
 
 impl SimConfig {
     /// Whether all settings that can be checked without a body are sound.
-    pub(super) fn check(&self) -> Result<()> {
-        self.check_settings()?;
+    pub(crate) fn check(&self) -> Result<()> {
+        self.check_ranges(&KeyPath::default())?;
+        self.check_bodies()?;
+        self.solver.check()?;
+        self.check_path()?;
+        self.time.as_ref().map_or(Ok(()), TimeConfig::check)?;
         self.check_schedules()?;
         self.check_parts()
     }
@@ -40,38 +41,6 @@ impl SimConfig {
     /// The gas law of one of its chambers.
     pub fn gas_law(&self, chamber: &ChamberConfig) -> Box<dyn GasLaw> {
         chamber.gas.law(self.schedule(&chamber.gas.value))
-    }
-
-    fn check_settings(&self) -> Result<()> {
-        ensure!(
-            (1..=HIGHEST_DEGREE).contains(&self.degree),
-            misfit!(KeyPath::of("degree"), " = {}: must be 1, 2 or 3", self.degree)
-        );
-        ensure!(
-            (5..=12).contains(&self.quadrature),
-            misfit!(KeyPath::of("quadrature"), " = {}: must be from 5 to 12", self.quadrature)
-        );
-        self.check_bodies()?;
-        self.solver.check()?;
-        self.check_path()?;
-        if let Some(time) = &self.time {
-            time.check()?;
-        }
-        if let Some(contact) = self.contact() {
-            contact.check()?;
-        }
-        for (name, value) in &self.parameters {
-            let key = KeyPath::table("parameters").key(name);
-            ensure!(
-                is_free_name(name),
-                key.told(format!(
-                    "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and \
-                     no name that expressions know"
-                ))
-            );
-            ensure!(value.is_finite(), misfit!(key, " = {value} must be finite"));
-        }
-        Ok(())
     }
 
     fn check_schedules(&self) -> Result<()> {
@@ -131,21 +100,10 @@ impl SimConfig {
             ensure!(!names[..i].contains(name), KeyPath::word(name).told(twice));
         }
         for body in &bodies {
-            let title = KeyPath::list("body").named(&body.name);
-            let numbers = body.translate.iter().chain(&body.velocity);
-            ensure!(
-                numbers.copied().all(f64::is_finite),
-                misfit!(
-                    title.key("translate"),
-                    " = {:?} m and velocity = {:?} m/s must be finite",
-                    body.translate,
-                    body.velocity
-                )
-            );
             ensure!(
                 body.velocity == [0.0; 3] || self.method().has_inertia(),
                 misfit!(
-                    title.key("velocity"),
+                    body.title().key("velocity"),
                     " = {:?} m/s means nothing without inertia; expected [time] with a method other than \
                      \"quasistatic\"",
                     body.velocity
@@ -260,39 +218,16 @@ fn along(
 
 impl TimeConfig {
     fn check(&self) -> Result<()> {
-        let key = |key: &str| KeyPath::table("time").key(key);
-        match (self.end, self.steps, &self.at) {
-            (Some(end), Some(steps), None) => {
-                ensure!(
-                    end > 0.0 && end.is_finite(),
-                    misfit!(key("end"), " = {end} s: must be finite and positive")
-                );
-                ensure!(
-                    (1..=MOST_STEPS).contains(&steps),
-                    misfit!(
-                        key("steps"),
-                        " = {steps}: expected 1 to {MOST_STEPS}, as every step has a line of the report"
-                    )
-                );
-            }
-            (None, None, Some(at)) => {
-                let from_rest: Vec<f64> = [0.0].iter().chain(at).copied().collect();
-                ensure!(!at.is_empty(), misfit!(key("at"), " is empty"));
-                if let Some(pair) =
-                    from_rest.windows(2).find(|p| !(p[0] < p[1] && p[1] < f64::INFINITY))
-                {
-                    let [before, after] = [pair[0], pair[1]];
-                    bail!(misfit!(
-                        key("at"),
-                        " has {after} s after {before} s: times must be finite and increase from 0"
-                    ));
-                }
-            }
-            _ => bail!(misfit!(
+        ensure!(
+            matches!(
+                (self.end, self.steps, &self.at),
+                (Some(_), Some(_), None) | (None, None, Some(_))
+            ),
+            misfit!(
                 KeyPath::table("time"),
                 ": expected either end [s] and steps, or at, a list of times [s]"
-            )),
-        }
+            )
+        );
         ensure!(
             self.method.states() == 1 || self.at.is_none(),
             misfit!(
@@ -302,43 +237,6 @@ impl TimeConfig {
                 self.method.states()
             )
         );
-        Ok(())
-    }
-}
-
-impl ContactConfig {
-    fn check(&self) -> Result<()> {
-        let (c, at) = (self, |key: &str| KeyPath::table("contact").key(key));
-        ensure!(
-            c.barrier.is_barrier(),
-            misfit!(
-                at("barrier"),
-                " = \"quadratic\" lets surfaces through each other: expected \"log\" or \"log-squared\""
-            )
-        );
-        for (key, unit, value) in [
-            ("activation", "m", c.activation),
-            ("stiffness", "Pa", c.stiffness),
-            ("friction_speed", "m/s", Some(c.friction_speed)),
-        ] {
-            let Some(value) = value else { continue };
-            ensure!(
-                value > 0.0 && value.is_finite(),
-                misfit!(at(key), " = {value} {unit}: must be positive and finite")
-            );
-        }
-        for (key, unit, value) in [("thickness", " m", c.thickness), ("friction", "", c.friction)] {
-            ensure!(
-                value >= 0.0 && value.is_finite(),
-                misfit!(at(key), " = {value}{unit}: must be finite and not negative")
-            );
-        }
-        ensure!(
-            c.form != super::ContactForm::Plain || c.stiffness.is_some(),
-            misfit!(at("form"), " = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it")
-        );
-        let split = c.split.is_none_or(|s| (1..=8).contains(&s));
-        ensure!(split, misfit!(at("split"), " must be 1 to 8"));
         Ok(())
     }
 }

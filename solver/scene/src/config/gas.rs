@@ -4,9 +4,10 @@
 
 use measure::written::ScheduleSchema;
 use mechanics::energy::GasLaw;
-use mechanics::energy::gas_law::{GAS_LAWS, Key, Row};
+use mechanics::energy::gas_law::{GAS_LAWS, Key, Least, Row};
 use mechanics::schedule::{Schedule, Written};
 use program::schema::one_of;
+use program::table::Range;
 use program::{KeyPath, Misfit, misfit, read_key};
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value as Json, json};
@@ -116,8 +117,16 @@ fn select(keys: &Table) -> Result<(&'static Row, &'static Key), Misfit> {
 }
 
 fn number(key: &Key, value: &Value) -> Result<f64, Misfit> {
-    let wrong = || misfit!(KeyPath::of(key.name), " = {value}: expected a number [{}]", key.unit);
-    law_table::number(value).ok_or_else(wrong)
+    let at = KeyPath::of(key.name);
+    let Some(number) = law_table::number(value) else {
+        return Err(misfit!(at, " = {value}: expected a number [{}]", key.unit));
+    };
+    let range = match key.least {
+        Least::Above(least) => Range::above(least),
+        Least::From(least) => Range::at_least(least),
+    };
+    let unit = if key.unit == "1" { "" } else { key.unit };
+    range.unit(unit).admit(&at, number).map(|()| number)
 }
 
 /// `[[chamber]]` of one of the laws, without `on`.

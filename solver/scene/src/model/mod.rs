@@ -37,9 +37,7 @@ use mechanics::stretch::Limits;
 use mesh::Vec3;
 use program::{KeyPath, Settings, misfit};
 
-use crate::config::{
-    BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig,
-};
+use crate::config::{BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, TimeConfig};
 use crate::memory;
 use crate::supports::Supports;
 
@@ -220,10 +218,14 @@ impl Scene {
 
     /// The fixed degrees of freedom on a body with this scene's tags.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
-        let new =
-            if self.config.may_float() { Supports::new } else { Supports::without_rigid_motions };
-        new(&self.fixed(body), &self.config.moments(), body, space)
-            .with_context(|| self.path.display().to_string())
+        let supports = || {
+            let supports = Supports::new(&self.fixed(body), &self.config.moments(), body, space)?;
+            if !self.config.may_float() {
+                supports.check_rigid_motions(space)?;
+            }
+            Ok::<_, anyhow::Error>(supports)
+        };
+        supports().with_context(|| self.path.display().to_string())
     }
 
     /// The bodies at t = 0, and their time integration.
@@ -388,31 +390,17 @@ impl Scene {
 
     /// How to approach the full load.
     pub fn stepping(&self) -> Stepping {
-        let SolverConfig {
-            first_load_step: _,
-            largest_load_step: _,
-            smallest_load_step,
-            newton_iterations: _,
-            relative_tolerance,
-            absolute_tolerance,
-            dilatation: _,
-            inside_out: _,
-            locking: _,
-            follow: _,
-            path_states: _,
-            path_volume_factor: _,
-            path_only: _,
-            stability: _,
-        } = self.config.solver;
+        let solver = &self.config.solver;
+        let absolute = solver.absolute_tolerance;
         Stepping {
-            first: self.config.solver.first_load_step(),
-            largest: self.config.solver.largest_load_step(),
-            smallest: smallest_load_step,
+            first: solver.first_load_step(),
+            largest: solver.largest_load_step(),
+            smallest: solver.smallest_load_step,
             newton: Newton {
                 iterations: self.config.newton_iterations(),
-                relative: relative_tolerance,
-                absolute: absolute_tolerance.unwrap_or(0.0),
-                negligible: absolute_tolerance.map_or_else(|| self.negligible_force(), |_| 0.0),
+                relative: solver.relative_tolerance,
+                absolute: absolute.unwrap_or(0.0),
+                negligible: absolute.map_or_else(|| self.negligible_force(), |_| 0.0),
                 ballooned: None,
             },
         }

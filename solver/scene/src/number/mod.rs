@@ -191,7 +191,7 @@ impl Number {
     }
 
     /// The function of time to which it is added, where it is added to one.
-    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Schedule> {
+    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Written> {
         match self.kind.set {
             Setting::By(_) => None,
             Setting::AddedTo(of) => Some(of(config, self.place)),
