@@ -303,7 +303,7 @@ fn obstacles_are_surfaces_that_move() {
     let moves = json!([{ "id": 40, "value": [0, "-t", 0] }]);
     set(&mut scene, "/boundary_conditions/obstacle_displacements", moves);
     let (imported, config) = sound(&scene);
-    assert_eq!(config.obstacle[0].displacement.at(Vec3::zeros(), 0.5).y, -0.5);
+    assert_eq!(config.field(&config.obstacle[0].displacement).at(Vec3::zeros(), 0.5).y, -0.5);
     let folder = tempfile::tempdir().expect("a temporary folder");
     imported.write(folder.path()).expect("writable");
     let wall = mesh::io::read_surface(&folder.path().join(&config.obstacle[0].surface));
