@@ -120,13 +120,10 @@ endef
 $(eval $(call figure,,--x-title "accepted shapes"))
 $(eval $(call figure,-time,--x time_s*0.0166667 --x-title "computing time [min]"))
 
-# The optimised frog, designed further for walls that are off, and both with walls that are.
+# The optimised frog, designed further for walls that are off.
 build/frog/robust/report.json: $(call source,pipelines/frog/design.robust.toml pipelines/frog/sim.robust.toml) \
 		build/frog/optimize/report.json | setup
 	$(BIN)/solver optimize $< -o $(@D)
-
-build/frog/tolerance/%/tolerance.json: build/frog/%/report.json | setup
-	$(BIN)/fab tolerance $(<D)/design.msh --scene pipelines/frog/sim.toml --printer prusa-mk4 -o $(@D)
 
 THROAT = scenarios.$(1).mean_displacement.throat*1e3
 build/frog/pictures/robust.svg: build/frog/robust/report.json | setup
@@ -138,8 +135,7 @@ build/frog/pictures/robust.png: build/frog/robust/report.json | setup
 	$(BIN)/cad2fem picture build/frog/optimize/design.msh $(<D)/design.msh $(SECTION) \
 		--captions "optimised,robust" --title "frog, at rest" -o $@
 
-build/frog/robust/done: $(foreach d,optimize robust,build/frog/tolerance/$(d)/tolerance.json) \
-		$(addprefix build/frog/pictures/,robust.svg robust.png)
+build/frog/robust/done: $(addprefix build/frog/pictures/,robust.svg robust.png)
 	@touch $@
 
 build/finger/pictures/target.png: build/finger/baseline/report.json build/finger/optimized/report.json | setup
@@ -149,16 +145,13 @@ build/finger/pictures/target.png: build/finger/baseline/report.json build/finger
 
 build/finger/report.html: build/finger/pictures/target.png
 
-# The finger wound with thread: its design, how far it is from ballooning, walls that are off, and its mold.
+# The finger wound with thread: its design, how far it is from ballooning, and its mold.
 build/finger/wound/report.json: $(call seen,$(patsubst %,pipelines/finger/%.toml,design design.wound sim sim.wound)) \
 		build/finger/tagged.msh | setup
 	$(BIN)/solver optimize pipelines/finger/design.wound.toml -o $(@D)
 
 build/finger/wound/inflated/report.json: build/finger/wound/report.json
 	$(BIN)/solver simulate pipelines/finger/sim.wound.toml --mesh $(<D)/design.msh --curve -o $(@D)
-
-build/finger/wound/tolerance/tolerance.json: build/finger/wound/report.json
-	$(BIN)/fab tolerance $(<D)/design.msh --scene pipelines/finger/sim.wound.toml --printer prusa-mk4 -o $(@D)
 
 build/finger/wound/mold/plan.json: build/finger/wound/inflated/report.json $(call seen,pipelines/finger/mold.toml pipelines/finger/mold.wound.toml)
 	$(BIN)/fab mold build/finger/wound/design.msh --model build/finger/model/model.stl --from build/finger/tagged.msh \
@@ -175,7 +168,7 @@ build/finger/wound/pictures/objective.svg: build/finger/wound/report.json
 	$(BIN)/solver plot $(<D)/history.jsonl --y objective,terms.tip,terms.skin --labels "objective,tip,skin" --log \
 		--x-title "accepted shapes" -o $@
 
-build/finger/wound/done: $(addprefix build/finger/wound/,tolerance/tolerance.json mold.checks.txt pictures/inflated.png pictures/objective.svg)
+build/finger/wound/done: $(addprefix build/finger/wound/,mold.checks.txt pictures/inflated.png pictures/objective.svg)
 	@touch $@
 
 # The PneuNet without the paper in its floor, on the same mesh.
@@ -191,6 +184,23 @@ build/pneunet/pictures/inflated.png: build/pneunet/baseline/report.json build/pn
 		--captions "with paper,without" --title "PneuNet at 60 kPa" -o $@
 
 build/pneunet/report.html: $(addprefix build/pneunet/pictures/,bending.svg inflated.png)
+
+# Two strokes of a pump through a thin line, and water from a syringe, on the mesh of the blank.
+build/pump/baseline/report.json: $(call source,pipelines/pump/sim.toml) build/blank/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/pump/syringe/report.json: $(call source,pipelines/pump/sim.syringe.toml) build/blank/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/pump/pictures/strokes.svg: build/pump/baseline/report.json | setup
+	$(BIN)/solver plot $< --x t --y "chambers.cavity.pressure*1e-3,probes.bending*0.1" --labels "pressure [kPa],bending [10°]" \
+		--x-title "time [s]" --y-title "pressure, bending" -o $@
+
+build/pump/pictures/syringe.svg: build/pump/syringe/report.json | setup
+	$(BIN)/solver plot $< --x "load*3" --y "chambers.cavity.pressure*1e-3" --labels water \
+		--x-title "volume that left the syringe [mL]" --y-title "gauge pressure [kPa]" -o $@
+
+build/pump/report.html: $(addprefix build/pump/pictures/,strokes.svg syringe.svg)
 
 # The wound actuator with its thread alone and with its paper alone, on the same mesh, beside the balance of moments.
 WOUND := build/fibre/baseline build/fibre/thread build/fibre/bare

@@ -22,8 +22,6 @@ mod hertz;
 mod land;
 #[path = "convergence/layers.rs"]
 mod layers;
-#[path = "convergence/loads.rs"]
-mod loads;
 #[path = "convergence/manufactured.rs"]
 mod manufactured;
 #[path = "convergence/membrane.rs"]

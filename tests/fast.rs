@@ -13,6 +13,8 @@ mod bad_design;
 mod book;
 #[path = "fast/bounds.rs"]
 mod bounds;
+#[path = "fast/budgets.rs"]
+mod budgets;
 #[path = "fast/calibrate.rs"]
 mod calibrate;
 #[path = "fast/carry.rs"]
@@ -23,8 +25,6 @@ mod castable;
 mod compare;
 #[path = "fast/contact_failures.rs"]
 mod contact_failures;
-#[path = "fast/defaults.rs"]
-mod defaults;
 #[path = "fast/design_line.rs"]
 mod design_line;
 #[path = "fast/element_kinds.rs"]
@@ -39,10 +39,8 @@ mod error_bars;
 mod export;
 #[path = "fast/failures.rs"]
 mod failures;
-#[path = "fast/fibre_directions.rs"]
-mod fibre_directions;
-#[path = "fast/fibre_profiles.rs"]
-mod fibre_profiles;
+#[path = "fast/features.rs"]
+mod features;
 #[path = "fast/fibres.rs"]
 mod fibres;
 #[path = "fast/flat_element.rs"]
@@ -112,6 +110,8 @@ mod python_page;
 mod reference;
 #[path = "fast/reinforced_page.rs"]
 mod reinforced_page;
+#[path = "fast/refused.rs"]
+mod refused;
 #[path = "fast/relaxation.rs"]
 mod relaxation;
 #[path = "fast/resume.rs"]
@@ -122,6 +122,8 @@ mod rigid;
 mod resume_in_time;
 #[path = "fast/resume_static.rs"]
 mod resume_static;
+#[path = "fast/samples.rs"]
+mod samples;
 #[path = "fast/scales.rs"]
 mod scales;
 #[path = "fast/scenarios.rs"]
@@ -150,8 +152,6 @@ mod symmetry;
 mod terminal;
 #[path = "fast/thin_walls.rs"]
 mod thin_walls;
-#[path = "fast/thread_profile.rs"]
-mod thread_profile;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

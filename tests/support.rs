@@ -48,7 +48,7 @@ pub mod workdir;
 use std::path::PathBuf;
 
 use mechanics::body::Body;
-use mesh::{Tags, TetMesh, Vec3};
+use mesh::{SurfaceMesh, Tags, TetMesh, Vec3};
 
 /// The six tetrahedra of a cube whose corners are numbered by the bits zyx.
 const KUHN: [[usize; 4]; 6] =
@@ -91,8 +91,20 @@ pub fn block(
     }
 }
 
+/// Where a tag is.
+pub type Place<'a> = &'a dyn Fn(Vec3) -> bool;
+
+/// A rectangle of two triangles at a height, which faces up, between two places along x and two along y [m].
+pub fn plate(x: [f64; 2], y: [f64; 2], z: f64) -> SurfaceMesh {
+    let corners = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+    SurfaceMesh {
+        vertices: corners.map(|[x, y]| Vec3::new(x, y, z)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}
+
 /// Tags boundary facets by the first rule that holds at their centroid.
-pub fn tag(mesh: TetMesh, rules: &[(&str, &dyn Fn(Vec3) -> bool)]) -> Body {
+pub fn tag(mesh: TetMesh, rules: &[(&str, Place)]) -> Body {
     let mut tags = Tags::new(rules.iter().map(|r| r.0.to_owned()).collect());
     for facet in mesh::topology::boundary(&mesh).facets {
         let centroid = facet.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0;

@@ -1,4 +1,4 @@
-//! Programs that are killed, starved, and given damaged files of their own: they end as they
+//! Programs that are killed, given a full disk, and given damaged files of their own: they end as they
 //! should, and the same command then ends with the same bits.
 //!
 //! `TORTURE_SECONDS` is the time of a campaign, `TORTURE_SEED` where its random numbers begin, and
@@ -9,16 +9,8 @@
 mod cad;
 #[path = "torture/child.rs"]
 mod child;
-#[path = "torture/clock.rs"]
-mod clock;
 #[path = "torture/job.rs"]
 mod job;
-#[path = "torture/makes.rs"]
-mod makes;
-#[path = "torture/mesher.rs"]
-mod mesher;
-#[path = "torture/planted.rs"]
-mod planted;
 #[path = "torture/trial.rs"]
 mod trial;
 
@@ -95,62 +87,16 @@ fn report(seed: u64, tallies: &[Vec<Tally>]) {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-fn from_environment(seconds: f64) {
-    let number = |name: &str| std::env::var(name).ok()?.parse::<f64>().ok();
-    let seconds = number("TORTURE_SECONDS").unwrap_or(seconds);
-    let seed = number("TORTURE_SEED").unwrap_or(1.0) as u64;
-    campaign(seconds, seed, number("TORTURE_CASE").map(|case| case as usize));
-}
-
 #[test]
 fn five_seconds() {
     campaign(5.0, 1, None);
 }
 
-/// Of the job that is quickest.
-#[test]
-fn links_and_pipes_in_a_folder_of_results() {
-    let tag = JOBS.iter().find(|job| job.name == "tag").expect("a job of tagger");
-    planted::each(tag).unwrap_or_else(|what| panic!("{what}"));
-}
-
-/// Of all programs; those that continue read their own files again, and refuse some.
-#[test]
-#[ignore = "minutes: runs in make test-all"]
-fn links_and_pipes_in_all_folders_of_results() {
-    for job in JOBS {
-        let refused = planted::each(job).unwrap_or_else(|what| panic!("{}: {what}", job.name));
-        assert!(!job.continues || refused > 0, "{}", job.name);
-    }
-}
-
-/// Whatever the system grants, a program ends by itself and says why.
-#[test]
-fn small_memory() {
-    for job in JOBS {
-        for kib in [30_000, 100_000, 200_000] {
-            let dir = (job.workdir)();
-            let end = child::run(job.after(&dir, &format!("ulimit -v {kib}")));
-            // where not even the libraries of the system can be loaded, it says so with 127
-            let end = end.and_then(|end| end.expect(&[0, 1, 2, 127]).map(|()| end));
-            let end = end.unwrap_or_else(|what| panic!("{}, {kib} KiB: {what}", job.name));
-            assert!(end.code == Some(0) || !end.said.is_empty(), "{}, {kib} KiB", job.name);
-        }
-    }
-}
-
 #[test]
 #[ignore = "five minutes, or as long as TORTURE_SECONDS says: make torture"]
 fn as_long_as_asked() {
-    from_environment(300.0);
-}
-
-#[test]
-#[ignore = "two minutes: make torture"]
-fn two_makes_in_one_folder() {
-    for later in [0.0, 0.3, 1.0, 4.0].map(Duration::from_secs_f64) {
-        if makes::possible() {
-            assert_eq!(makes::both(later), Ok(()), "{later:?} later");
-        }
-    }
+    let number = |name: &str| std::env::var(name).ok()?.parse::<f64>().ok();
+    let seconds = number("TORTURE_SECONDS").unwrap_or(300.0);
+    let seed = number("TORTURE_SEED").unwrap_or(1.0) as u64;
+    campaign(seconds, seed, number("TORTURE_CASE").map(|case| case as usize));
 }

@@ -1,46 +1,33 @@
 //! From geometry to finite element meshes: implicit models and CAD files become
 //! closed surfaces in named regions, these become tetrahedra.
 //!
-//! - [`implicit`]: signed-distance primitives, smooth blends, regions
-//! - [`cad`]: gmsh scripts, STEP, BREP and IGES files
-//! - [`import`]: bodies that others made, in any unit, sound or not
-//! - [`geo`]: what a gmsh script may do
-//! - [`labelled`]: a surface in regions and its files
-//! - [`solids`]: what several solids of a CAD file are to each other
-//! - [`offset`]: open patch → closed selection volume
-//! - [`layers`]: surfaces inside a body that its mesh keeps
-//! - [`tetrahedralize`]: checks around a mesher, and its report
-//! - [`mesher`]: the external programs
-//! - [`fragments`]: removes small components that a mesher has cut off, and spikes
-//! - [`planar`]: planar faces of the input stay planar, and keep their rims
-//! - [`cache`]: meshes kept from earlier runs
-//! - [`checkout`]: where the program was built
-//! - [`installed`]: what came with the program
+//! In the order in which a body passes through them:
+//!
 //! - [`template`]: bodies to begin with
+//! - [`implicit`]: signed-distance primitives, smooth blends, regions
+//! - [`mesher`]: the external programs, what they are run with, and what surfaces inside they keep
+//! - [`model`]: a surface in regions and its files; CAD files, which become one
+//! - [`tetmesh`]: closed surface → tetrahedra: settings, checks around a mesher, repairs, kept meshes
+//! - [`import`]: bodies that others made, in any unit, sound or not
+//! - [`selection`]: open patch → closed selection volume
+//! - [`cmd`]: the verbs; of these alone pictures, films, pages and packages
+//!
+//! and beside them [`units`], [`report`], what the reports of verbs share, and [`installation`], what came with the
+//! program and where it was built.
 //!
 //! Lengths are metres except inside [`implicit`], which works in the unit of the
 //! model file.
 
-pub mod cache;
-pub mod cad;
-pub mod checkout;
 pub mod cmd;
-pub mod config;
-pub mod fragments;
-pub mod geo;
 pub mod implicit;
 pub mod import;
-pub mod installed;
-pub mod labelled;
-pub mod layers;
+pub mod installation;
 pub mod mesher;
-pub mod offset;
-pub mod planar;
-pub mod record;
+pub mod model;
 pub mod report;
-pub mod solids;
+pub mod selection;
 pub mod template;
-pub mod tetrahedralize;
+pub mod tetmesh;
 pub mod units;
 
 /// Name and version, for reports.

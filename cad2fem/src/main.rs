@@ -4,10 +4,7 @@ use std::process::ExitCode;
 
 use cad2fem::cmd::Verb;
 use clap::Parser;
-use program::{OrEnd, Verbosity};
-
-#[global_allocator]
-static ALLOCATOR: OrEnd<std::alloc::System> = OrEnd(std::alloc::System);
+use program::Verbosity;
 
 /// CAD surfaces and implicit models → surfaces in named regions → tetrahedra.
 ///

@@ -18,9 +18,7 @@ fn block(x: f64, y: f64, z: f64) -> SurfaceMesh {
 }
 
 fn joined(mut a: SurfaceMesh, b: &SurfaceMesh) -> SurfaceMesh {
-    let n = a.vertices.len();
-    a.vertices.extend(&b.vertices);
-    a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + n)));
+    a.append(b);
     a
 }
 

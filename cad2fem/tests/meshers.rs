@@ -143,24 +143,6 @@ fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
 }
 
 #[test]
-fn a_step_file_states_its_own_unit() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    let write = "import gmsh; gmsh.initialize(); gmsh.option.setNumber('General.Terminal', 0); \
-                 gmsh.model.occ.addBox(0, 0, 0, 30, 20, 10); gmsh.model.occ.synchronize(); \
-                 gmsh.write('box.step')";
-    let mut command = std::process::Command::new(&python);
-    command.args(["-c", write]).current_dir(dir.path(".")).output().unwrap();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
-    run(&["model", "box.step", "-o", "model", "--edge-length", "0.005"]).succeeds();
-    let surface = read_surface(&dir.path("model/model.stl")).unwrap();
-    // Binary STL rounds coordinates to 6e-8.
-    assert!((enclosed_volume(&surface) / 6e-6 - 1.0).abs() < 1e-6);
-    assert_eq!(fs::read_dir(dir.path("model/patches")).unwrap().count(), 6);
-    run(&["model", "box.step", "-o", "model", "--unit", "mm"]).fails(2, "states its unit");
-}
-
-#[test]
 fn scripts_reach_outside_only_with_trust() {
     let Some(python) = python_with("gmsh") else { return };
     let dir = Workdir::new();
@@ -195,48 +177,6 @@ fn scripts_reach_outside_only_with_trust() {
     assert!(!dir.path("options").exists());
     dir.write("broken.geo", &format!("{body}Sphere(1) = {{0,"));
     run(&model("broken.geo")).fails(2, "'broken.geo', line ");
-}
-
-#[test]
-#[cfg(target_os = "linux")]
-fn names_of_files_need_not_be_text() {
-    use std::os::unix::ffi::OsStrExt as _;
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    let name = std::ffi::OsStr::from_bytes(b"b\xffx.geo");
-    fs::write(
-        dir.path("").join(name),
-        "SetFactory('OpenCASCADE'); Box(1) = {0, 0, 0, 30, 20, 10};",
-    )
-    .unwrap();
-    let line = "exec \"$0\" model b*x.geo --unit mm -o model";
-    dir.run_in_shell(&format!("PUFFER_PYTHON={python} {line}")).succeeds();
-    dir.run_in_shell(&format!("PUFFER_PYTHON={python} {line} --trust")).fails(2, "not UTF-8");
-}
-
-#[test]
-fn a_library_that_gmsh_misses_is_named_with_its_package() {
-    let Some(python) = python_with("numpy") else { return };
-    let dir = Workdir::new();
-    let cannot = "raise OSError('libGLU.so.1: cannot open shared object file')";
-    dir.write("gmsh.py", cannot);
-    // the programs isolate Python: it takes gmsh.py from nowhere else
-    let with_ours = format!(
-        "import runpy, sys; sys.path.insert(0, '{}'); runpy.run_path('driver.py')",
-        dir.path("").display()
-    );
-    let shim = dir.program(
-        "python",
-        &format!(
-            "if [ \"$2\" = -c ]; then exec {python} \"$@\"; fi; exec {python} -c \"{with_ours}\""
-        ),
-    );
-    dir.run_with(
-        "PUFFER_PYTHON",
-        &shim,
-        &["model", &scene("chamber", "model.geo"), "--unit", "mm", "-o", "model"],
-    )
-    .fails(2, "apt-get install libglu1-mesa");
 }
 
 /// Two boxes of 20 × 10 mm, 2 and 4 mm high, on each other.

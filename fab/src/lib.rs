@@ -18,7 +18,5 @@ pub mod mold;
 pub mod files;
 // proofs that a written mold is right
 pub mod verify;
-// the response of bodies whose walls are off by the print tolerance
-pub mod tolerance;
 // the verbs of the program, one per file
 pub mod cmd;

@@ -5,10 +5,7 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::Parser;
 use fab::cmd::Verb;
-use program::{OrEnd, Verbosity};
-
-#[global_allocator]
-static ALLOCATOR: OrEnd<std::alloc::System> = OrEnd(std::alloc::System);
+use program::Verbosity;
 
 /// Printable molds from an optimised body.
 ///

@@ -150,16 +150,16 @@ fn copies() {
     // All parts where they are printed, not where they belong.
     let lines = after(|mold| {
         let (path, turned) = (mold.join("assembly.3mf"), mold.join("turned.3mf"));
-        let mut shapes = fab::files::threemf::read(&path).unwrap();
+        let mut shapes = mesh::io::threemf::read(&path).unwrap().shapes;
         shapes[0].place.turn = nalgebra::Matrix3::identity();
         // a program does not write over what it has read
-        fab::files::threemf::write(&turned, "closed mold", &shapes).unwrap();
+        mesh::io::threemf::write(&turned, "fab", "closed mold", &shapes).unwrap();
         std::fs::rename(turned, path).unwrap();
     });
     assert_fails(&lines, "assembly.3mf");
     let lines = after(|mold| change_report(mold, |report| report.casting.waste = 0.0));
     assert_fails(&lines, "cast.json");
-    let lines = after(|mold| std::fs::write(mold.join("cast.md"), "pour").unwrap());
+    let lines = after(|mold| std::fs::write(mold.join("cast.json"), "{}").unwrap());
     assert_fails(&lines, "cast.json");
 }
 

@@ -39,6 +39,6 @@ PARAMETER_NEEDED = ("file", "set")
 COLUMNS = ("case", "status", "failure", "seconds", "folder")
 # Options of `cad2fem picture` that a sweep may give, and whether a value follows. None names a file.
 LOOKS = {
-    "--view": True, "--orthographic": False, "--cut": True, "--color": True, "--range": True, "--map": True,
+    "--view": True, "--orthographic": False, "--cut": True, "--color": True, "--range": True,
     "--deform": True, "--magnify": True, "--edges": False, "--smooth": False, "--no-ground": False, "--title": True,
 }

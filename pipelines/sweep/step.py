@@ -35,7 +35,7 @@ def outcome(folder):
     stages, failure = {}, None
     if job["body"]:
         failure = failure_of(folder.parents[1] / "bodies" / job["body"])
-    with files.create(folder / "log.txt") as log:
+    with open(folder / "log.txt", "w+b") as log:
         for command in job["commands"] if failure is None else []:
             begun = time.monotonic()
             left = 60 * job["minutes"] - (begun - start)

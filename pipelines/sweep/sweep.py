@@ -7,6 +7,7 @@ import argparse
 import csv
 import fcntl
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,7 +55,8 @@ def swept(arguments, others):
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise Refused(f"{out}: another sweep runs here: wait for it") from None
-        files.prepare(out)
+        # Snakemake would run Python that lies there, and needs nothing of it
+        shutil.rmtree(out / ".snakemake", ignore_errors=True)
         plan = jobs.write(sweep, out)
         if arguments.retry:
             forget_failures(out)

@@ -4,13 +4,13 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use clap::Parser;
-use program::{OrEnd, Verbosity};
+use program::Verbosity;
 use solver::cmd::Verb;
 
 /// Keeps freed memory for reuse: fronts and element blocks come and go by the
 /// megabyte, and pages from the system cost a quarter of an assembly.
 #[global_allocator]
-static ALLOCATOR: OrEnd<mimalloc::MiMalloc> = OrEnd(mimalloc::MiMalloc);
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Finite elements of pressurised silicone, and designs by their gradient
 #[derive(Parser)]

@@ -70,6 +70,35 @@ pub struct Series {
     pub turn: usize,
 }
 
+impl Series {
+    fn color(&self) -> RGBColor {
+        COLORS[self.turn % COLORS.len()]
+    }
+
+    /// What is drawn of points, but the dots on a line.
+    fn marks<B: DrawingBackend, C: Copy + 'static>(
+        &self,
+        points: &[C],
+    ) -> Vec<DynElement<'static, B, C>> {
+        let (color, grey) = (self.color(), BLACK.mix(0.6).stroke_width(fine(1)));
+        let circles = |size: u8, style: ShapeStyle| {
+            let one = |p: &C| Circle::new(*p, fine(i32::from(size)), style).into_dyn();
+            points.iter().map(one).collect()
+        };
+        match self.style {
+            Style::Line(width) | Style::Dotted(width) => {
+                let style = color.stroke_width(fine(width.into()));
+                vec![PathElement::new(points, style).into_dyn()]
+            }
+            Style::Circles(size) => circles(size, grey),
+            Style::Rings(size) => circles(size, color.stroke_width(fine(2))),
+            Style::Bars => {
+                points.chunks(2).map(|ends| PathElement::new(ends, grey).into_dyn()).collect()
+            }
+        }
+    }
+}
+
 /// Draws series as SVG or, where the name ends with .png, the same as PNG.
 pub fn draw(path: &Path, axes: &Axes, series: &[Series]) -> Result<()> {
     let context = |e| anyhow!("{}: {e}", path.display());
@@ -242,51 +271,25 @@ where
         .draw()
         .map_err(plain)?;
     for one in series {
-        let color = COLORS[one.turn % COLORS.len()];
-        let grey = BLACK.mix(0.6).stroke_width(fine(1));
-        let points = one.points.iter().copied();
-        let drawn = match one.style {
-            Style::Line(width) | Style::Dotted(width) => {
-                let line = LineSeries::new(points.clone(), color.stroke_width(fine(width.into())));
-                chart.draw_series(line)
-            }
-            Style::Circles(size) => chart
-                .draw_series(points.clone().map(|p| Circle::new(p, fine(i32::from(size)), grey))),
-            Style::Rings(size) => {
-                let ring = color.stroke_width(fine(2));
-                chart.draw_series(
-                    points.clone().map(|p| Circle::new(p, fine(i32::from(size)), ring)),
-                )
-            }
-            Style::Bars => chart.draw_series(
-                one.points.chunks(2).map(|ends| PathElement::new(ends.to_vec(), grey)),
-            ),
-        };
-        let drawn = drawn.map_err(plain)?;
+        let points = &one.points[..];
+        let drawn = chart.draw_series(one.marks(points)).map_err(plain)?;
         if let Some(label) = &one.label {
-            let style = one.style;
-            drawn.label(label).legend(move |(x, y)| match style {
-                Style::Line(width) | Style::Dotted(width) => {
-                    let line = color.stroke_width(fine(width.into()));
-                    PathElement::new([(x, y), (x + fine(24), y)], line).into_dyn()
-                }
-                Style::Circles(size) => {
-                    Circle::new((x + fine(12), y), fine(i32::from(size)), grey).into_dyn()
-                }
-                Style::Rings(size) => {
-                    let ring = color.stroke_width(fine(2));
-                    Circle::new((x + fine(12), y), fine(i32::from(size)), ring).into_dyn()
-                }
-                Style::Bars => PathElement::new(
-                    [(x + fine(12), y - fine(6)), (x + fine(12), y + fine(6))],
-                    grey,
-                )
-                .into_dyn(),
+            let one = Series { points: Vec::new(), ..one.clone() };
+            drawn.label(label).legend(move |(x, y)| {
+                let (x, ends) = (x + fine(12), [(x, y), (x + fine(24), y)]);
+                let bar = [(x, y - fine(6)), (x, y + fine(6))];
+                let points = match one.style {
+                    Style::Line(_) | Style::Dotted(_) => &ends[..],
+                    Style::Circles(_) | Style::Rings(_) => &[(x, y)],
+                    Style::Bars => &bar,
+                };
+                one.marks(points).swap_remove(0)
             });
         }
         if let Style::Dotted(width) = one.style {
-            let dot = |p| Circle::new(p, fine(i32::from(width) + 1), color.filled());
-            chart.draw_series(points.map(dot)).map_err(plain)?;
+            let dot =
+                |p: &(f64, f64)| Circle::new(*p, fine(i32::from(width) + 1), one.color().filled());
+            chart.draw_series(points.iter().map(dot)).map_err(plain)?;
         }
     }
     if series.iter().any(|s| s.label.is_some()) {

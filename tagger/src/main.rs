@@ -3,11 +3,8 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use program::{OrEnd, Verbosity};
+use program::Verbosity;
 use tagger::cmd::Verb;
-
-#[global_allocator]
-static ALLOCATOR: OrEnd<std::alloc::System> = OrEnd(std::alloc::System);
 
 /// Gives names to parts of the boundary of a tetrahedral mesh.
 #[derive(Parser)]

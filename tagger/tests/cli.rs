@@ -256,61 +256,71 @@ fn closed_volume_selects_by_winding_number() {
 }
 
 #[test]
-fn empty_selection_says_how_far_away_it_is() {
+fn what_selects_nothing_or_cannot_be_meant_is_refused() {
     let scene = Scene::new();
-    let mut far = patch(&block(), on_seat);
+    let seat = patch(&block(), on_seat);
+    let mut far = seat.clone();
     far.vertices.iter_mut().for_each(|v| v.z -= 0.01);
-    scene.write_patch("far.obj", &far);
-    let output = scene.tag("[[tag]]\nname = \"far\"\npatch = \"far.obj\"\n");
-    scene.fails(&output, 1, &["`far`: empty selection", "1.000e-2 m", "epsilon is 8.660e-6 m"]);
-}
-
-#[test]
-fn inside_out_patch_is_named_as_such() {
-    let scene = Scene::new();
-    let mut turned = patch(&block(), on_seat);
+    let mut turned = seat;
     turned.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    scene.write_patch("turned.obj", &turned);
-    let output = scene.tag("[[tag]]\nname = \"seat\"\npatch = \"turned.obj\"\n");
-    scene.fails(&output, 1, &["48 facets lie within epsilon", "face the other way"]);
-}
-
-#[test]
-fn first_selection_wins_and_a_tag_left_without_facets_is_an_error() {
-    let scene = Scene::new();
-    let output = scene.tag(
-        "[[tag]]\nname = \"all\"\ncomponent = 0\n[[tag]]\nname = \"seat\"\npatch = \"seat.obj\"\n",
-    );
-    scene.fails(&output, 1, &["`seat`: empty selection: all its 48 facets", "`all` (48)"]);
-}
-
-#[test]
-fn open_selection_volume_is_refused() {
-    let scene = Scene::new();
-    let output = scene.tag("[[tag]]\nname = \"seat\"\nvolume = \"seat.obj\"\n");
-    // the outer border has 4 × 5 edges, the hole 4
-    scene.fails(&output, 2, &["not closed: 24 boundary edges, first", "cad2fem offset"]);
-}
-
-#[test]
-fn rim_must_lie_on_the_fixed_tag() {
-    let scene = Scene::new();
     // a seat that ends one square before the mouth of the hole at one side
     let short = patch(&block(), |c| on_seat(c) && c.x < 2.0 * SIDE);
-    scene.write_patch("short.obj", &short);
-    let output = scene.tag(&PATCHES.replace("seat.obj", "short.obj"));
-    scene.fails(
-        &output,
-        1,
-        &["3 edges of the rim", "`seat`", "1 boundary loops", "4 edges, 4.000 mm", "first vertex"],
-    );
-}
-
-#[test]
-fn open_wall_without_rim_is_refused() {
-    let scene = Scene::new();
-    let output = scene.tag("[[tag]]\nname = \"cavity\"\npatch = \"cavity.obj\"\npressure = true\n");
-    scene.fails(&output, 1, &["the pressure wall is open: 1 boundary loops", "rim ="]);
+    let surfaces =
+        [("far", &far), ("turned", &turned), ("short", &short), ("sheet", &sheet(3.5 * SIDE))];
+    for (name, surface) in surfaces {
+        scene.write_patch(&format!("{name}.obj"), surface);
+    }
+    let tag = |keys: &str| format!("[[tag]]\nname = \"seat\"\n{keys}\n");
+    let all = "[[tag]]\nname = \"all\"\ncomponent = 0\n".to_owned();
+    for (config, code, words) in [
+        (
+            tag("patch = \"far.obj\""),
+            1,
+            &["`seat`: empty selection", "1.000e-2 m", "epsilon is 8.660e-6 m"][..],
+        ),
+        (tag("patch = \"turned.obj\""), 1, &["48 facets lie within epsilon", "face the other way"]),
+        // the first selection wins
+        (
+            all + &tag("patch = \"seat.obj\""),
+            1,
+            &["`seat`: empty selection: all its 48 facets", "`all` (48)"],
+        ),
+        // the outer border has 4 × 5 edges, the hole 4
+        (
+            tag("volume = \"seat.obj\""),
+            2,
+            &["not closed: 24 boundary edges, first", "cad2fem offset"],
+        ),
+        (
+            PATCHES.replace("seat.obj", "short.obj"),
+            1,
+            &[
+                "3 edges of the rim",
+                "`seat`",
+                "1 boundary loops",
+                "4 edges, 4.000 mm",
+                "first vertex",
+            ],
+        ),
+        (
+            tag("patch = \"cavity.obj\"\npressure = true"),
+            1,
+            &["the pressure wall is open: 1 boundary loops", "rim ="],
+        ),
+        (
+            tag("ptach = \"seat.obj\""),
+            2,
+            &["tags.toml", "[[tag]] 1", "unknown key `ptach`", "patch, volume"],
+        ),
+        // the mesh does not follow the sheet
+        (
+            format!("{PATCHES}{SHEET}"),
+            1,
+            &["[[tag]] `sheet`", "0 facets inside", "does not follow", "tetmesh SURFACE --inside"],
+        ),
+    ] {
+        scene.fails(&scene.tag(&config), code, words);
+    }
 }
 
 #[test]
@@ -366,13 +376,6 @@ fn area_mismatch_is_a_warning() {
         .replace("pressure = true\n    rim = \"seat\"", "");
     let message = succeeded(&scene.tag(&config));
     assert!(message.contains("warning: seat: area 14.000 mm² differs by 41.7 %"), "{message}");
-}
-
-#[test]
-fn unknown_key_lists_the_known_ones() {
-    let scene = Scene::new();
-    let output = scene.tag("[[tag]]\nname = \"seat\"\nptach = \"seat.obj\"\n");
-    scene.fails(&output, 2, &["tags.toml", "[[tag]] 1", "unknown key `ptach`", "patch, volume"]);
 }
 
 #[test]
@@ -437,18 +440,6 @@ fn a_sheet_inside_is_one_layer_of_facets() {
     scene.write_patch("sheet.obj", &sheet(3.0 * SIDE));
     let message = succeeded(&scene.tag(&format!("{PATCHES}{SHEET}")));
     assert!(message.contains("sheet: 48 facets inside, 24.000 mm²"), "{message}");
-}
-
-#[test]
-fn a_mesh_that_does_not_follow_a_sheet_is_refused() {
-    let scene = Scene::new();
-    scene.write_patch("sheet.obj", &sheet(3.5 * SIDE));
-    let output = scene.tag(&format!("{PATCHES}{SHEET}"));
-    let words =
-        ["[[tag]] `sheet`", "0 facets inside", "does not follow", "tetmesh SURFACE --inside"];
-    scene.fails(&output, 1, &words);
-    let output = scene.tag(&SHEET.replace("patch = \"sheet.obj\"", "component = 0"));
-    scene.fails(&output, 2, &["`inside = true` is for a `patch`"]);
 }
 
 const VOLUMES: &str = r#"

@@ -58,9 +58,7 @@ class Body:
             tags += "pressure = true\n" if name in self.chambers else ""
             tags += 'rim = "seat"\n' if name in self.chambers and self.facts["inlet"] else ""
         (folder / "tags.toml").write_text(tags)
-        (folder / "mold.toml").write_text(
-            f"chamber = {json.dumps(list(self.chambers))}\n[core]\nkeyed = false\n"
-        )
+        (folder / "mold.toml").write_text(f"chamber = {json.dumps(list(self.chambers))}\n")
         facts = {"family": family, "kind": self.kind, "seed": seed, **self.facts}
         (folder / "facts.json").write_text(json.dumps(facts, indent=1) + "\n")
 

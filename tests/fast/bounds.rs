@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use tests::chamber;
-use tests::workdir::{Run, Workdir, repository};
+use tests::workdir::{Workdir, repository};
 
 #[test]
 fn what_is_beyond_a_bound_is_refused() {
@@ -14,8 +14,7 @@ fn what_is_beyond_a_bound_is_refused() {
     dir.solver("simulate p1.toml --threads 1025 -o out").assert_refused(2, &["0..=1024"]);
     let model = repository().join("pipelines/blank/model.toml");
     fs::copy(model, dir.path("model.toml")).unwrap();
-    let run =
-        |arguments: &str| -> Run { dir.command_of("cad2fem", arguments).output().unwrap().into() };
+    let run = |arguments: &str| dir.run("cad2fem", arguments);
     run("model model.toml --set grid=0.01 -o out").assert_refused(2, &["more than 3e7"]);
     run("model model.toml --set grid=1e-31 -o out").assert_refused(2, &["from 1e-30 to 1e30"]);
     assert!(!dir.path("out").exists());
@@ -32,7 +31,7 @@ fn coordinates_beyond_any_body_are_refused() {
         ),
     ] {
         dir.write(name, text);
-        let run: Run = dir.command_of("cad2fem", &format!("info {name}")).output().unwrap().into();
+        let run = dir.run("cad2fem", &format!("info {name}"));
         run.assert_refused(2, &[name, "1 of 3 vertices are beyond 1e9"]);
     }
 }
@@ -49,7 +48,7 @@ fn counting_of_intersections_ends() {
     }
     (0..2 * n).for_each(|t| writeln!(text, "f {} {} {}", 3 * t + 1, 3 * t + 2, 3 * t + 3).unwrap());
     dir.write("rows.obj", &text);
-    let run: Run = dir.command_of("cad2fem", "info rows.obj --check").output().unwrap().into();
+    let run = dir.run("cad2fem", "info rows.obj --check");
     let found = run.stdout.split("at least ").nth(1).and_then(|rest| rest.split(' ').next());
     let found: i32 = found.unwrap_or_else(|| panic!("{run:?}")).parse().unwrap();
     assert!((1_000_000..n * n / 2).contains(&found), "{found} of {} pairs", n * n);

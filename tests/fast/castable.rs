@@ -26,8 +26,7 @@ fn folder(mold: &str, more: &str) -> Workdir {
 }
 
 fn verdicts(dir: &Workdir) -> Vec<Value> {
-    let line = |line: &str| serde_json::from_str::<Value>(line).unwrap()["mold"].clone();
-    dir.text("out/history.jsonl").lines().map(line).collect()
+    dir.lines("out/history.jsonl").iter().map(|line| line["mold"].clone()).collect()
 }
 
 #[test]
@@ -50,8 +49,7 @@ fn the_history_tells_how_each_shape_can_be_cast() {
     assert_eq!(run.stderr.matches("fab plan: pull-out").count(), 1, "{}", run.stderr);
     // the program itself says the same of the last shape
     let command = "plan out/design.msh --config mold.toml -o plan --no-pictures";
-    let plan = dir.command_of("fab", command).output().unwrap();
-    assert!(plan.status.success());
+    dir.run("fab", command).assert_good();
     assert_eq!(dir.json("plan/plan.json")["reason"], found[7]["reason"]);
 }
 
@@ -76,7 +74,7 @@ fn shapes_that_cannot_be_cast_as_asked_are_no_steps() {
         assert!(run.stderr.contains(said), "{said}: {}", run.stderr);
     }
     let plan = "plan out/castable.msh --config mold.toml -o plan --no-pictures";
-    assert!(dir.command_of("fab", plan).output().unwrap().status.success());
+    dir.run("fab", plan).assert_good();
 }
 
 #[test]

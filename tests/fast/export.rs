@@ -7,7 +7,6 @@ use mesh::Vec3;
 use tests::calculix;
 use tests::chamber::{self, SIM};
 use tests::skip::skip;
-use tests::workdir::Workdir;
 
 /// Corners beside each middle node, in the manuals of both programs.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
@@ -206,37 +205,4 @@ fn a_deck_of_febio_has_what_that_of_calculix_has() {
     ] {
         assert!(deck.contains(part), "{part}");
     }
-}
-
-#[test]
-fn what_no_deck_says_is_refused() {
-    let dir = chamber::workdir();
-    let refused = |text: &str, out: &str, words: &[&str]| {
-        dir.write("other.toml", text);
-        dir.solver(&format!("export other.toml -o {out}")).assert_refused(2, words);
-        assert!(!dir.path(out).exists(), "{out}");
-    };
-    let replaced = |from: &str, to: &str| SIM.replace(from, to);
-    refused(&replaced("degree = 2", "degree = 3"), "a.inp", &["degree = 3", "--degree 2"]);
-    refused(SIM, "a.txt", &[".inp (CalculiX)", ".feb (FEBio)"]);
-    let gas = "fill = 8e3\nambient = 101325\nexponent = 1";
-    refused(
-        &replaced("pressure = 8e3", gas),
-        "a.feb",
-        &["[[chamber]] on \"cavity\"", "fill", "pressures only"],
-    );
-    let law = "kind = \"gent\"\nmu = 1e5\nj_m = 30\nbulk = 2e6\n";
-    let gent =
-        SIM[..SIM.find("kind").unwrap()].to_owned() + law + &SIM[SIM.find("[[fixed]]").unwrap()..];
-    refused(&gent, "a.inp", &["gent", "CalculiX has no such law"]);
-    dir.solver("export other.toml -o gent.feb").assert_good();
-    let mean = format!("{SIM}\n[solver]\ndilatation = \"mean\"\n");
-    refused(&mean, "a.inp", &["dilatation", "pointwise"]);
-    let touching = format!("{SIM}\n[contact]\nactivation = 1e-3\nstiffness = 1e5\n");
-    refused(&touching, "a.inp", &["[contact]", "no part in a deck"]);
-    let timed = replaced("c1 =", "density = 1000\nc1 =")
-        + "\n[time]\nend = 1\nsteps = 2\nmethod = \"implicit-euler\"\n";
-    refused(&timed, "a.feb", &["[time]", "method", "quasistatic"]);
-    let dir = Workdir::new();
-    dir.solver("export none.toml -o a.inp").assert_refused(2, &["none.toml"]);
 }

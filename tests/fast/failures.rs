@@ -272,6 +272,7 @@ fn an_optimisation_whose_start_has_no_equilibrium() {
     let dir = chamber::workdir();
     let sound = dir.text("p1.toml");
     dir.write("p1.toml", &beyond_any_equilibrium(&sound));
+    dir.solver("check design.toml").assert_refused(1, &["no equilibrium"]);
     let run = dir.solver("optimize design.toml -o out");
     run.assert_refused(1, &["level 1", "no equilibrium", "worst element: tetrahedron", "try: "]);
     let files = dir.files("out");

@@ -2,14 +2,16 @@
 //! moves where they lie along it.
 
 use mechanics::body::Body;
+use mesh::Vec3;
 use mesh::io::write_tets;
-use mesh::{TetMesh, Vec3};
-use serde_json::Value;
 use tests::chamber::{DESIGN, SIM, workdir};
-use tests::workdir::{Run, Workdir};
+use tests::workdir::Workdir;
 use tests::{block, tag};
 
-fn tagged_chamber(mesh: TetMesh) -> Body {
+/// 60 × 60 × 60 mm with a chamber of 40 × 20 × 20 mm, open at x = 0.
+fn hollow(distort: impl Fn(Vec3) -> Vec3) -> Body {
+    let middle = |i: usize| i == 2 || i == 3;
+    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), distort);
     let inner = |x: f64| x > 0.019 && x < 0.041;
     tag(
         mesh,
@@ -22,12 +24,9 @@ fn tagged_chamber(mesh: TetMesh) -> Body {
     )
 }
 
-/// 60 × 60 × 60 mm with a chamber of 40 × 20 × 20 mm, open at x = 0. An inner vertex lies 20 µm
-/// off a facet of the chamber.
+/// An inner vertex lies 20 µm off a facet of the chamber.
 fn body_with_a_flat_element() -> Body {
-    let middle = |i: usize| i == 2 || i == 3;
-    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), |p| p);
-    let mut body = tagged_chamber(mesh);
+    let mut body = hollow(|p| p);
     let boundary: Vec<usize> = body.boundary().iter().flatten().copied().collect();
     let facet = body
         .facets("cavity")
@@ -50,14 +49,11 @@ fn body_with_a_flat_element() -> Body {
 /// The same body without it, where the vertices of the chamber's wall at x = 20 mm lie 0.4 mm from
 /// those at 10 mm: a ring of needles.
 fn body_with_needles() -> Body {
-    let middle = |i: usize| i == 2 || i == 3;
-    let squeezed = |p: Vec3| {
+    hollow(|p| {
         let depth = p.y.min(0.06 - p.y).min(p.z).min(0.06 - p.z);
         let at_ring = f64::from((p.x - 0.02).abs() < 1e-6);
         p - Vec3::x() * 0.0096 * at_ring * (depth / 0.02).clamp(0.0, 1.0)
-    };
-    let mesh = block([6, 6, 6], 0.01, |c| c[0] < 4 && middle(c[1]) && middle(c[2]), squeezed);
-    tagged_chamber(mesh)
+    })
 }
 
 fn folder(body: &Body) -> Workdir {
@@ -78,9 +74,7 @@ fn a_flat_element_is_meshed_away_and_the_level_goes_on() {
     let dir = folder(&body_with_a_flat_element());
     let run = dir.solver("optimize design.toml -o out");
     run.assert_good();
-    eprintln!("{}", run.stderr);
-    let history = dir.text("out/history.jsonl");
-    let lines: Vec<Value> = history.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let lines = dir.lines("out/history.jsonl");
     let iterations: Vec<u64> =
         lines.iter().map(|line| line["iteration"].as_u64().unwrap()).collect();
     // the first two steps are short, and on the new mesh the shape that they led to comes again
@@ -90,13 +84,11 @@ fn a_flat_element_is_meshed_away_and_the_level_goes_on() {
     assert!(motion(4) > 10.0 * motion(2), "{} and {}", motion(2), motion(4));
     let volume = |file: &str| {
         let mesh = mesh::io::read_tets(&dir.path(file)).unwrap().mesh;
-        mesh.tets
-            .iter()
-            .map(|t| {
-                let [a, b, c, d] = t.map(|v| mesh.vertices[v]);
-                mesh::measure::tet_volume(a, b, c, d)
-            })
-            .fold(f64::INFINITY, f64::min)
+        let volume = |t: usize| {
+            let [a, b, c, d] = mesh.corners(t);
+            mesh::measure::tet_volume(a, b, c, d)
+        };
+        (0..mesh.tets.len()).map(volume).fold(f64::INFINITY, f64::min)
     };
     assert!(volume("out/remeshed-1-2.msh") > 20.0 * volume("body.msh"));
 }
@@ -133,9 +125,8 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
         assert!((old.1 / new.1 - 1.0).abs() < 1e-12, "{name}");
     }
     let objectives = |folder: &str| -> Vec<f64> {
-        let lines = dir.text(&format!("{folder}/history.jsonl"));
-        let line = |l: &str| serde_json::from_str::<Value>(l).unwrap()["objective"].as_f64();
-        lines.lines().map(|l| line(l).unwrap()).collect()
+        let lines = dir.lines(&format!("{folder}/history.jsonl"));
+        lines.iter().map(|line| line["objective"].as_f64().unwrap()).collect()
     };
     let with = objectives("out");
     // 0.05 mean edges are 0.4 mm of a wall of 20 mm
@@ -155,18 +146,14 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
     );
 }
 
-fn cad2fem(dir: &Workdir, arguments: &str) -> Run {
-    dir.command_of("cad2fem", arguments).output().unwrap().into()
-}
-
 #[test]
 fn a_surface_is_remeshed_by_a_program_alone() {
     let dir = folder(&body_with_needles());
-    let run = cad2fem(&dir, "remesh body.msh --surface cavity --tolerance 1e-3 -o better.msh");
+    let run = dir.run("cad2fem", "remesh body.msh --surface cavity --tolerance 1e-3 -o better.msh");
     run.assert_good();
     assert!(run.stderr.contains("1.0000 mm allowed"), "{}", run.stderr);
     assert!(tagged(&dir, "better.msh", "cavity").0 < tagged(&dir, "body.msh", "cavity").0);
     assert_eq!(tagged(&dir, "better.msh", "skin").0, tagged(&dir, "body.msh", "skin").0);
-    let run = cad2fem(&dir, "remesh body.msh --surface hole -o none.msh");
+    let run = dir.run("cad2fem", "remesh body.msh --surface hole -o none.msh");
     run.assert_refused(2, &["body.msh: no tag `hole`; the mesh has: seat, cavity, top, skin"]);
 }

@@ -1,16 +1,16 @@
-//! The groove for a thread: its ridge in the shells, what is left of the casting, and what is refused.
+//! The groove for a thread: its ridge in the shells, and what is left of the casting.
 
 use fab::files::report::MoldReport;
 use fab::plan::report::PlanReport;
 use fab::verify::{Against, Line, Status, before_writing};
-use mesh::io::{read_surface, write_tets};
+use mesh::io::read_surface;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use program::Progress;
 use std::process::Output;
-use tests::chamber;
 use tests::workdir::Workdir;
-use tests::{block, tag};
+
+use crate::samples;
 
 /// Height that the thread climbs for each radian about the axis [mm].
 const CLIMB: f64 = 6.0 / std::f64::consts::TAU;
@@ -24,29 +24,17 @@ const THREAD: f64 = 1.0;
 const MOLD: &str = "wound = \"out/report.json\"\n\n[parting]\nkind = \"plane\"\npull = [0, 1, 0]\noffset = 0.02\n\n\
                     [core]\npins = [[0.034, 0.03, 0.02]]\n\n[groove]\nthread = 1e-3\n";
 
-/// A block of 50 × 40 × 40 mm with a chamber that opens at x = 0, wound around x by two threads, and simulated.
-fn wound() -> Workdir {
-    let dir = chamber::workdir();
-    let middle = |i: usize| (1..3).contains(&i);
-    let hollow = |c: [usize; 3]| c[0] < 4 && middle(c[1]) && middle(c[2]);
-    let inner = |x: f64| x > 0.009 && x < 0.031;
-    let tags: [(&str, &dyn Fn(Vec3) -> bool); 4] = [
-        ("seat", &|p| p.x < 1e-6),
-        ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
-        ("tip", &|p| p.x > 0.05 - 1e-6),
-        ("side", &|_| true),
-    ];
-    let body = tag(block([5, 4, 4], 0.01, hollow, |p| p), &tags);
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+/// The chamber, wound around x by two threads, simulated, and the file of its mold.
+pub fn wound() -> Workdir {
     let winding = "\n[[winding]]\nname = \"thread\"\non = \"side\"\npitch = 6e-3\nstart = 4e-3\nend = 22e-3\n\
                    around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }\ndouble = true\nstiffness = 50\n";
-    dir.write("wound.toml", &(dir.text("p1.toml") + winding));
-    dir.solver("simulate wound.toml --final-only -o out").assert_good();
+    let dir = samples::wound(winding);
+    dir.solver("simulate p1.toml --final-only -o out").assert_good();
+    dir.write("mold.toml", MOLD);
     dir
 }
 
-fn mold(dir: &Workdir, config: &str) -> Output {
-    dir.write("mold.toml", config);
+fn mold(dir: &Workdir) -> Output {
     let command = "mold body.msh --config mold.toml --no-pictures -o mold";
     dir.command_of("fab", command).output().unwrap()
 }
@@ -76,7 +64,7 @@ fn segments(dir: &Workdir) -> Vec<[Vec3; 2]> {
 #[test]
 fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     let dir = wound();
-    let run = mold(&dir, MOLD);
+    let run = mold(&dir);
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let report = MoldReport::read(&dir.path("mold")).unwrap();
     let groove = report.groove.as_ref().unwrap();
@@ -141,7 +129,7 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
         laid += (b - a).norm();
     }
     assert!(laid > 100.0, "{laid} mm");
-    let sheet = dir.text("mold/cast.md");
+    let sheet = dir.text("mold/cast.html");
     assert!(sheet.contains("A groove of 1.10 mm and 1.00 mm depth guides the thread"), "{sheet}");
     assert!(sheet.contains("The knots go into the pits"), "{sheet}");
     // A casting without the groove does not pass.
@@ -167,32 +155,4 @@ fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     let lines = checked(&dir, &report, &filled);
     let failed = |line: &&Line| line.status == Status::Fail && line.name.contains("ridge leaves");
     assert_eq!(lines.iter().filter(failed).count(), 2, "{lines:#?}");
-}
-
-#[test]
-fn grooves_that_cannot_be_made_are_refused() {
-    let dir = wound();
-    let field = MOLD.replace("\"plane\"", "\"height-field\"").replace("offset = 0.02\n", "");
-    for (config, code, words) in [
-        (MOLD.replace("wound = \"out/report.json\"\n", ""), 2, "[groove] without wound"),
-        (MOLD.replace("thread = 1e-3", "thread = 1"), 2, "groove.thread is 1"),
-        (MOLD.replace("thread = 1e-3", "depth = 1e-3"), 2, "groove.thread is 0"),
-        (MOLD.to_owned() + "draft = 60\n", 2, "groove.draft is 60"),
-        (MOLD.to_owned() + "knot = 0.5\n", 2, "groove.knot is 0.5"),
-        (MOLD.to_owned() + "on = [\"skin\"]\n", 2, "no facet has the tag \"skin\""),
-        (MOLD.to_owned() + "on = [\"tip\"]\n", 2, "lies on none of tip"),
-        (field, 1, "shells which part on a plane"),
-    ] {
-        let run = mold(&dir, &config);
-        let said = String::from_utf8_lossy(&run.stderr);
-        assert!(run.status.code() == Some(code) && said.contains(words), "{config}: {said}");
-    }
-    // Another body, from which the thread is far.
-    dir.write(
-        "out/windings.csv",
-        &dir.text("out/windings.csv").replace("thread,0.0", "thread,0.1"),
-    );
-    let said = mold(&dir, MOLD);
-    let said = String::from_utf8_lossy(&said.stderr).into_owned();
-    assert!(said.contains("mm from the surface of the casting"), "{said}");
 }

@@ -7,7 +7,7 @@ use tests::workdir::Workdir;
 /// The floor of the chamber.
 const FLOOR: &str = "keep = [{ axis = \"z\", at = 0.01 }]";
 
-fn folder(levels: &str) -> Workdir {
+pub fn folder(levels: &str) -> Workdir {
     let dir = workdir();
     let (first, rest) = DESIGN.split_once("[[shape.level]]").unwrap();
     let (_, terms) = rest.split_once("[[objective]]").unwrap();
@@ -57,36 +57,4 @@ fn a_plane_by_its_normal_is_the_same() {
     let (a, b) = (read("out/design.msh"), read("by-normal/design.msh"));
     let apart = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-9, "{apart}");
-}
-
-#[test]
-fn tags_that_give_no_plane_are_refused() {
-    let dir = folder("[[shape.level]]\nhandles = 3\niterations = 3\n");
-    let refused = |keep: &str, words: &[&str]| {
-        dir.write("bad.toml", &dir.text("design.toml").replace(FLOOR, keep));
-        dir.solver("optimize bad.toml -o out").assert_refused(2, words);
-    };
-    refused("keep = [\"skin\"]", &["\"skin\" is not flat", "mm apart"]);
-    refused("keep = [\"top\"]", &["no facet that moves lies in the plane of \"top\""]);
-    refused("keep = [\"floor\"]", &["\"floor\""]);
-    refused("keep = [{ normal = [0, 0, 0], at = 1 }]", &["normal", "direction"]);
-    refused("keep = [{ axis = \"z\", height = 1 }]", &["expected a tag of a flat face"]);
-}
-
-#[test]
-fn gradients_pass_the_taylor_test_beside_a_kept_face() {
-    let dir = folder("[[shape.level]]\nhandles = 3\niterations = 3\n");
-    dir.solver("check design.toml --handles 3 --design-only").assert_good();
-    dir.solver("check design.toml --steps 5").assert_good();
-}
-
-#[test]
-fn a_plane_without_a_face_is_refused_with_the_nearest_vertex() {
-    let dir = folder("[[shape.level]]\nhandles = 3\niterations = 3\n");
-    dir.write("bad.toml", &dir.text("design.toml").replace("at = 0.01 }", "at = 0.013 }"));
-    let run = dir.solver("optimize bad.toml -o out");
-    run.assert_refused(
-        2,
-        &["keep: no facet that moves lies in the plane z = 0.013 m", "3.000 mm off"],
-    );
 }

@@ -12,13 +12,6 @@ fn with(more: &str) -> Workdir {
     dir
 }
 
-#[track_caller]
-fn refused(more: &str, words: &[&str]) {
-    let dir = with(more);
-    dir.solver("simulate edge.toml -o out").assert_refused(2, words);
-    assert!(!dir.path("out/report.json").exists());
-}
-
 /// A thick block bears more than is asked for, and its state at the end is stable.
 #[test]
 fn a_block_is_stable_to_what_is_asked_for() {
@@ -78,22 +71,6 @@ fn a_path_that_ends_early_is_not_usable() {
     dir.solver("simulate alone.toml -o alone").assert_good();
     let report = dir.json("alone/report.json");
     assert_eq!((&report["usable"], &report["load_reached"]), (&true.into(), &load.into()));
-}
-
-#[test]
-fn what_has_no_limit_or_path_is_refused() {
-    refused("[limit]\non = [\"top\"]\n", &["[limit]", "top", "cavity"]);
-    refused("[limit]\nmost = 0.5\n", &["most", "above 1"]);
-    refused(
-        "[limit]\n[time]\nend = 1\nsteps = 2\nmethod = \"quasistatic\"\n",
-        &["[limit]", "[time]"],
-    );
-    refused("[solver]\npath_states = 3\n", &["path_states", "arc-length"]);
-    refused("[solver]\npath_only = true\n", &["path_only", "arc-length"]);
-    refused(
-        "[solver]\nfollow = \"arc-length\"\npath_states = 0\n",
-        &["path_states = 0", "positive"],
-    );
 }
 
 /// The factors of the limit and of the burst change with the modulus in proportion, as pressure is the only load; by one

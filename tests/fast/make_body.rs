@@ -83,8 +83,7 @@ impl Body {
     /// Gives it the Makefile that `cad2fem new` writes.
     fn with_makefile(self) -> Self {
         let dir = Workdir::new();
-        let new = dir.command_of("cad2fem", "new x").output().unwrap();
-        assert!(new.status.success(), "{new:?}");
+        dir.run("cad2fem", "new x").assert_good();
         fs::copy(dir.path("x/Makefile"), self.0.path("mine/Makefile")).unwrap();
         let rules = repository().join("pipelines/folder.mk");
         self.0.write("bin/rules", &rules.display().to_string());
@@ -144,39 +143,29 @@ fn a_source_that_is_older_than_results_counts_when_it_differs() {
     assert!(calls.is_empty() && said.contains("nothing to do"), "{said} {calls:?}");
 }
 
-/// By the Makefile that `cad2fem new` writes: the same calls as by that of the checkout, and none the second time.
+/// By the Makefile that `cad2fem new` writes: the same calls as by that of the checkout.
 #[test]
 fn a_folder_with_a_makefile_makes_itself() {
-    let (body, same) = (Body::new().with_makefile(), Body::new());
-    assert_eq!(body.make().1, same.make().1);
-    let (said, calls) = body.make();
-    assert!(calls.is_empty() && said.contains("nothing to do"), "{said} {calls:?}");
-    body.write_old("mine/sim.toml", "# changed\n");
-    let (_, calls) = body.make();
-    assert!(called(&calls, "solver simulate") && !called(&calls, "cad2fem tetmesh"), "{calls:?}");
+    assert_eq!(Body::new().with_makefile().make().1, Body::new().make().1);
 }
 
 #[test]
 fn a_dry_run_lists_what_is_to_be_done_and_no_more() {
     for body in [Body::new(), Body::new().with_makefile()] {
+        let bin = body.0.path("bin").display().to_string() + "/";
         let listed = || {
             let (code, said, calls) = body.try_make(&["--dry-run"]);
             assert!(code == Some(0) && calls.is_empty(), "{said} {calls:?}");
-            let programs =
-                ["cad2fem ", "tagger ", "solver ", "fab "].map(|name| format!("/bin/{name}"));
-            let lines = said.lines().filter(|line| programs.iter().any(|name| line.contains(name)));
-            let verb = |line: &str| {
-                line.split("/bin/").nth(1).unwrap().split(' ').nth(1).unwrap().to_owned()
-            };
-            (lines.map(verb).collect::<Vec<_>>(), said)
+            let lines = said.lines().filter_map(|line| line.split_once(&bin));
+            lines.map(|(_, call)| call.split(' ').nth(1).unwrap().to_owned()).collect::<Vec<_>>()
         };
-        assert_eq!(listed().0.len(), 11);
+        assert_eq!(listed().len(), 11);
         body.make();
-        let (verbs, said) = listed();
-        assert!(verbs.is_empty() && !said.contains("nothing to do,"), "{said}");
+        assert!(listed().is_empty());
         body.write_old("mine/sim.toml", "# changed\n");
-        assert_eq!(listed().0, ["simulate", "picture", "report", "pack"]);
-        assert_eq!(listed().0.len(), 4, "it changes nothing");
+        for _ in 0..2 {
+            assert_eq!(listed(), ["simulate", "picture", "report", "pack"], "it changes nothing");
+        }
     }
 }
 
@@ -244,45 +233,4 @@ fn triangles_are_imported_with_the_angle_of_the_tags() {
     body.0.write("mine/tags.toml", "split = 40$(touch ran)\n");
     body.make();
     assert!(!body.0.text("bin/commands").contains("touch"));
-}
-
-/// By names and links that lie in the results already.
-#[test]
-fn results_of_others_run_nothing_and_lead_nowhere() {
-    let body = Body::new().with_makefile();
-    body.make();
-    let odd = ["`{touch,ran}`", "$(touch ran)", "x;touch ran", "a --target-directory=build"];
-    for name in odd {
-        body.0.write(&format!("mine/build/model/patches/{name}.stl"), "");
-        let folder = format!("mine/build/mold/{name}");
-        fs::create_dir(body.0.path(&folder)).unwrap();
-        for picture in ["exploded", "assembled"] {
-            body.0.write(&format!("{folder}/{picture}.png"), "");
-        }
-    }
-    // older than results, so that these are made again
-    body.write_old("victim", "mine");
-    fs::remove_dir_all(body.0.path("mine/build/pictures")).unwrap();
-    fs::create_dir(body.0.path("mine/build/pictures")).unwrap();
-    for link in ["pictures/mold.png", "pictures/mold-closed.png", "done", ".sources/sim.toml"] {
-        let link = body.0.path(&format!("mine/build/{link}"));
-        let _ = fs::remove_file(&link);
-        std::os::unix::fs::symlink(body.0.path("victim"), link).unwrap();
-    }
-    body.make();
-    assert_eq!(body.0.text("victim"), "mine");
-    assert!(!body.0.path("mine/ran").exists() && !body.0.path("ran").exists());
-    let names = body.0.files("mine/build/pictures");
-    for number in ["", "2", "3", "4", "5"] {
-        assert!(names.contains(&format!("mold{number}.png")), "{names:?}");
-    }
-    let commands = body.0.text("bin/commands");
-    let picture = commands.lines().find(|line| line.contains(": regions")).unwrap();
-    assert!(odd.iter().all(|name| picture.contains(&format!("patches/{name}.stl"))), "{picture}");
-    // nor does a folder that is one
-    fs::remove_dir_all(body.0.path("mine/build/.sources")).unwrap();
-    std::os::unix::fs::symlink(body.0.path("bin"), body.0.path("mine/build/.sources")).unwrap();
-    let (code, said, _) = body.try_make(&[]);
-    assert!(code == Some(2) && said.contains("lies behind a link"), "{said}");
-    assert!(!body.0.path("bin/sim.toml").exists());
 }

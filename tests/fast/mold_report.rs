@@ -25,8 +25,7 @@ fn objects(value: &Value) -> Vec<String> {
 #[test]
 fn a_key_more_or_less_is_found() {
     let dir = chamber::workdir();
-    let run = dir.command_of("fab", "mold body.msh --no-pictures -o mold").output().unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    dir.run("fab", "mold body.msh --no-pictures -o mold").assert_good();
     let report = dir.json("mold/mold.json");
     check_mold(&report);
     let mut required = 0;
@@ -59,50 +58,31 @@ fn the_casting_sheet_says_how_to_wind() {
     for scene in ["bare", "wound"] {
         dir.solver(&format!("simulate {scene}.toml --final-only -o {scene}")).assert_good();
     }
-    let mold = |report: &str| {
-        dir.write("mold.toml", &format!("wound = \"{report}\"\n"));
-        dir.command_of("fab", "mold body.msh --config mold.toml --no-pictures -o mold")
-            .output()
-            .unwrap()
+    let mold = |config: &str| {
+        dir.write("mold.toml", config);
+        dir.run("fab", "mold body.msh --config mold.toml --no-pictures -o mold")
     };
     for (report, words) in [
         ("bare/report.json", "no threads in it"),
         ("wound.toml", "not a report of `solver simulate`"),
         ("nowhere.json", "nowhere.json"),
     ] {
-        let run = mold(report);
-        let said = String::from_utf8_lossy(&run.stderr);
-        assert!(run.status.code() == Some(2) && said.contains(words), "{report}: {said}");
+        mold(&format!("wound = \"{report}\"\n")).assert_refused(2, &[words]);
     }
-    dir.write("first.toml", "[casting]\nfirst_shot = true\n");
-    let run = dir
-        .command_of("fab", "mold body.msh --config first.toml --no-pictures -o first")
-        .output()
-        .unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let first = dir.text("first/cast.md");
+    let words = "mL already; expected the mesh of a body within";
+    mold("around = \"body.msh\"\n").assert_refused(1, &[words]);
+    mold("[casting]\nfirst_shot = true\n").assert_good();
+    let first = dir.text("mold/cast.html");
     assert!(first.contains("Leave the core inside") && !first.contains("Glue the tube"), "{first}");
-    dir.write("around.toml", "around = \"body.msh\"\n");
-    let run = dir
-        .command_of("fab", "mold body.msh --config around.toml --no-pictures -o around")
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&run.stderr);
-    assert!(
-        run.status.code() == Some(1)
-            && said.contains("mL already; expected the mesh of a body within"),
-        "{said}"
-    );
-    let run = mold("wound/report.json");
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    mold("wound = \"wound/report.json\"\n").assert_good();
     let report = dir.json("mold/mold.json");
     check_mold(&report);
     let length = report["threads"][0]["length"].as_f64().unwrap();
     assert!((length / 28.0 - 1.0).abs() < 1e-6, "{length}");
-    let sheet = dir.text("mold/cast.md");
+    let sheet = dir.text("mold/cast.html");
     for words in [
-        "0.2 m of thread that bears 5.0 N (`seam`)",
-        "Lay the thread `seam` on `top`",
+        "0.2 m of thread that bears 5.0 N (<code>seam</code>)",
+        "Lay the thread <code>seam</code> on <code>top</code>",
         "28 mm, without slack",
     ] {
         assert!(sheet.contains(words), "{words}: {sheet}");

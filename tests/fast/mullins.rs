@@ -1,29 +1,23 @@
-//! `[[mullins]]`: stress and inflations of softened bodies, gradients, resuming, and what is refused.
+//! `[[mullins]]`: stress and inflations of softened bodies.
 
 use std::fmt::Write as _;
-use std::process::Stdio;
-use std::time::Duration;
 
-use mechanics::forward::TimeStepper;
 use mesh::io::write_tets;
-use scene::Scene;
-use scene::number::{Number, Swept, Walls};
 use serde_json::Value;
-use solver::run::sensitivity::sensitivities;
 use tests::meshes::shell_octant;
 use tests::radial::mooney_rivlin;
-use tests::reported::{check_simulation, number};
+use tests::reported::number;
+use tests::tag;
 use tests::workdir::Workdir;
-use tests::{block, tag};
+
+use crate::samples::cube;
 
 /// c₁ and c₂ [Pa], and the bulk modulus [Pa].
 const LAW: [f64; 3] = [40e3, 6e3, 5e6];
 /// r, m [Pa] and β.
-const SOFTENING: [f64; 3] = [1.8, 400.0, 0.15];
+pub const SOFTENING: [f64; 3] = [1.8, 400.0, 0.15];
 
-const TIGHT: &str = "[solver]\nrelative_tolerance = 1e-13\nabsolute_tolerance = 1e-11\n";
-
-fn mullins([r, m, beta]: [f64; 3]) -> String {
+pub fn table([r, m, beta]: [f64; 3]) -> String {
     format!("[[mullins]]\nr = {r}\nm = {m}\nbeta = {beta}\n")
 }
 
@@ -35,38 +29,17 @@ fn material(bulk: f64) -> String {
     )
 }
 
-/// A cube of 20 mm whose top rises as its times and rises say [s, m], free to contract.
-fn cube(softening: &str, rises: &[f64]) -> Workdir {
-    let dir = Workdir::new();
-    let mesh = block([2, 2, 2], 0.01, |_| false, |p| p);
-    let body = tag(
-        mesh,
-        &[
-            ("bottom", &|p| p.z < 1e-9),
-            ("top", &|p| p.z > 0.02 - 1e-9),
-            ("left", &|p| p.x < 1e-9),
-            ("front", &|p| p.y < 1e-9),
-        ],
-    );
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
-    let times: Vec<usize> = (0..=rises.len()).collect();
-    let mut scene = format!("mesh = \"body.msh\"\ndegree = 1\n{}{softening}", material(LAW[2]));
-    for (on, axis) in [("bottom", "z"), ("left", "x"), ("front", "y")] {
-        writeln!(scene, "[[fixed]]\non = \"{on}\"\ncomponents = \"{axis}\"").unwrap();
-    }
+/// The cube, whose top rises so far [m] in steps of a second.
+pub fn moved(softening: &str, rises: &[f64]) -> Workdir {
+    let (count, times) = (rises.len(), Vec::from_iter(0..=rises.len()));
     let values: Vec<f64> = [0.0].iter().chain(rises).copied().collect();
-    writeln!(
-        scene,
+    let loads = format!(
         "[[fixed]]\non = \"top\"\ncomponents = \"z\"\n\
          displacement = [0, 0, {{ t = {times:?}, value = {values:?} }}]\n\
          [[probe]]\nname = \"pull\"\nkind = \"reaction\"\non = \"top\"\naxis = [0, 0, 1]\n\
-         [time]\nend = {}\nsteps = {}\nmethod = \"quasistatic\"\n{TIGHT}",
-        rises.len(),
-        rises.len()
-    )
-    .unwrap();
-    dir.write("sim.toml", &scene);
-    dir
+         [time]\nend = {count}\nsteps = {count}\nmethod = \"quasistatic\"\n"
+    );
+    cube(&(material(LAW[2]) + softening), &loads)
 }
 
 /// erf by Simpson's rule.
@@ -116,12 +89,9 @@ fn probes(report: &Value, name: &str) -> Vec<f64> {
 #[test]
 fn a_bar_is_softened_as_the_formula_says() {
     let rises = [8e-3, 5e-3, 1e-3, 4e-3, 7.9e-3, 11e-3, 2e-3, 10e-3];
-    let dir = cube(&mullins(SOFTENING), &rises);
-    let said = dir.solver("simulate sim.toml -o out");
-    said.assert_good();
-    assert!(said.stderr.contains("by 55.6 % at most, m = 400 Pa"), "{}", said.stderr);
+    let dir = moved(&table(SOFTENING), &rises);
+    dir.solver("simulate p1.toml -o out").assert_good();
     let report = dir.json("out/report.json");
-    check_simulation(&report);
     let mut largest = 0.0_f64;
     for (rise, pull) in rises.iter().zip(probes(&report, "pull")) {
         let (stress, w) = pulled(1.0 + rise / 0.02, largest);
@@ -145,9 +115,9 @@ fn a_bar_is_softened_as_the_formula_says() {
 #[test]
 fn a_load_that_never_falls_has_the_bits_of_a_body_without_softening() {
     let rises = [2e-3, 4e-3, 9e-3];
-    let states = ["", &mullins(SOFTENING)].map(|softening| {
-        let dir = cube(softening, &rises);
-        dir.solver("simulate sim.toml -o out").assert_good();
+    let states = ["", &table(SOFTENING)].map(|softening| {
+        let dir = moved(softening, &rises);
+        dir.solver("simulate p1.toml -o out").assert_good();
         std::fs::read(dir.path("out/displacement.npy")).unwrap()
     });
     assert!(states[0] == states[1]);
@@ -202,7 +172,7 @@ fn sphere(softening: &str, keys: &str, pressure: &str, [end, steps]: [usize; 2])
          [solver]\ndilatation = \"mean\"\nlocking = \"never\""
     )
     .unwrap();
-    dir.write("sim.toml", &scene);
+    dir.write("p1.toml", &scene);
     dir
 }
 
@@ -212,11 +182,10 @@ fn a_thick_sphere_is_wider_at_the_second_inflation() {
     let [high, low] = [pressure(first, 1.0), pressure(second, first)];
     // as wide without softening the sphere would need more
     assert!(low < 0.75 * pressure(second, 1.0), "{high} {low}");
-    let table = format!("{{ t = [0, 1, 2, 3], value = [0, {high}, 0, {low}] }}");
-    let dir = sphere(&mullins(SOFTENING), "", &table, [3, 3]);
-    dir.solver("simulate sim.toml -o out").assert_good();
+    let times = format!("{{ t = [0, 1, 2, 3], value = [0, {high}, 0, {low}] }}");
+    let dir = sphere(&table(SOFTENING), "", &times, [3, 3]);
+    dir.solver("simulate p1.toml -o out").assert_good();
     let report = dir.json("out/report.json");
-    check_simulation(&report);
     let inflations = report["inflations"].as_array().unwrap();
     assert_eq!(inflations.len(), 2, "{inflations:?}");
     let rest = number(&report["chambers"]["inside"]["volume_rest"]);
@@ -235,8 +204,8 @@ fn a_thick_sphere_is_wider_at_the_second_inflation() {
 /// way there the first is stiffer, and all others are equal.
 #[test]
 fn inflations_after_the_first_are_softer_and_equal() {
-    let dir = sphere(&mullins(SOFTENING), "degree = 1\n", "\"15e3*sin(pi*t)^2\"", [10, 80]);
-    let said = dir.solver("simulate sim.toml -o out --final-only");
+    let dir = sphere(&table(SOFTENING), "degree = 1\n", "\"15e3*sin(pi*t)^2\"", [10, 80]);
+    let said = dir.solver("simulate p1.toml -o out --final-only");
     said.assert_good();
     let report = dir.json("out/report.json");
     let inflations = report["inflations"].as_array().unwrap();
@@ -255,121 +224,13 @@ fn inflations_after_the_first_are_softer_and_equal() {
     assert!(!said.stderr.contains("inflation 2 of inside"), "{}", said.stderr);
 }
 
-/// Loads that rise, fall and rise; no point ends a step where a derivative jumps.
-const RISES: [f64; 4] = [8e-3, 3e-3, 6e-3, 9e-3];
-
-#[test]
-fn numbers_have_their_derivatives() {
-    let dir = cube(&mullins(SOFTENING), &RISES[..3]);
-    let scene = Scene::read(&dir.path("sim.toml")).unwrap();
-    let pull = |scene: &Scene| {
-        let (problem, mut workspace) = scene.problem(&scene.body).unwrap();
-        let probes = scene.probes(&scene.body, &problem.space).unwrap();
-        let integrator = scene.integrator(&scene.body, &problem);
-        let mut stepper = TimeStepper::new(scene.stepping(), integrator);
-        let (rest, times) = (&scene.body.mesh.vertices, scene.times());
-        let run = stepper.run(&problem, &mut workspace, rest, &times, 1e9, |_| ()).unwrap();
-        let on = (&[&probes[0]][..], &run, run.steps());
-        let found = sensitivities(scene, (&problem, &mut workspace), on).unwrap();
-        let (value, by) = &found[0];
-        let walls = Walls::new(scene).unwrap();
-        let swept = Swept::new(scene, &problem, Some(&walls), by);
-        let all = Number::all(scene).into_iter();
-        let own = all.filter(|number| ["mullins", "material"].contains(&number.word()));
-        let slopes = own.map(|number| (number.derivative(&swept), number)).collect::<Vec<_>>();
-        (*value, slopes)
-    };
-    let (_, slopes) = pull(&scene);
-    assert_eq!(slopes.len(), 7);
-    for (slope, number) in slopes.iter().filter(|(_, number)| number.path != "material.body.c3") {
-        let size = number.value(&scene);
-        let moved = |part: f64| {
-            let mut other = scene.clone();
-            number.set(&mut other, None, size * (1.0 + part)).unwrap();
-            pull(&other).0
-        };
-        let difference = (moved(1e-3) - moved(-1e-3)) / (2e-3 * size);
-        assert!((difference / slope - 1.0).abs() < 1e-4, "{}: {difference} {slope}", number.path);
-    }
-}
-
-#[test]
-fn gradients_pass_their_test() {
-    let dir = cube(&mullins(SOFTENING), &RISES[..3]);
-    dir.write(
-        "design.toml",
-        "scene = \"sim.toml\"\n[shape]\non = \"left\"\n[[shape.level]]\nhandles = 1\niterations = 1\n\
-         [[objective]]\nkind = \"probe\"\nname = \"low\"\nprobe = \"pull\"\ntarget = 0.0\n\
-         over = \"uniform\"\nweight = 1.0\n",
-    );
-    dir.solver("check design.toml").assert_good();
-}
-
-#[test]
-#[ignore = "many seconds: runs in make test-all"]
-fn a_killed_run_remembers_what_it_was_stretched_by() {
-    let command = "--threads 2 -q simulate sim.toml -o out";
-    let rises: Vec<f64> = (0..400)
-        .map(|n| 8e-3 * (f64::from(n) * 0.11).sin().abs() * (1.0 + 1e-3 * f64::from(n)))
-        .collect();
-    let undisturbed = cube(&mullins(SOFTENING), &rises);
-    undisturbed.solver(command).assert_good();
-    let dir = cube(&mullins(SOFTENING), &rises);
-    let mut child = dir.command(command).stderr(Stdio::null()).spawn().unwrap();
-    while !dir.path("out/checkpoint.json").exists() {
-        assert!(child.try_wait().unwrap().is_none(), "over before it was killed");
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    child.kill().unwrap();
-    assert!(!child.wait().unwrap().success(), "over before it was killed");
-    dir.solver(command).assert_good();
-    assert!(dir.text("out/steps.jsonl") == undisturbed.text("out/steps.jsonl"));
-    let factor = |dir: &Workdir| number(&dir.json("out/report.json")["mullins"][0]["factor"]);
-    assert!(factor(&dir) < 1.0 && factor(&dir).to_bits() == factor(&undisturbed).to_bits());
-}
-
-#[test]
-fn what_means_nothing_is_refused() {
-    let refused = |dir: &Workdir, words: &[&str]| {
-        dir.solver("simulate sim.toml -o out").assert_refused(2, words);
-    };
-    for (numbers, words) in [
-        ([0.5, 1.0, 0.1], "r = 0.5: must be above 1"),
-        ([f64::INFINITY, 1.0, 0.1], "r = inf"),
-        ([2.0, -3.0, 0.1], "m = -3 Pa: must be finite and not negative"),
-        ([2.0, 1.0, -0.1], "beta = -0.1: must be finite and not negative"),
-        ([2.0, 0.0, 0.0], "m = 0 Pa and beta = 0"),
-    ] {
-        refused(&cube(&mullins(numbers), &RISES), &[words]);
-    }
-    let once = mullins(SOFTENING);
-    let elsewhere = format!("{once}on = \"insert\"\n");
-    refused(&cube(&elsewhere, &RISES), &["on \"insert\"", "there are: body"]);
-    refused(&cube(&format!("{once}{once}"), &RISES), &["\"body\" is softened by two tables"]);
-    let dir = cube(&once, &RISES);
-    let scene = dir.text("sim.toml");
-    dir.write("sim.toml", &scene.replace("\"quasistatic\"", "\"bdf2\""));
-    refused(&dir, &["method = \"bdf2\" beside [[mullins]]", "implicit-euler"]);
-    let (without, _) = scene.split_once("[time]").unwrap();
-    dir.write("sim.toml", without);
-    refused(&dir, &["[[mullins]] without [time]", "a load that falls and rises"]);
-    let hooke = "kind = \"linear-elastic\"\nyoung = 1e5\npoisson = 0.45\n";
-    let law = material(LAW[2]);
-    let law = law.split_once('\n').unwrap().1;
-    dir.write("sim.toml", &scene.replace(law, hooke));
-    refused(&dir, &["linear-elastic of \"body\" has no isochoric part", "neo-hookean, yeoh, gent"]);
-    dir.write("sim.toml", &scene);
-    dir.solver("export sim.toml -o deck.inp")
-        .assert_refused(2, &["[[mullins]]", "no part in a deck"]);
-}
-
 /// A bar of what is known of the effect is none where the scene simulates it.
 #[test]
 fn a_simulated_effect_has_no_error_bar() {
-    let dir = cube(&mullins(SOFTENING), &RISES[..2]);
-    let scene = dir.text("sim.toml").replace("c3 = 0\n", "c3 = 0\nmullins = 0.1\ncreep = 0.2\n");
-    dir.write("sim.toml", &format!("{scene}[uncertainty]\nnumbers = {{ \"mullins.1.m\" = 40 }}\n"));
-    dir.solver("simulate sim.toml -o out").assert_good();
+    let dir = moved(&table(SOFTENING), &[8e-3, 3e-3]);
+    let scene = dir.text("p1.toml").replace("c3 = 0\n", "c3 = 0\nmullins = 0.1\ncreep = 0.2\n");
+    dir.write("p1.toml", &format!("{scene}[uncertainty]\nnumbers = {{ \"mullins.1.m\" = 40 }}\n"));
+    dir.solver("simulate p1.toml -o out").assert_good();
     let report = dir.json("out/report.json");
     let bars = report["error_bars"]["pull"]["bars"].as_array().unwrap();
     let all: Vec<&str> = bars.iter().map(|bar| bar["of"].as_str().unwrap()).collect();

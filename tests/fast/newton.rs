@@ -1,14 +1,9 @@
 //! Newton's method at the rounding floor, and the softest mode.
 
-use std::sync::Arc;
-
 use mechanics::energy::{BodyForce, Energies};
-use mechanics::forward::{Failure, Newton, Workspace};
+use mechanics::forward::{Failure, Newton};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
-use mechanics::math::linear::{
-    BadPivots, Cost, DirectSolver, Factor, Precision, SparseSolver, Structure, Symmetric, Triangle,
-    one_by_one,
-};
+use mechanics::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
 use mechanics::math::tensor::{Mat3, Mat9};
 use mechanics::stability::SoftestMode;
 use mesh::Vec3;
@@ -153,78 +148,4 @@ fn the_smallest_pivot_is_that_of_a_dense_factor() {
     assert!((found.value / smallest - 1.0).abs() < 1e-11, "{found:?} {smallest}");
     assert!((found.largest / largest - 1.0).abs() < 1e-11, "{found:?} {largest}");
     assert_eq!(pivots[found.unknown], smallest);
-}
-
-/// A direct solver of somebody else: Cholesky without any order or sparsity.
-struct Dense(Arc<Triangle>);
-
-/// L by rows.
-struct DenseFactor(Vec<Vec<f64>>);
-
-impl Dense {
-    fn boxed(structure: &Structure) -> Box<dyn DirectSolver> {
-        Box::new(Self(Arc::clone(structure.pattern)))
-    }
-}
-
-impl DirectSolver for Dense {
-    fn cost(&self) -> Cost {
-        Cost { entries: self.0.size() * (self.0.size() + 1) / 2, ..Cost::default() }
-    }
-
-    fn factor_positive(
-        &self,
-        lower: &[f64],
-        _: Precision,
-        _: BadPivots,
-    ) -> Result<(Box<dyn Factor>, usize), usize> {
-        let (n, rows) = (self.0.size(), &self.0.rows);
-        let mut l = vec![vec![0.0; n]; n];
-        for (column, ends) in self.0.column_start.windows(2).enumerate() {
-            (ends[0]..ends[1]).for_each(|k| l[rows[k] as usize][column] = lower[k]);
-        }
-        for i in 0..n {
-            for j in 0..=i {
-                let before: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-                let rest = l[i][j] - before;
-                l[i][j] = match i == j {
-                    true if rest > 0.0 => rest.sqrt(),
-                    true => return Err(i),
-                    false => rest / l[j][j],
-                };
-            }
-        }
-        Ok((Box::new(DenseFactor(l)), 0))
-    }
-
-    fn factor_indefinite(&self, _: &[f64]) -> Box<dyn Factor> {
-        unreachable!("the bar is stable")
-    }
-}
-
-impl Factor for DenseFactor {
-    fn apply_inverse(&self, x: &mut [f64]) {
-        let n = x.len();
-        for i in 0..n {
-            let before: f64 = (0..i).map(|k| self.0[i][k] * x[k]).sum();
-            x[i] = (x[i] - before) / self.0[i][i];
-        }
-        for i in (0..n).rev() {
-            let after: f64 = (i + 1..n).map(|k| self.0[k][i] * x[k]).sum();
-            x[i] = (x[i] - after) / self.0[i][i];
-        }
-    }
-}
-
-/// Newton's method knows its direct solver by the trait alone.
-#[test]
-fn newton_works_with_another_direct_solver() {
-    let [mut ours, mut theirs] = [(); 2].map(|()| bar([6, 1, 1], 1e-2, 1e4, || Box::new(SILICONE)));
-    theirs.workspace = Workspace::with_solver(&theirs.problem, Dense::boxed);
-    assert!(theirs.workspace.memory().factor_entries > ours.workspace.memory().factor_entries);
-    ours.solve(1.0);
-    theirs.solve(1.0);
-    let size = ours.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    let off = ours.u.iter().zip(&theirs.u).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-    assert!(size > 1e-3 && off < 1e-9 * size, "{off:e} of {size:e} m");
 }

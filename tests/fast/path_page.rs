@@ -18,8 +18,7 @@ fn a_path_is_drawn_with_its_limit_and_its_burst() {
     let follow = "[solver]\nfollow = \"arc-length\"\n";
     dir.write("path.toml", &format!("{}\n{follow}", dir.text("p1.toml")));
     dir.solver("simulate path.toml -o out/run").assert_good();
-    let made: Run = dir.command_of("cad2fem", "report out -o page.html").output().unwrap().into();
-    made.assert_good();
+    dir.run("cad2fem", "report out -o page.html").assert_good();
     let report = dir.json("out/run/report.json");
     let states = report["steps"].as_array().unwrap().len();
     let rest = usize::from(report["rest"].is_object());
@@ -27,8 +26,7 @@ fn a_path_is_drawn_with_its_limit_and_its_burst() {
     assert_eq!(way[0]["factor"], json!(1.0));
     assert_eq!(way.last().unwrap()["factor"], report["limit"]["factor"]);
     let mut browser = Chromium::start(program, [1000, 700]);
-    browser.open(&dir.path("page.html"));
-    browser.wait("window.puffer?.state().firstPicture");
+    browser.show(&dir.path("page.html"));
     assert_eq!(browser.evaluate("document.getElementById('path').hidden"), json!(false));
     let points = browser.evaluate(&format!("{}.length", circles("#5b8db8", 3.5)));
     assert_eq!(points, json!(rest + states + way.len() - 1));

@@ -34,10 +34,6 @@ name = "skin"
 component = 0
 "#;
 
-fn run(dir: &Workdir, program: &str, arguments: &[&str]) -> Run {
-    dir.command_of(program, "").args(arguments).output().unwrap().into()
-}
-
 /// A bar of 40 × 20 × 20 mm with a channel of 30 mm that opens at x = 40 mm: its tetrahedra in
 /// `volume.msh`, its surface in millimetres in `bar.stl`.
 fn bar() -> Workdir {
@@ -58,10 +54,6 @@ fn write_bar(dir: &Workdir, [longer, wider]: [f64; 2]) {
     mesh::io::write_surface(&dir.path("bar.stl"), &surface).unwrap();
 }
 
-fn state(browser: &mut Chromium) -> Value {
-    browser.evaluate("window.puffer.state()")
-}
-
 /// The numbers of faces that stand on the body.
 fn numbers(browser: &mut Chromium) -> Vec<String> {
     let labels = "[...document.querySelectorAll('#labels span')].map((l) => l.textContent).sort()";
@@ -74,17 +66,6 @@ fn seen(browser: &mut Chromium, face: usize) -> [f64; 2] {
     [0, 1].map(|i| place[i].as_f64().unwrap_or_else(|| panic!("face {face} is not seen")))
 }
 
-/// Clicks the button with a text.
-fn press(browser: &mut Chromium, text: &str) {
-    let all = "[...document.querySelectorAll('button')]";
-    let place = browser.evaluate(&format!(
-        "(() => {{ const b = {all}.find((b) => b.textContent === '{text}'); \
-         b.scrollIntoView({{ block: 'nearest' }}); const r = b.getBoundingClientRect(); \
-         return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
-    ));
-    browser.click([0, 1].map(|i| place[i].as_f64().unwrap()));
-}
-
 /// The number of the face whose middle is at a place [mm].
 fn face_at(browser: &mut Chromium, middle: [f64; 3]) -> usize {
     let faces =
@@ -95,35 +76,30 @@ fn face_at(browser: &mut Chromium, middle: [f64; 3]) -> usize {
     faces.as_array().unwrap().iter().position(close).unwrap_or_else(|| panic!("{faces:#}"))
 }
 
-fn open(browser: &mut Chromium, dir: &Workdir, page: &str) {
-    browser.open(&dir.path(page));
-    browser.wait("window.puffer?.state().firstPicture");
-}
-
 #[test]
 fn faces_that_are_clicked_are_those_that_are_tagged() {
     let Some(program) = Chromium::installed() else { return };
     let dir = bar();
-    run(&dir, "cad2fem", &["pick", "bar.stl", "-o", "pick.html"]).assert_good();
+    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
     let mut browser = Chromium::start(program, [1200, 800]);
     fs::create_dir(dir.path("saved")).unwrap();
     browser.save_in(&dir.path("saved"));
-    open(&mut browser, &dir, "pick.html");
+    browser.show(&dir.path("pick.html"));
     let whole = browser.picture();
-    assert_eq!(state(&mut browser)["faces"], json!(11), "six outside, five of the channel");
+    assert_eq!(browser.state()["faces"], json!(11), "six outside, five of the channel");
 
     // the open end, and the channel behind it with all its walls
-    press(&mut browser, "side");
-    press(&mut browser, "+ fixed");
+    browser.click_button("side");
+    browser.click_button("+ fixed");
     let seat = face_at(&mut browser, [40.0, 10.0, 10.0]);
     let place = seen(&mut browser, seat);
     browser.click(place);
-    press(&mut browser, "+ cavity");
-    press(&mut browser, "all connected");
+    browser.click_button("+ cavity");
+    browser.click_button("all connected");
     let bottom = face_at(&mut browser, [10.0, 10.0, 10.0]);
     let place = seen(&mut browser, bottom);
     browser.click(place);
-    let now = state(&mut browser);
+    let now = browser.state();
     let of = |now: &Value, tag: i64| {
         now["of"].as_array().unwrap().iter().filter(|t| **t == json!(tag)).count()
     };
@@ -141,29 +117,29 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     for _ in 0..=end {
         browser.key("Tab", 0);
     }
-    assert_eq!(state(&mut browser)["hovered"], json!(end));
+    assert_eq!(browser.state()["hovered"], json!(end));
     browser.key("Enter", 0);
-    assert_eq!(of(&state(&mut browser), 2), 1);
+    assert_eq!(of(&browser.state(), 2), 1);
 
     // two sides are painted with one stroke, which is undone as a whole, and all that is left is given
-    press(&mut browser, "iso");
-    press(&mut browser, "+ skin");
+    browser.click_button("iso");
+    browser.click_button("+ skin");
     let sides = [[20.0, 0.0, 10.0], [20.0, 10.0, 20.0]].map(|p| face_at(&mut browser, p));
     let places = sides.map(|face| seen(&mut browser, face));
     browser.drag(&places, true);
-    assert_eq!(of(&state(&mut browser), 3), 2, "{}", state(&mut browser));
+    assert_eq!(of(&browser.state(), 3), 2, "{}", browser.state());
     browser.key("z", 2);
-    assert_eq!(of(&state(&mut browser), 3), 0);
+    assert_eq!(of(&browser.state(), 3), 0);
     browser.key("y", 2);
-    press(&mut browser, "give them to skin");
-    assert_eq!(of(&state(&mut browser), -1), 0);
+    browser.click_button("give them to skin");
+    assert_eq!(of(&browser.state(), -1), 0);
     assert!(browser.picture().differing(&whole) > 0.05, "tags have colours");
 
     // it is kept, where the page is opened again
-    let before = state(&mut browser)["of"].clone();
-    open(&mut browser, &dir, "pick.html");
-    assert_eq!(state(&mut browser)["of"], before);
-    press(&mut browser, "Download tags.toml");
+    let before = browser.state()["of"].clone();
+    browser.show(&dir.path("pick.html"));
+    assert_eq!(browser.state()["of"], before);
+    browser.click_button("Download tags.toml");
     let file = dir.path("saved/tags.toml");
     for _ in 0..500 {
         if file.is_file() {
@@ -178,9 +154,8 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     assert_eq!(browser.requests().iter().filter(|url| !url.starts_with("blob:")).count(), 2);
 
     let tagged = |config: &str, output: &str| {
-        let arguments =
-            ["tag", "volume.msh", "--config", config, "--patches", "model/patches", "-o", output];
-        run(&dir, "tagger", &arguments).assert_good();
+        let of = "tag volume.msh --patches model/patches";
+        dir.run("tagger", &format!("{of} --config {config} -o {output}")).assert_good();
         fs::read(dir.path(output)).unwrap()
     };
     dir.write("hand.toml", BY_HAND);
@@ -197,19 +172,10 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
 fn in_a_changed_body(dir: &Workdir, text: &str) {
     assert!(text.contains("\nsplit = 40\n") && text.contains("\n[faces]\n"), "{text}");
     write_bar(dir, [1.1, 1.2]);
-    run(dir, "cad2fem", &["import", "bar.stl", "--split", "40", "-o", "model"]).assert_good();
+    dir.run("cad2fem", "import bar.stl --split 40 -o model").assert_good();
     let tag = |config: &str| {
-        let arguments = [
-            "tag",
-            "volume.msh",
-            "--config",
-            config,
-            "--patches",
-            "model/patches",
-            "-o",
-            "tagged.msh",
-        ];
-        run(dir, "tagger", &arguments)
+        let of = "tag volume.msh --patches model/patches -o tagged.msh --config";
+        dir.run("tagger", &format!("{of} {config}"))
     };
     let tagged = tag("saved/tags.toml");
     tagged.assert_good();
@@ -239,7 +205,7 @@ fn in_a_changed_body(dir: &Workdir, text: &str) {
         &["`cavity`", "no face is like outer-11.stl any more", "the nearest is"],
     );
     // the page shows what is left, and says what is not
-    let page = run(dir, "cad2fem", &["pick", "model", "--tags", "gone.toml", "-o", "pick.html"]);
+    let page = dir.run("cad2fem", "pick model --tags gone.toml -o pick.html");
     page.assert_good();
     assert!(page.stderr.contains("cavity: no face is like outer-11.stl"), "{}", page.stderr);
 }
@@ -271,9 +237,9 @@ box = { min = [-1, -1, -1], max = [0.005, 1, 1] }
 fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
     let Some(program) = Chromium::installed() else { return };
     let dir = bar();
-    run(&dir, "cad2fem", &["pick", "bar.stl", "-o", "pick.html"]).assert_good();
+    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
     let mut browser = Chromium::start(program, [1200, 800]);
-    open(&mut browser, &dir, "pick.html");
+    browser.show(&dir.path("pick.html"));
     let far = face_at(&mut browser, [0.0, 10.0, 10.0]);
     let file = |browser: &mut Chromium, face: usize| {
         let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
@@ -291,7 +257,7 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
     let text = GIVEN.replace("FAR", &file(&mut browser, far)).replace("WALLS", &walls.join(", "));
     dir.write("given.toml", &text);
     let from = |tags: &str| {
-        let run = run(&dir, "cad2fem", &["pick", "model", "--tags", tags, "-o", "pick.html"]);
+        let run = dir.run("cad2fem", &format!("pick model --tags {tags} -o pick.html"));
         run.assert_good();
         run.stderr
     };
@@ -299,8 +265,8 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
     assert!(said.contains("tags on the page: far end, cavity"), "{said}");
     assert!(said.contains("seat cannot be shown, but is kept"), "{said}");
     assert!(said.contains("[[volume]] stiff is kept as it is"), "{said}");
-    open(&mut browser, &dir, "pick.html");
-    let now = state(&mut browser);
+    browser.show(&dir.path("pick.html"));
+    let now = browser.state();
     let of = now["of"].as_array().unwrap();
     assert_eq!((&of[far], of.iter().filter(|t| **t == json!(2)).count()), (&json!(1), 5), "{now}");
 
@@ -310,23 +276,22 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
     let tagged = |config: &str| {
         let output = format!("{config}.d/tagged.msh");
         fs::create_dir(dir.path(&format!("{config}.d"))).unwrap();
-        let arguments =
-            ["tag", "volume.msh", "--config", config, "--patches", "model/patches", "-o", &output];
-        run(&dir, "tagger", &arguments).assert_good();
+        let of = "tag volume.msh --patches model/patches";
+        dir.run("tagger", &format!("{of} --config {config} -o {output}")).assert_good();
         fs::read(dir.path(&output)).unwrap()
     };
     assert_eq!(tagged("given.toml"), tagged("again.toml"));
 
     // what the page wrote comes back word for word, and a click makes a tag of its own
     from("again.toml");
-    open(&mut browser, &dir, "pick.html");
+    browser.show(&dir.path("pick.html"));
     assert_eq!(browser.evaluate("window.puffer.toml()"), json!(again));
     browser.evaluate("document.querySelector('canvas').focus()");
     browser.key("1", 0);
     let top = face_at(&mut browser, [20.0, 10.0, 20.0]);
     let place = seen(&mut browser, top);
     browser.click(place);
-    let now = state(&mut browser);
+    let now = browser.state();
     assert_eq!((&now["of"][top], &now["list"][3]["name"]), (&json!(3), &json!("tag")), "{now}");
     let text = browser.evaluate("window.puffer.toml()").as_str().unwrap().to_owned();
     assert!(text.contains("rim = \"seat\"") && text.contains("[[volume]]"), "{text}");
@@ -337,9 +302,9 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
 fn faces_that_are_seen_have_numbers() {
     let Some(program) = Chromium::installed() else { return };
     let dir = bar();
-    run(&dir, "cad2fem", &["pick", "bar.stl", "-o", "pick.html"]).assert_good();
+    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
     let mut browser = Chromium::start(program, [1200, 800]);
-    open(&mut browser, &dir, "pick.html");
+    browser.show(&dir.path("pick.html"));
     let name = |browser: &mut Chromium, middle: [f64; 3]| {
         let face = face_at(browser, middle);
         let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
@@ -355,7 +320,7 @@ fn faces_that_are_seen_have_numbers() {
         [[20.0, 0.0, 10.0], [20.0, 10.0, 20.0], [40.0, 10.0, 10.0]].map(|p| name(&mut browser, p));
     expected.sort();
     assert_eq!(numbers(&mut browser), expected);
-    press(&mut browser, "under");
+    browser.click_button("under");
     browser.wait("document.querySelectorAll('#labels span').length === 1");
     assert_eq!(numbers(&mut browser), [name(&mut browser, [20.0, 10.0, 0.0])]);
     browser.key("l", 0);
@@ -367,11 +332,12 @@ fn faces_that_are_seen_have_numbers() {
 fn a_finger_chooses_on_a_phone_and_titles_are_text() {
     let Some(program) = Chromium::installed() else { return };
     let dir = bar();
-    run(&dir, "cad2fem", &["import", "bar.stl", "--split", "40", "-o", "model"]).assert_good();
-    run(&dir, "cad2fem", &["pick", "model", "-o", "pick.html", "--title", HOSTILE]).assert_good();
+    dir.run("cad2fem", "import bar.stl --split 40 -o model").assert_good();
+    let mut pick = dir.command_of("cad2fem", "pick model -o pick.html --title");
+    Run::from(pick.arg(HOSTILE).output().unwrap()).assert_good();
     let mut browser = Chromium::start(program, [390, 844]);
     browser.become_phone();
-    open(&mut browser, &dir, "pick.html");
+    browser.show(&dir.path("pick.html"));
     let wide = "document.documentElement.scrollWidth > innerWidth";
     assert_eq!(browser.evaluate(wide), json!(false), "the page is wider than the phone");
     let top = face_at(&mut browser, [20.0, 10.0, 20.0]);
@@ -386,25 +352,25 @@ fn a_finger_chooses_on_a_phone_and_titles_are_text() {
     let tables = text.lines().filter(|line| line.starts_with("[[tag]]")).count();
     assert_eq!(tables, 1, "{text}");
     dir.write("tags.toml", text);
-    let arguments = ["tag", "volume.msh", "--config", "tags.toml", "--patches", "model/patches"];
-    run(&dir, "tagger", &[&arguments[..], &["-o", "tagged.msh"]].concat()).assert_good();
+    let tag = "tag volume.msh --config tags.toml --patches model/patches -o tagged.msh";
+    dir.run("tagger", tag).assert_good();
     assert_eq!(browser.complaints(), [""; 0]);
 }
 
 #[test]
 fn what_is_no_body_and_what_is_no_page_is_refused() {
     let dir = bar();
-    let refused = |arguments: &[&str], words: &[&str]| {
-        run(&dir, "cad2fem", &[&["pick"], arguments].concat()).assert_refused(2, words);
+    let refused = |arguments: &str, words: &[&str]| {
+        dir.run("cad2fem", &format!("pick {arguments}")).assert_refused(2, words);
     };
-    refused(&["bar.stl", "-o", "tags.toml"], &["tags.toml", "-o pick.html"]);
+    refused("bar.stl -o tags.toml", &["tags.toml", "-o pick.html"]);
     fs::create_dir(dir.path("empty")).unwrap();
-    refused(&["empty", "-o", "pick.html"], &["empty", "model.json", "cad2fem import"]);
-    refused(&["empty", "--split", "30", "-o", "pick.html"], &["--split is for a file"]);
-    run(&dir, "cad2fem", &["import", "bar.stl", "--split", "40", "-o", "model"]).assert_good();
+    refused("empty -o pick.html", &["empty", "model.json", "cad2fem import"]);
+    refused("empty --split 30 -o pick.html", &["--split is for a file"]);
+    dir.run("cad2fem", "import bar.stl --split 40 -o model").assert_good();
     dir.write("other.toml", "[[tag]]\nname = \"seat\"\npatch = \"face-99.stl\"\n");
     let words = ["other.toml", "`seat`", "called face-99.stl", "it has 11 faces"];
-    refused(&["model", "--tags", "other.toml", "-o", "pick.html"], &words);
-    refused(&["none.stl", "-o", "pick.html"], &["none.stl"]);
+    refused("model --tags other.toml -o pick.html", &words);
+    refused("none.stl -o pick.html", &["none.stl"]);
     assert!(!dir.path("pick.html").exists());
 }

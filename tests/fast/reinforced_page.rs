@@ -7,20 +7,19 @@ use tests::chromium::Chromium;
 use tests::reported::number;
 use tests::workdir::{Run, Workdir};
 
-use crate::fibres::{WINDING, workdir};
+use crate::samples::{WINDING, wound};
 
 /// One direction, so that the stretch of a linear element is one number.
 const FIBRE: &str = "\n[[fibre]]\nname = \"weave\"\ndirection = [1, 0, 0]\nk1 = 1e5\n";
 
 /// The page of a run of two load steps.
 fn page(degree: usize) -> Workdir {
-    let dir = workdir(&format!("{WINDING}{FIBRE}"));
+    let dir = wound(&format!("{WINDING}{FIBRE}"));
     let text = dir.text("p1.toml");
     let steps = "[solver]\nfirst_load_step = 0.5\nlargest_load_step = 0.5\n\n[material]";
     dir.write("steps.toml", &text.replacen("[material]", steps, 1));
     dir.solver(&format!("simulate steps.toml --degree {degree} -o out/run")).assert_good();
-    let made: Run = dir.command_of("cad2fem", "report out -o page.html").output().unwrap().into();
-    made.assert_good();
+    dir.run("cad2fem", "report out -o page.html").assert_good();
     dir
 }
 
@@ -76,8 +75,7 @@ fn threads_and_fibres_move_with_the_body() {
         let dir = page(degree);
         let [rest, now] = lengths(&dir);
         let mut browser = Chromium::start(program, [900, 700]);
-        browser.open(&dir.path("page.html"));
-        browser.wait("window.puffer?.state().firstPicture");
+        browser.show(&dir.path("page.html"));
         let near = |found: &Value, expected: f64| (number(found) / expected - 1.0).abs() < 1e-4;
         let segments = dir.json("out/run/report.json")["windings"][0]["segments"].clone();
         let threads = run(&mut browser)["threads"].clone();

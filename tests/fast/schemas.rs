@@ -29,7 +29,7 @@ fn kinds() -> Vec<Kind> {
     vec![
         kind(cad2fem, "model", "model", |p| cad2fem::implicit::ModelFile::read(p, &[]).map(drop)),
         kind(cad2fem, "cad2fem", "cad2fem", |p| {
-            cad2fem::config::Config::read(Some(p), &[]).map(drop)
+            cad2fem::tetmesh::config::Config::read(Some(p), &[]).map(drop)
         }),
         kind(tagger::cmd::schema::FORMATS, "tags", "tags", |p| {
             tagger::config::Config::read(p, &[]).map(drop)

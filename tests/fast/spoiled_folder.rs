@@ -64,17 +64,6 @@ fn a_spoiled_folder_is_refused() {
     dir.solver(COMMAND).assert_refused(2, &["out/level-2.msh"]);
 }
 
-/// Valid JSON with numbers that do not belong to the level.
-#[test]
-fn a_checkpoint_of_another_size_is_refused() {
-    let dir = undisturbed();
-    let mut checkpoint = dir.json("out/checkpoint.json")["content"].clone();
-    checkpoint["theta"].as_array_mut().unwrap().pop();
-    let path = dir.path("out/checkpoint.json");
-    program::write_checkpoint(&path, scene::PROGRAM, &checkpoint).unwrap();
-    dir.solver(COMMAND).assert_refused(2, &["out/checkpoint.json", "theta and gradient have"]);
-}
-
 /// One digit of each file from which an interrupted design continues.
 #[test]
 fn altered_files_are_never_used() {

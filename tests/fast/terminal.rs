@@ -23,20 +23,17 @@ fn names_cannot_act_on_the_terminal() {
     dir.write("named.msh", &dir.text("body.msh").replacen("\"seat\"", &named, 1));
     dir.write("other.toml", &chamber::SIM.replace("body.msh", "named.msh"));
     dir.write("\u{1b}[2J.toml", "x");
-    let run = |name: &str, arguments: &[&str]| -> Run {
-        dir.command_of(name, "").args(arguments).output().unwrap().into()
-    };
-    for shown in [run("tagger", &["show", "named.msh"]), run("cad2fem", &["info", "named.msh"])] {
+    for shown in [dir.run("tagger", "show named.msh"), dir.run("cad2fem", "info named.msh")] {
         shown.assert_good();
         assert_harmless(&shown);
     }
-    let refused = run("solver", &["simulate", "other.toml", "-o", "out"]);
+    let refused = dir.solver("simulate other.toml -o out");
     refused.assert_refused(2, &["seat"]);
     assert_harmless(&refused);
-    let named = run("solver", &["simulate", "\u{1b}[2J.toml", "-o", "out"]);
+    let named = dir.solver("simulate \u{1b}[2J.toml -o out");
     named.assert_refused(2, &["\\u{1b}[2J.toml"]);
     // JSON keeps what it says
-    let json = run("cad2fem", &["info", "--json", "named.msh"]);
+    let json = dir.run("cad2fem", "info --json named.msh");
     let value: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert_eq!(value["tags"][0]["name"], HOSTILE);
 }
@@ -54,8 +51,7 @@ fn long_names_do_not_fill_the_screen() {
         (2, format!("unit = \"mm\" # {name}\ngrid = \"a\" # {name}\n"), "grid"),
     ] {
         dir.write("model.toml", &text);
-        let run: Run =
-            dir.command_of("cad2fem", "model model.toml -o out").output().unwrap().into();
+        let run = dir.run("cad2fem", "model model.toml -o out");
         run.assert_refused(code, &[words]);
         assert!(run.stderr.len() < 10_000, "{} bytes", run.stderr.len());
     }

@@ -31,7 +31,7 @@ const PACKAGES: [&str; 16] = [
 ];
 
 /// All files below a folder with an extension, built ones left out.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+pub fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
     while let Some(folder) = folders.pop() {
@@ -52,7 +52,7 @@ fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
 
 /// A file's text before its tests, and its tests: what follows `#[cfg(test)]`,
 /// unless that names a file (`mod tests;`).
-fn before_tests(text: &str) -> (String, &str) {
+pub fn before_tests(text: &str) -> (String, &str) {
     let mut before = String::new();
     let mut rest = text;
     while let Some((code, tests)) = rest.split_once("#[cfg(test)]") {
@@ -336,7 +336,7 @@ fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
 }
 
 #[test]
-fn files_have_telling_names_and_are_read_in_one_sitting() {
+pub fn files_have_telling_names_and_are_read_in_one_sitting() {
     let mut wrong = Vec::new();
     for path in files(&repository(), "rs") {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();

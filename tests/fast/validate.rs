@@ -33,10 +33,7 @@ name = "ours"
 steps = "steps.jsonl"
 "#;
 
-const CONDITION: &str =
-    "condition = [{ measured = \"height [mm]\", simulated = \"height*1e3\" }]\n";
-
-fn workdir() -> Workdir {
+pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     dir.write("table.csv", &format!("{TITLES}{POINTS}"));
     dir.write("steps.jsonl", STEPS);
@@ -78,60 +75,6 @@ fn what_is_outside_of_the_tolerance_or_not_reached_is_missed() {
     };
     missed("validation.toml", "0.15]", "0.05]", "| 2 of 2 |");
     missed("table.csv", "1, 20,", "1, 30,", "| 1 of 2 |");
-}
-
-/// A file, a change of its text, and what the message must say.
-type Case = (&'static str, &'static str, &'static str, &'static [&'static str]);
-
-#[test]
-fn bad_input_is_refused_by_name() {
-    let cases: &[Case] = &[
-        ("table.csv", "height [mm]", "rise [mm]", &["no column \"height [mm]\"", "rise [mm]"]),
-        ("table.csv", "height [mm]", "height [m]", &["but \"height [m]\": mind the unit"]),
-        ("validation.toml", "trial a [Pa]", "trial c [Pa]", &["\"trial c [Pa]\"", "trial b [Pa]"]),
-        (
-            "validation.toml",
-            "y = [\"trial a [Pa]\"",
-            "y = [\"trial a\"",
-            &["trial a [Pa]", "mind the unit"],
-        ),
-        (
-            "validation.toml",
-            "{ measured",
-            "{ value = 1, measured",
-            &["either measured", "or value"],
-        ),
-        (
-            "validation.toml",
-            "plot =",
-            "band = [\"ours\", \"theirs\"]\nplot =",
-            &["band", "\"theirs\""],
-        ),
-        ("validation.toml", "plot =", "passage = \"peak\"\nplot =", &["condition: 1", "none"]),
-        ("validation.toml", CONDITION, "", &["condition: none", "passage = \"first\""]),
-        ("validation.toml", "table.csv", "tables.csv", &["tables.csv", "No such file"]),
-        ("validation.toml", "steps.jsonl", "step.jsonl", &["step.jsonl", "No such file"]),
-        ("table.csv", "380", "NaN", &["line 3", "trial a [Pa]", "NaN", "finite number"]),
-        ("table.csv", "380", "about 380", &["line 3", "about 380", "finite number"]),
-        ("table.csv", "380,", "", &["line: 3", "4"]),
-        ("table.csv", POINTS, "", &["the table has no line"]),
-        ("table.csv", "1, ", "3, ", &["no line has 1", "load [N]"]),
-        ("table.csv", "90, 110", "-10, 10", &["ordinate is 0", "height [mm] = 10"]),
-        ("steps.jsonl", "height", "rise", &["no \"height\"", "pressure, rise"]),
-        ("steps.jsonl", "225.0}", "225.0", &["steps.jsonl: line 3"]),
-        ("validation.toml", "-0.05, 0.15", "0.15, -0.05", &["tolerance", "smaller number first"]),
-        ("validation.toml", "tolerance", "tolerence", &["unknown field `tolerence`"]),
-        ("validation.toml", CONFIG, "", &["no [[row]]"]),
-    ];
-    for (file, from, to, words) in cases {
-        let dir = workdir();
-        let sound = dir.text(file);
-        assert!(sound.contains(from), "{from:?} is not in {file}");
-        dir.write(file, &sound.replace(from, to));
-        let run = dir.solver("validate validation.toml -o out");
-        run.assert_refused(2, words);
-        assert_eq!(dir.files("out"), [""; 0], "{to}");
-    }
 }
 
 /// Tables whose titles have no unit, lines that have a run each, a maximum of a run, and a band.

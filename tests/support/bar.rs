@@ -38,9 +38,6 @@ pub struct Simulated {
 
 /// Solves the bar of 70 × 30 × 30 mm with cubic chambers `left`, `middle` and
 /// `right`, and tags `root`, `end`, `top`, `skin`, under some loads.
-///
-/// # Panics
-/// When the scene is refused or has no equilibrium.
 pub fn simulate(loads: &str) -> Simulated {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mesh = block([7, 3, 3], 0.01, |c| c[1..] == [1, 1] && c[0] % 2 == 1, |p| p);
@@ -83,9 +80,6 @@ impl Simulated {
     }
 
     /// The chambers at the end.
-    ///
-    /// # Panics
-    /// Never for a scene that was solved.
     pub fn last_chambers(&self) -> BTreeMap<String, Chamber> {
         let last = self.ends().pop().expect("there is a step");
         self.chambers(&last)

@@ -17,7 +17,7 @@ pub struct Body {
 
 type Kind = (&'static str, fn(&mut Builder));
 
-const KINDS: [Kind; 14] = [
+const KINDS: [Kind; 11] = [
     ("box", |b| _ = cuboid(b, true, 0.0)),
     ("rounded box", |b| _ = cuboid(b, true, 0.3)),
     ("closed box", |b| _ = cuboid(b, false, 0.0)),
@@ -25,17 +25,14 @@ const KINDS: [Kind; 14] = [
     ("dome", dome),
     ("finger", finger),
     ("bellows", bellows),
-    ("blob", blob),
     ("arm", arm),
-    ("pad", pad),
     ("star", star),
     ("oblique", oblique),
-    ("ring", ring),
     ("tube", tube),
 ];
 
 impl Body {
-    /// The body of a seed. Kinds take turns, so that 14 seeds in a row have them all.
+    /// The body of a seed. Kinds take turns, so that 11 seeds in a row have them all.
     pub fn new(seed: u64) -> Self {
         let (kind, build) = KINDS[(seed % KINDS.len() as u64) as usize];
         let mut builder = Builder::new(seed);
@@ -117,9 +114,9 @@ impl Builder {
     }
 }
 
-type Point = [f64; 3];
+pub type Point = [f64; 3];
 
-fn sphere(center: Point, radius: f64) -> String {
+pub fn sphere(center: Point, radius: f64) -> String {
     format!("sphere = {{ center = {}, radius = {radius:.4} }}", list(center))
 }
 
@@ -127,7 +124,7 @@ fn ellipsoid(center: Point, radii: Point) -> String {
     format!("ellipsoid = {{ center = {}, radii = {} }}", list(center), list(radii))
 }
 
-fn capsule(from: Point, to: Point, radii: [f64; 2]) -> String {
+pub fn capsule(from: Point, to: Point, radii: [f64; 2]) -> String {
     let [r, s] = radii;
     format!("capsule = {{ from = {}, to = {}, radii = [{r:.4}, {s:.4}] }}", list(from), list(to))
 }
@@ -136,7 +133,7 @@ fn cylinder(from: Point, to: Point, radius: f64) -> String {
     format!("cylinder = {{ from = {}, to = {}, radius = {radius:.4} }}", list(from), list(to))
 }
 
-fn block(center: Point, size: Point, rounding: f64) -> String {
+pub fn block(center: Point, size: Point, rounding: f64) -> String {
     format!(
         "box = {{ center = {}, size = {}, rounding = {rounding:.4} }}",
         list(center),
@@ -232,35 +229,6 @@ fn bellows(b: &mut Builder) {
     b.ground();
 }
 
-/// Balls in a row that winds, on a foot with a bore.
-fn blob(b: &mut Builder) {
-    let (l, w) = (b.length, b.wall);
-    let n = b.whole(2, 4);
-    let (mut at, mut turn) = ([0.0, 0.0, l * b.between(0.3, 0.4)], 0.0_f64);
-    let mut balls = Vec::new();
-    for _ in 0..n {
-        let radius = l * b.between(0.25, 0.3);
-        balls.push((at, radius));
-        turn += b.between(-0.5, 0.5);
-        let step = 0.6 * radius;
-        let lift = step * b.between(0.0, 0.6);
-        at = [at[0] + step * turn.cos(), at[1] + step * turn.sin(), at[2] + lift];
-    }
-    let blend = b.between(0.5, 1.0) * w;
-    for &(center, radius) in &balls {
-        b.add("solid", &sphere(center, radius), blend);
-    }
-    let [x, y, z] = balls[0].0;
-    let foot = 0.6 * balls[0].1;
-    b.add("solid", &capsule([x, y, -l / 8.0], [x, y, z], [foot; 2]), blend);
-    for &(center, radius) in &balls {
-        // chambers stay above the ground by a wall
-        b.add("cavity", &sphere(center, (radius - 1.3 * w).min(center[2] - 1.3 * w)), w);
-    }
-    b.add("cavity", &cylinder([x, y, -l / 4.0], [x, y, z], 0.6 * (foot - w)), 0.3 * w);
-    b.ground();
-}
-
 /// A chain of limbs, each thinner than the one before it.
 fn arm(b: &mut Builder) {
     let l = b.length.max(60.0);
@@ -277,24 +245,6 @@ fn arm(b: &mut Builder) {
         b.add("cavity", &capsule(from, to, [0.6 * radius, 0.6 * thinner]), 0.0);
         (from, radius) = (to, thinner);
     }
-    b.ground();
-}
-
-/// A flat pad with a net of channels.
-fn pad(b: &mut Builder) {
-    let l = b.length.max(60.0);
-    let (wide, n, w) = (l * b.between(0.4, 0.9), b.whole(2, 4), 0.05 * l);
-    let channel = l * b.between(0.08, 0.12);
-    let high = ((2.0 * w + channel) * 1e3).round() / 1e3;
-    b.add("solid", &block([0.0, 0.0, high / 2.0], [l, wide, high], 0.0), 0.0);
-    let middle = [0.0, 0.0, high / 2.0];
-    b.add("cavity", &block(middle, [l - 2.0 * w, channel, channel], 0.0), 0.0);
-    for k in 0..n {
-        let x = (l - 2.0 * w - channel) * (k as f64 / (n - 1) as f64 - 0.5);
-        let across = [channel, wide - 2.0 * w, channel];
-        b.add("cavity", &block([x, 0.0, high / 2.0], across, 0.0), 0.0);
-    }
-    b.add("cavity", &cylinder([0.0, 0.0, -w], middle, 0.45 * channel), 0.0);
     b.ground();
 }
 
@@ -328,24 +278,6 @@ fn oblique(b: &mut Builder) {
     let norm = (lean[0] * lean[0] + lean[1] * lean[1] + 1.0_f64).sqrt();
     let chamber = lean[0].abs() * (x / 2.0 - w) + lean[1].abs() * (y / 2.0 - w) + z - w;
     b.cut("top", lean, chamber / norm + w);
-}
-
-/// A closed chain of limbs.
-fn ring(b: &mut Builder) {
-    let (l, n) = (b.length.max(60.0), b.whole(4, 9));
-    let thick = l * b.between(0.11, 0.15);
-    let at = |k: usize| {
-        let angle = std::f64::consts::TAU * k as f64 / n as f64;
-        [l / 2.0 * angle.cos(), l / 2.0 * angle.sin(), 0.8 * thick]
-    };
-    let inner = 0.5 * thick;
-    for k in 0..n {
-        b.add("solid", &capsule(at(k), at(k + 1), [thick; 2]), 0.0);
-        b.add("cavity", &capsule(at(k), at(k + 1), [inner; 2]), 0.0);
-    }
-    let [x, y, z] = at(0);
-    b.add("cavity", &cylinder([x, y, -thick], [x, y, z], 0.5 * inner), 0.0);
-    b.ground();
 }
 
 /// A tube with flat ends and a narrower bore.

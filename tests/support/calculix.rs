@@ -38,9 +38,6 @@ fn displacement(folder: &Path, name: &str) -> Vec<[f64; 3]> {
 
 /// The largest difference of any node between the deck `NAME.inp` in a folder, which is run, and the result of `solver
 /// simulate` in `RESULT` there, over the largest displacement.
-///
-/// # Panics
-/// When CalculiX does not run, or the two are not of the same nodes.
 pub fn apart(dir: &Workdir, name: &str, result: &str) -> f64 {
     let theirs = displacement(&dir.path(""), name);
     let (ours, _) =

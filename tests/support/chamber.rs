@@ -3,10 +3,9 @@
 
 use mechanics::body::Body;
 use mesh::io::{write_surface, write_tets};
-use mesh::{SurfaceMesh, Vec3};
 
 use crate::workdir::Workdir;
-use crate::{block, tag};
+use crate::{Place, block, plate, tag};
 
 /// Side of the mouth of the chamber [m]; it is a square.
 pub const MOUTH: f64 = 0.02;
@@ -125,26 +124,27 @@ pub fn chamber() -> Body {
 
 /// The same in cells of 10 mm / n.
 pub fn refined(n: usize) -> Body {
+    body(n, &[("top", &|p| p.z > 0.04 - 1e-6), ("skin", &|_| true)])
+}
+
+/// The same with other tags of its outside: `tip` at the closed end, and `side` around.
+pub fn wound(n: usize) -> Body {
+    body(n, &[("tip", &|p| p.x > 0.05 - 1e-6), ("side", &|_| true)])
+}
+
+/// The same with `seat`, `cavity` and these tags.
+pub fn body(n: usize, outside: &[(&str, Place)]) -> Body {
     let middle = |i: usize| (n..3 * n).contains(&i);
     let hollow = |c: [usize; 3]| c[0] < 4 * n && middle(c[1]) && middle(c[2]);
     let mesh = block([5 * n, 4 * n, 4 * n], 0.01 / n as f64, hollow, |p| p);
     let inner = |x: f64| x > 0.009 && x < 0.031;
-    tag(
-        mesh,
-        &[
-            ("seat", &|p| p.x < 1e-6),
-            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
-            ("top", &|p| p.z > 0.04 - 1e-6),
-            ("skin", &|_| true),
-        ],
-    )
+    let inside: [(&str, Place); 2] =
+        [("seat", &|p| p.x < 1e-6), ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z))];
+    tag(mesh, &[&inside, outside].concat())
 }
 
 /// A folder with `body.msh`, `sim.toml`, `design.toml` and `target.stl`. The
 /// designs are made with linear elements, which are fast.
-///
-/// # Panics
-/// When the folder cannot be written.
 pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     let body = chamber();
@@ -152,7 +152,17 @@ pub fn workdir() -> Workdir {
     dir.write("sim.toml", SIM);
     dir.write("p1.toml", &SIM.replace("degree = 2", "degree = 1"));
     dir.write("design.toml", &DESIGN.replace("sim.toml", "p1.toml"));
-    write_surface(&dir.path("target.stl"), &raised_plane()).expect("a sound surface");
+    // half a millimetre above the top, and larger than it
+    let target = plate([-0.02, 0.07], [-0.02, 0.07], 0.0405);
+    write_surface(&dir.path("target.stl"), &target).expect("a sound surface");
+    dir
+}
+
+/// [`workdir`] with another body, and more tables in its scene of linear elements.
+pub fn with(body: &Body, tables: &str) -> Workdir {
+    let dir = workdir();
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).expect("a sound body");
+    dir.write("p1.toml", &(dir.text("p1.toml") + tables));
     dir
 }
 
@@ -160,9 +170,6 @@ pub fn workdir() -> Workdir {
 pub const STRETCH_AT_BREAK: &str = "stretch_at_break = 2";
 
 /// A folder whose `p1.toml` has a pressure not far from where it balloons, and a silicone that tears before.
-///
-/// # Panics
-/// When the folder cannot be written.
 pub fn near_its_edges() -> Workdir {
     let dir = workdir();
     let tears = format!("d1 = 1e6\n{STRETCH_AT_BREAK}");
@@ -175,14 +182,4 @@ pub fn near_its_edges() -> Workdir {
 pub fn beyond_any_equilibrium(scene: &str) -> String {
     let soon = "[solver]\nsmallest_load_step = 0.1\nnewton_iterations = 8\n\n[material]";
     scene.replace("8e3", "1e8").replace("[material]", soon)
-}
-
-/// Two triangles half a millimetre above the top of the chamber and larger than it.
-fn raised_plane() -> SurfaceMesh {
-    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0405);
-    let (low, high) = (-0.02, 0.07);
-    SurfaceMesh {
-        vertices: vec![corner(low, low), corner(high, low), corner(high, high), corner(low, high)],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    }
 }

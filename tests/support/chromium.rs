@@ -74,9 +74,6 @@ impl Chromium {
     }
 
     /// Starts a browser whose page has `size` pixels.
-    ///
-    /// # Panics
-    /// When it does not start.
     pub fn start(program: &str, size: [u32; 2]) -> Self {
         let profile = tempfile::tempdir().expect("a temporary folder");
         // what is given to the shell as its input and output becomes 3 and 4
@@ -120,9 +117,6 @@ impl Chromium {
     }
 
     /// Calls a method of the protocol.
-    ///
-    /// # Panics
-    /// When the browser has ended or refuses.
     pub fn call(&mut self, method: &str, parameters: &Value) -> Value {
         self.calls += 1;
         let mut message = json!({ "id": self.calls, "method": method, "params": parameters });
@@ -148,9 +142,6 @@ impl Chromium {
     }
 
     /// The value of an expression in the page; promises are waited for.
-    ///
-    /// # Panics
-    /// When it throws.
     pub fn evaluate(&mut self, expression: &str) -> Value {
         let how = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let mut found = self.call("Runtime.evaluate", &how);
@@ -164,10 +155,35 @@ impl Chromium {
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
     }
 
+    /// Opens a page of ours and waits for its first picture.
+    pub fn show(&mut self, page: &Path) {
+        self.open(page);
+        self.wait("window.puffer?.state().firstPicture");
+    }
+
+    /// What a page of ours says of itself.
+    pub fn state(&mut self) -> Value {
+        self.evaluate("window.puffer.state()")
+    }
+
+    /// Presses the button with a text.
+    pub fn press(&mut self, text: &str) {
+        let all = "[...document.querySelectorAll('button')]";
+        self.evaluate(&format!("{all}.find((b) => b.textContent === '{text}').click()"));
+    }
+
+    /// Clicks the button with a text, which has to be seen.
+    pub fn click_button(&mut self, text: &str) {
+        let place = self.evaluate(&format!(
+            "(() => {{ const all = [...document.querySelectorAll('button')]; \
+             const b = all.find((b) => b.textContent === '{text}' && b.offsetParent); \
+             b.scrollIntoView({{ block: 'nearest' }}); const r = b.getBoundingClientRect(); \
+             return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+        ));
+        self.click([0, 1].map(|i| place[i].as_f64().expect("a button with this text")));
+    }
+
     /// Waits until an expression is true.
-    ///
-    /// # Panics
-    /// When it does not become so within half a minute.
     pub fn wait(&mut self, expression: &str) {
         let start = Instant::now();
         while self.evaluate(&format!("Boolean({expression})")) != json!(true) {
@@ -215,11 +231,6 @@ impl Chromium {
         self.point("mouseReleased", places[places.len() - 1], false, shift);
     }
 
-    /// A finger touches a place for a moment.
-    pub fn tap(&mut self, place: [f64; 2]) {
-        self.touch(&[&[place]]);
-    }
-
     /// Fingers go through places: the first list has where each touches, the others where it moves to.
     pub fn touch(&mut self, places: &[&[[f64; 2]]]) {
         let point = |(id, [x, y]): (usize, &[f64; 2])| json!({ "x": x, "y": y, "id": id });
@@ -251,9 +262,6 @@ impl Chromium {
     }
 
     /// What the page looks like now.
-    ///
-    /// # Panics
-    /// When there is no picture.
     pub fn picture(&mut self) -> Picture {
         // two frames later all is drawn that was asked for
         self.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))");

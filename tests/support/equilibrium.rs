@@ -52,9 +52,6 @@ impl Equilibrium {
     }
 
     /// How far the end of a cantilever of degree 2 rises on the mean [m], of a square section with a side [m], along x.
-    ///
-    /// # Panics
-    /// When there is no equilibrium.
     pub fn rise_of_end(
         mesh: TetMesh,
         energies: impl Fn(&FunctionSpace) -> Energies,
@@ -74,9 +71,6 @@ impl Equilibrium {
     }
 
     /// Moves on to the equilibrium at a fraction of the load.
-    ///
-    /// # Panics
-    /// When there is none or it is not certified.
     pub fn solve(&mut self, load: f64) {
         // slender bodies cancel large inner forces: 1e-10 is below their rounding
         let newton = Newton {
@@ -113,9 +107,6 @@ impl Equilibrium {
     }
 
     /// The path from rest as long as states are wanted, through limits, to the full load at most.
-    ///
-    /// # Panics
-    /// When there is no next state.
     pub fn follow(&mut self, largest: f64, wanted: impl Fn(&LoadStep) -> bool) -> Vec<LoadStep> {
         let (stepping, integrator) = at_rest(&self.problem);
         let mut stepper = TimeStepper::new(stepping, integrator);
@@ -174,9 +165,6 @@ pub fn scientific(values: &[f64]) -> String {
 }
 
 /// Draws a path and its closed form in `build`, with the names of the axes.
-///
-/// # Panics
-/// When the file cannot be written.
 pub fn draw_path(name: &str, [x, y]: [&str; 2], states: &[[f64; 2]], closed: &[[f64; 2]]) {
     let series = |label: &str, points: &[[f64; 2]], style: Style, turn: usize| Series {
         label: Some(label.to_owned()),

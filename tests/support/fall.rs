@@ -1,10 +1,10 @@
 //! Two blocks that fall and slide: a scene through time whose whole past counts.
 
+use mesh::Vec3;
 use mesh::io::{write_surface, write_tets};
-use mesh::{SurfaceMesh, Vec3};
 
 use crate::workdir::Workdir;
-use crate::{block, tag};
+use crate::{block, plate, tag};
 
 /// Number of time steps.
 pub const STEPS: usize = 16;
@@ -12,18 +12,13 @@ pub const STEPS: usize = 16;
 /// A block falls onto a floor, and another, which is held above, is moved onto it; they slide.
 /// The state before last, lagged contacts, the couplings of contact, and the work of the support
 /// all matter.
-///
-/// # Panics
-/// When the folder cannot be written.
 pub fn workdir() -> Workdir {
     let dir = Workdir::new();
     let top = |p: Vec3| p.z > 12e-3 - 1e-9;
     let block = block([1, 1, 1], 12e-3, |_| false, |p| p);
     let block = tag(block, &[("top", &top), ("skin", &|_| true)]);
     write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).expect("the folder is writable");
-    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0);
-    let vertices = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.1), corner(-1.0, 1.1)];
-    let floor = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] };
+    let floor = plate([-1.0, 1.0], [-1.0, 1.1], 0.0);
     write_surface(&dir.path("floor.stl"), &floor).expect("the folder is writable");
     let material = "{ kind = \"neo-hookean\", young = 3e4, poisson = 0.4, density = 1000.0 }";
     dir.write(

@@ -8,19 +8,17 @@ use std::fmt::Write;
 
 use mechanics::math::random::Random;
 
+use crate::bodies::{Point, block, capsule, sphere};
+
 /// Adds a body at random to a model file.
 type Build = fn(&mut Family);
 
 /// The families, which take turns.
-const FAMILIES: [(&str, Build); 8] = [
+const FAMILIES: [(&str, Build); 4] = [
     ("lobes", lobes),
-    ("bubbles", bubbles),
-    ("truss", truss),
     ("shell", shell),
     ("tangents", tangents),
     ("through points", through_points),
-    ("carved", carved),
-    ("grooves", grooves),
 ];
 
 /// A model file that grows. Lengths are millimetres.
@@ -42,8 +40,6 @@ pub fn body(seed: u64) -> (&'static str, String) {
     let head = format!("unit = \"mm\"\ngrid = {grid}\nsimplify = {simplify:.4}\n");
     (name, head + &family.text + "[[region]]\nname = \"all\"\nrest = true\n")
 }
-
-type Point = [f64; 3];
 
 impl Family {
     /// Uniform from `a` to `b`.
@@ -76,18 +72,6 @@ impl Family {
     }
 }
 
-fn sphere(center: Point, radius: f64) -> String {
-    format!("sphere = {{ center = {center:?}, radius = {radius:?} }}")
-}
-
-fn capsule(from: Point, to: Point, radii: [f64; 2]) -> String {
-    format!("capsule = {{ from = {from:?}, to = {to:?}, radii = {radii:?} }}")
-}
-
-fn block(center: Point, size: Point, rounding: f64) -> String {
-    format!("box = {{ center = {center:?}, size = {size:?}, rounding = {rounding:?} }}")
-}
-
 fn blend(k: f64) -> String {
     format!("blend = {k:?}")
 }
@@ -110,63 +94,6 @@ fn lobes(f: &mut Family) {
     let inner = f.between(0.2, 0.8) * radius;
     f.add("cavity", &sphere([0.0; 3], inner), "");
     f.cut([0.0, 0.0, -1.0], 0.5 * radius);
-}
-
-/// A heap of balls and sticks, blended.
-fn bubbles(f: &mut Family) {
-    f.grid = f.between(0.6, 1.2);
-    let mut at = [0.0; 3];
-    for _ in 0..f.whole(8, 25) {
-        let radius = f.between(1.5, 5.0);
-        let soft = f.between(-1.0, 3.0).max(0.0);
-        let way = f.point(1.0);
-        let to = [0, 1, 2].map(|k| at[k] + radius * way[k]);
-        if f.between(0.0, 1.0) < 0.5 {
-            f.add("solid", &sphere(to, radius), &blend(soft));
-        } else {
-            let slim = [radius, radius * f.between(0.3, 1.0)];
-            f.add("solid", &capsule(at, to, slim), &blend(soft));
-        }
-        if f.between(0.0, 1.0) < 0.3 {
-            let inner = radius * f.between(0.2, 0.7);
-            f.add("cavity", &sphere(to, inner), &blend(soft / 2.0));
-        }
-        at = to;
-    }
-}
-
-/// Tubes along the edges of a lattice of nodes.
-fn truss(f: &mut Family) {
-    f.grid = f.between(0.5, 1.0);
-    let (pitch, radius) = (f.between(6.0, 10.0), f.between(1.0, 2.2));
-    let bore = radius * f.between(0.2, 0.9);
-    let n = [f.whole(2, 3), f.whole(1, 2), f.whole(1, 2)];
-    let shift: Vec<Point> = (0..36).map(|_| f.point(0.1 * pitch)).collect();
-    let node = |i: [usize; 3]| {
-        let s = shift[(i[0] * 3 + i[1]) * 3 + i[2]];
-        [0, 1, 2].map(|k| pitch * i[k] as f64 + s[k])
-    };
-    let hollow = f.between(0.0, 1.0) < 0.7;
-    let mut bars = Vec::new();
-    for x in 0..=n[0] {
-        for y in 0..=n[1] {
-            for z in 0..=n[2] {
-                let i = [x, y, z];
-                for k in (0..3).filter(|&k| i[k] < n[k]) {
-                    let mut j = i;
-                    j[k] += 1;
-                    bars.push((node(i), node(j)));
-                }
-            }
-        }
-    }
-    for (from, to) in bars {
-        f.add("solid", &capsule(from, to, [radius; 2]), "");
-        if hollow {
-            f.add("cavity", &capsule(from, to, [bore; 2]), "");
-        }
-    }
-    f.cut([0.0, 0.0, -1.0], 0.3 * radius);
 }
 
 /// A chamber that is the body itself, smaller by a thin wall.
@@ -252,52 +179,4 @@ fn through_points(f: &mut Family) {
             f.cut(normal, steps * h / norm);
         }
     }
-}
-
-/// A block from which balls and bars are taken, so that edges and webs are sharp.
-fn carved(f: &mut Family) {
-    f.grid = f.between(0.6, 1.2);
-    let size = [0; 3].map(|_| f.between(12.0, 24.0));
-    let round = f.between(-1.0, 2.0).max(0.0);
-    f.add("solid", &block([0.0; 3], size, round), "");
-    for k in 0..f.whole(2, 6) {
-        let mut at = f.point(1.0);
-        at[k % 3] = at[k % 3].signum();
-        let at = [0, 1, 2].map(|k| at[k] * size[k] / 2.0);
-        let soft = f.between(-1.0, 1.0).max(0.0);
-        let keys = format!("op = \"difference\"\nblend = {soft:?}");
-        let radius = f.between(1.5, 5.0);
-        let to = [0, 1, 2].map(|k| at[k] * 0.6);
-        if k % 2 == 0 {
-            f.add("solid", &sphere(at, radius), &keys);
-        } else {
-            f.add("solid", &capsule(at, to, [0.5 * radius, 0.3 * radius]), &keys);
-        }
-    }
-    f.add("cavity", &sphere([0.0; 3], size[0].min(size[1]).min(size[2]) * 0.2), "");
-}
-
-/// An ellipsoid with creases of less than a cell and with raised and sunken marks.
-fn grooves(f: &mut Family) {
-    f.grid = f.between(0.6, 1.2);
-    let radii = [0; 3].map(|_| f.between(8.0, 14.0));
-    f.add("solid", &format!("ellipsoid = {{ center = [0, 0, 0], radii = {radii:?} }}"), "");
-    for _ in 0..f.whole(1, 4) {
-        let (normal, offset) = (f.point(1.0), f.between(-3.0, 3.0));
-        let (width, depth) = (f.grid * f.between(0.2, 2.0), f.between(-1.0, 2.0));
-        let crease = format!(
-            "crease = {{ normal = {normal:?}, offset = {offset:?}, width = {width:?}, depth = {depth:?}, \
-             fade = [-6, 6] }}"
-        );
-        f.add("solid", &crease, "");
-    }
-    for _ in 0..f.whole(0, 3) {
-        let (way, radius) = (f.point(1.0), f.between(1.0, 4.0));
-        let at = [0, 1, 2].map(|k| way[k] * radii[k]);
-        let (height, width) = (f.between(-1.5, 1.5), f.between(0.1, 1.5));
-        let keys = format!("op.emboss = {{ height = {height:?}, width = {width:?} }}");
-        f.add("solid", &sphere(at, radius), &keys);
-    }
-    f.add("cavity", &sphere([0.0; 3], 4.0), "");
-    f.cut([0.0, 0.0, -1.0], 5.0);
 }

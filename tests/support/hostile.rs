@@ -96,9 +96,6 @@ impl Hostile {
     }
 
     /// Replaces the texts of a file of JSON, a value in all or in each line.
-    ///
-    /// # Panics
-    /// When it is none.
     pub fn json_file(&mut self, path: &Path) {
         let text = fs::read_to_string(path).expect("a file of the test");
         let parsed = |text: &str| serde_json::from_str::<Value>(text).expect("JSON");
@@ -111,9 +108,6 @@ impl Hostile {
 }
 
 /// All files below a folder.
-///
-/// # Panics
-/// When it cannot be read.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -129,9 +123,6 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
 
 /// Whether nothing of the texts became part of the open page: nothing has run, nothing was
 /// asked for, there are no elements and attributes that ours has not.
-///
-/// # Panics
-/// When something did.
 pub fn assert_text_alone(browser: &mut Chromium) {
     assert_eq!(browser.evaluate("window.hit ?? null"), Value::Null, "a text has run");
     let foreign = "iframe, object, embed, base, a:not([href^=\"./\"]), b, [srcdoc], [src]:not([src^=\"data:image/\"]), main script, \
@@ -149,39 +140,12 @@ pub fn assert_text_alone(browser: &mut Chromium) {
 }
 
 /// How many of the texts are shown.
-///
-/// # Panics
-/// When the page cannot be asked.
 pub fn shown(browser: &mut Chromium) -> u64 {
     let ids = "new Set(document.body.textContent.match(/#\\d+;/g)).size";
     browser.evaluate(ids).as_u64().expect("a number")
 }
 
-/// Proves that the texts would run: as markup of a page without a policy, and not under that of `page`.
-///
-/// # Panics
-/// When they do not, or do.
-pub fn assert_they_would_run(browser: &mut Chromium, page: &Path) {
-    let text = Hostile::default().text("control");
-    let whole = fs::read_to_string(page).expect("a page");
-    let with = page.with_extension("with.html");
-    fs::write(&with, whole.replacen("<main>", &format!("<main>{text}"), 1)).expect("writable");
-    let without = page.with_extension("without.html");
-    fs::write(&without, format!("<!doctype html><main>{text}</main>")).expect("writable");
-    browser.open(&without);
-    browser.wait("window.hit === 1");
-    browser.open(&with);
-    browser.wait("document.readyState === 'complete' && document.querySelector('main img')");
-    assert_eq!(browser.evaluate("window.hit ?? null"), Value::Null, "the policy lets it run");
-    let blocked =
-        browser.complaints().iter().filter(|c| c.contains("Content Security Policy")).count();
-    assert!(blocked >= 5, "{:#?}", browser.complaints());
-}
-
 /// The page without its policy, which might hide what is not escaped.
-///
-/// # Panics
-/// When it has none.
 pub fn without_policy(page: &Path) -> PathBuf {
     let text = fs::read_to_string(page).expect("a page");
     let policy = "http-equiv=\"Content-Security-Policy\"";

@@ -108,9 +108,6 @@ fn assert_close(found: &str, volume: f64, limit: f64, solid: &Solid) -> f64 {
 }
 
 /// trimesh and manifold3d find every surface closed and in one piece, and its volume.
-///
-/// # Panics
-/// If they do not.
 pub fn trimesh_and_manifold3d_agree(python: &Path, solids: &[Solid]) {
     let files: Vec<PathBuf> = solids.iter().map(|solid| solid.file.clone()).collect();
     let lines = run(python, SURFACES, &files);
@@ -128,9 +125,6 @@ pub fn trimesh_and_manifold3d_agree(python: &Path, solids: &[Solid]) {
 
 /// trimesh reads the 3MF file of every part, and in `assembly.3mf` of their folder all of
 /// them, turned by `places`: rows of rotations from a part's file to the closed mold.
-///
-/// # Panics
-/// If it does not, or names, units, volumes or places are others.
 pub fn trimesh_reads_3mf(python: &Path, parts: &[Solid], places: &[[[f64; 3]; 3]]) {
     let archive = |solid: &Solid| solid.file.with_extension("3mf");
     let mut files: Vec<PathBuf> = parts.iter().map(archive).collect();
@@ -159,9 +153,6 @@ pub fn trimesh_reads_3mf(python: &Path, parts: &[Solid], places: &[[[f64; 3]; 3]
 }
 
 /// admesh has nothing to repair.
-///
-/// # Panics
-/// If it has.
 pub fn admesh_repairs_nothing(solids: &[Solid]) {
     for Solid { file, .. } in solids {
         let output = Command::new("admesh").arg(file).output().expect("admesh starts");
@@ -179,9 +170,6 @@ pub fn admesh_repairs_nothing(solids: &[Solid]) {
 /// prusa-slicer slices the 3MF file of a part with its settings, and the STL file solid, so
 /// that all of it is seen to be printed: it complains of nothing, not even in its log, and
 /// prints the plastic that the part has.
-///
-/// # Panics
-/// If it does not.
 pub fn prusa_slicer_slices(part: &Solid, folder: &Path) {
     let settings = part.file.with_extension("ini");
     let archive = part.file.with_extension("3mf");
@@ -218,9 +206,6 @@ pub struct Lengths {
 }
 
 /// Slices a file and measures the filament.
-///
-/// # Panics
-/// If the slicer complains.
 pub fn slice(file: &Path, settings: &Path, options: &[&str], folder: &Path) -> Lengths {
     let gcode = folder.join("part.gcode");
     let mut command = Command::new("prusa-slicer");

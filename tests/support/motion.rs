@@ -29,9 +29,6 @@ pub struct Motion {
 }
 
 /// A scene of bodies `name.msh`, surfaces `name.stl` and text.
-///
-/// # Panics
-/// When the scene is refused.
 pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: &str) -> Motion {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, body) in bodies {
@@ -50,9 +47,6 @@ pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: 
 
 impl Motion {
     /// A scene at t = 0.
-    ///
-    /// # Panics
-    /// When it is refused.
     pub fn of(scene: Scene) -> Self {
         let (problem, workspace) = scene.problem(&scene.body).unwrap_or_else(|e| panic!("{e:#}"));
         let integrator = scene.integrator(&scene.body, &problem);
@@ -61,9 +55,6 @@ impl Motion {
     }
 
     /// Goes through the next `count` time steps.
-    ///
-    /// # Panics
-    /// When there are fewer, or one is not reached.
     pub fn go(&mut self, count: usize) {
         let rest = self.scene.body.mesh.vertices.clone();
         for _ in 0..count {
@@ -90,9 +81,6 @@ impl Motion {
     }
 
     /// What `solver simulate` reports of the last step.
-    ///
-    /// # Panics
-    /// Before the first step.
     pub fn report(&mut self) -> Value {
         let step = self.last.as_ref().expect("a step was made");
         let v = self.stepper.progress.integrator.last().v.clone();

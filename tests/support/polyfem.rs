@@ -57,9 +57,6 @@ pub struct Compared {
 }
 
 /// A file of `../shared/reference`, where it is at hand.
-///
-/// # Panics
-/// When it is there and cannot be read.
 pub fn reference(name: &str) -> Option<Reference> {
     let path = shared(&format!("reference/{name}.json"))?;
     let text = std::fs::read_to_string(path).expect("readable");
@@ -98,9 +95,6 @@ fn probed(json: &Value, step: &Value) -> Option<Probed> {
 
 /// A published scene, changed by `edit`, as imported, and the folder in which
 /// it lies.
-///
-/// # Panics
-/// When it is there and refused.
 pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option<(Workdir, Scene)> {
     let path = shared(&format!("{FOLDER}/{file}"))?;
     let text = std::fs::read_to_string(&path).expect("readable");
@@ -126,9 +120,6 @@ pub fn scene(file: &str, options: &Options, edit: impl Fn(&mut Value)) -> Option
 
 /// Goes through the first `count` time steps and compares those that the reference
 /// has. Forces of slabs are per depth.
-///
-/// # Panics
-/// When a step is not reached.
 pub fn compare(scene: Scene, reference: &Reference, count: usize) -> Vec<Compared> {
     let mut motion = Motion::of(scene);
     let mut all = Vec::new();

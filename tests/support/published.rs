@@ -15,9 +15,6 @@ pub const FOLDER: &str = "data/pneumatic-actuator-design";
 pub const WORM_CHAMBERS: [u32; 10] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
 
 /// The gripper in metres. Tags: `fixed`, `cavity`, `outer`, `grip`.
-///
-/// # Panics
-/// When its files are there and cannot be read.
 pub fn gripper() -> Option<Body> {
     let mesh = published("gripper_bellows/gripper_bellows_thick.msh", 1e-3)?;
     let selections = shared(&format!("{FOLDER}/gripper_bellows/surface_selections_thick.txt"))?;
@@ -28,9 +25,6 @@ pub fn gripper() -> Option<Body> {
 
 /// The worm in metres, along x. Tags: `end` at −x, `chamber 2` to `chamber 11`,
 /// and `skin` for the rest.
-///
-/// # Panics
-/// When its files are there and cannot be read.
 pub fn worm() -> Option<Body> {
     let mesh = published("worm/worm_long_clean.msh", 0.02)?;
     let ids = first_ids(&shared(&format!("{FOLDER}/worm/surface_selections_long.txt"))?);

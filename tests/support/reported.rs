@@ -14,9 +14,6 @@ const SOLVER: &[Format] = solver::cmd::schema::FORMATS;
 const FAB: &[Format] = fab::cmd::schema::FORMATS;
 
 /// A number of a report.
-///
-/// # Panics
-/// When it is none.
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
@@ -35,33 +32,21 @@ fn schema(formats: &[Format], name: &str) -> Validator {
 
 /// Asserts that the report of a simulation has what its schema says, and that who reads it as its type
 /// loses nothing.
-///
-/// # Panics
-/// When it has another key, or one of another type.
 pub fn check_simulation(report: &Value) {
     check::<Simulation>(&SIMULATION, report);
 }
 
 /// Asserts as [`check_simulation`] for the report of an optimisation.
-///
-/// # Panics
-/// When it has another key, or one of another type.
 pub fn check_optimization(report: &Value) {
     check::<Optimization>(&OPTIMIZATION, report);
 }
 
 /// Asserts as [`check_simulation`] for a line of a history.
-///
-/// # Panics
-/// When it has another key, or one of another type.
 pub fn check_iteration(line: &Value) {
     check::<Iteration>(&ITERATION, line);
 }
 
 /// Asserts as [`check_simulation`] for the report of a mold.
-///
-/// # Panics
-/// When it has another key, or one of another type.
 pub fn check_mold(report: &Value) {
     check::<MoldReport>(&MOLD, report);
 }

@@ -3,7 +3,7 @@
 use mesh::Vec3;
 use mesh::io::{npy, write_tets};
 
-use crate::workdir::Workdir;
+use crate::workdir::{Run, Workdir};
 use crate::{block, tag};
 
 /// Where the planes are: y and z [m].
@@ -44,9 +44,6 @@ pub const PARTS: [(&str, &str, f64); 3] = [
 /// `solver mirror`. The whole is about 50 × 40 × 40 mm. Tags: `seat` at x = 0, `cavity`, the
 /// wall of a chamber that the planes cut, which opens to the seat if `open`, `top` on the
 /// sides across z, `skin`, and the cuts.
-///
-/// # Panics
-/// When a program refuses its work.
 pub fn workdir(open: bool) -> Workdir {
     let from = usize::from(!open);
     let hollow = |c: [usize; 3]| (from..4).contains(&c[0]) && c[1] == 0 && c[2] == 0;
@@ -71,20 +68,14 @@ pub fn workdir(open: bool) -> Workdir {
     );
     let dir = Workdir::new();
     write_tets(&dir.path("quarter.msh"), &body.mesh, &body.tags).expect("a sound body");
-    dir.solver("mirror quarter.msh --on cut_y -o half.msh").assert_refused(2, &["\"cut_y\""]);
     for (part, whole, plane) in [("quarter", "half", "cut y"), ("half", "whole", "cut z")] {
-        let mut command = dir.command("mirror");
-        command.args([&format!("{part}.msh"), "-o", &format!("{whole}.msh"), "--on", plane]);
-        let run: crate::workdir::Run = command.output().expect("the program starts").into();
-        run.assert_good();
+        let mut command = dir.command(&format!("mirror {part}.msh -o {whole}.msh --on"));
+        Run::from(command.arg(plane).output().expect("the program starts")).assert_good();
     }
     dir
 }
 
 /// Rest positions and displacements of the nodes in a folder of results [m].
-///
-/// # Panics
-/// When there are none.
 pub fn nodes(dir: &Workdir, folder: &str) -> Vec<(Vec3, Vec3)> {
     let read = |name: &str| {
         let (values, _) = npy::read_f64(&dir.path(&format!("{folder}/{name}"))).expect("results");
@@ -94,9 +85,6 @@ pub fn nodes(dir: &Workdir, folder: &str) -> Vec<(Vec3, Vec3)> {
 }
 
 /// For each point of a list the index of the same point in another.
-///
-/// # Panics
-/// When one is not there.
 pub fn find(points: &[Vec3], among: &[Vec3]) -> Vec<usize> {
     let one = |p: &Vec3| {
         let found = among.iter().position(|q| (p - q).norm() < 1e-9);
@@ -107,9 +95,6 @@ pub fn find(points: &[Vec3], among: &[Vec3]) -> Vec<usize> {
 
 /// Largest difference of two displacement fields where both are known, relative to the
 /// largest displacement.
-///
-/// # Panics
-/// When a point of the first is not in the second.
 pub fn difference(some: &[(Vec3, Vec3)], all: &[(Vec3, Vec3)]) -> f64 {
     let points = |nodes: &[(Vec3, Vec3)]| nodes.iter().map(|n| n.0).collect::<Vec<_>>();
     let same = find(&points(some), &points(all));

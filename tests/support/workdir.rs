@@ -33,9 +33,6 @@ pub fn repository() -> PathBuf {
 }
 
 /// A program of the workspace, from the profile that this test was built with.
-///
-/// # Panics
-/// When it cannot be built.
 pub fn program(name: &str) -> PathBuf {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     BUILT.get_or_init(build_programs).join(name)
@@ -67,9 +64,6 @@ fn build_programs() -> PathBuf {
 
 impl Workdir {
     /// An empty folder.
-    ///
-    /// # Panics
-    /// When the system has no place for it.
     pub fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
@@ -85,34 +79,28 @@ impl Workdir {
     }
 
     /// Writes a file.
-    ///
-    /// # Panics
-    /// When it cannot be written.
     pub fn write(&self, name: &str, text: &str) {
         std::fs::write(self.path(name), text).expect("the folder is writable");
     }
 
     /// Reads a text file.
-    ///
-    /// # Panics
-    /// When it cannot be read.
     pub fn text(&self, name: &str) -> String {
         let path = self.path(name);
         std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
     }
 
     /// Reads a JSON file.
-    ///
-    /// # Panics
-    /// When it cannot be read.
     pub fn json(&self, name: &str) -> Value {
         serde_json::from_str(&self.text(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
+    /// Reads a file with a value of JSON in each line.
+    pub fn lines(&self, name: &str) -> Vec<Value> {
+        let line = |line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{name}: {e}"));
+        self.text(name).lines().map(line).collect()
+    }
+
     /// The value of a probe at the end of a run in a subfolder.
-    ///
-    /// # Panics
-    /// When the report has none.
     pub fn probe(&self, folder: &str, name: &str) -> f64 {
         reported::number(&self.json(&format!("{folder}/report.json"))["probes"][name]["value"])
     }
@@ -138,12 +126,14 @@ impl Workdir {
         command
     }
 
+    /// Runs a program of the workspace with arguments separated by blanks.
+    pub fn run(&self, name: &str, arguments: &str) -> Run {
+        self.command_of(name, arguments).output().expect("the program starts").into()
+    }
+
     /// Runs `solver` with arguments separated by blanks.
-    ///
-    /// # Panics
-    /// When the program cannot be started.
     pub fn solver(&self, arguments: &str) -> Run {
-        let run: Run = self.command(arguments).output().expect("the program starts").into();
+        let run = self.run("solver", arguments);
         // where a run is refused, other files of that name may have been there before
         if matches!(run.code, Some(0 | 1)) {
             self.check_reports(arguments);
@@ -176,9 +166,6 @@ impl Workdir {
 
     /// Runs `solver` with a limit on the size of files [KiB], which stands for a
     /// full disk: a write beyond it fails in the middle.
-    ///
-    /// # Panics
-    /// When bash cannot be started.
     pub fn solver_on_small_disk(&self, limit: usize, arguments: &str) -> Run {
         let mut command = Command::new("bash");
         // without the trap the signal would end the program before it sees the error
@@ -208,31 +195,12 @@ impl From<Output> for Run {
 
 impl Run {
     /// Asserts that the program ended well.
-    ///
-    /// # Panics
-    /// When it did not.
     pub fn assert_good(&self) {
         assert_eq!(self.code, Some(0), "{}\n{}", self.stdout, self.stderr);
     }
 
-    /// Asserts that `solver check` found no wrong gradient, and that it could measure all
-    /// but those by `parameters`, of which each has an effect that is within rounding.
-    ///
-    /// # Panics
-    /// When it did not.
-    pub fn assert_all_but(&self, parameters: &[&str]) {
-        self.assert_refused(1, parameters);
-        for line in self.stderr.lines().filter(|line| line.starts_with("  \"")) {
-            let expected = parameters.iter().any(|p| line.contains(&format!(" by {p}, ")));
-            assert!(expected && line.contains("not measurable"), "{line}\n{}", self.stdout);
-        }
-    }
-
     /// Asserts that the program ended with an exit code and a message that has
     /// all of `words`, without a panic.
-    ///
-    /// # Panics
-    /// When it did not.
     pub fn assert_refused(&self, code: i32, words: &[&str]) {
         assert!(!self.stderr.contains("panicked"), "a panic:\n{}", self.stderr);
         assert_eq!(self.code, Some(code), "{}\n{}", self.stdout, self.stderr);

@@ -35,7 +35,6 @@ impl End {
 pub struct Running {
     child: Child,
     clock: Instant,
-    longest: Duration,
 }
 
 impl Running {
@@ -43,12 +42,7 @@ impl Running {
     pub fn start(mut command: Command) -> Self {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let child = command.spawn().unwrap_or_else(|e| panic!("{command:?}: {e}"));
-        Self { child, clock: Instant::now(), longest: LONGEST }
-    }
-
-    /// It hangs only when it takes this long.
-    pub fn within(self, longest: Duration) -> Self {
-        Self { longest, ..self }
+        Self { child, clock: Instant::now() }
     }
 
     /// Waits so long since the start; false when it has ended before.
@@ -71,20 +65,19 @@ impl Running {
 
     /// Waits for its end.
     pub fn end(mut self) -> Result<End, String> {
-        let mut said = String::new();
         let pipe = self.child.stderr.take();
         let reader = std::thread::spawn(move || {
             let mut bytes = Vec::new();
             let _ = pipe.map(|mut pipe| pipe.read_to_end(&mut bytes));
             String::from_utf8_lossy(&bytes).into_owned()
         });
-        if self.runs_for(self.longest) {
+        if self.runs_for(LONGEST) {
             let _ = self.child.kill();
             let _ = self.child.wait();
-            return Err(format!("runs longer than {} s", self.longest.as_secs()));
+            return Err(format!("runs longer than {} s", LONGEST.as_secs()));
         }
         let status = self.child.wait().map_err(|e| e.to_string())?;
-        said.push_str(&reader.join().unwrap_or_default());
+        let said = reader.join().unwrap_or_default();
         Ok(End { code: status.code(), signal: status.signal(), said })
     }
 }

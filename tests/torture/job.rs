@@ -34,14 +34,6 @@ pub const JOBS: &[Job] = &[
         owns: true,
     },
     Job {
-        name: "scenarios",
-        program: "solver",
-        arguments: "--threads 2 -q optimize design.toml -o out",
-        workdir: scenarios,
-        continues: true,
-        owns: true,
-    },
-    Job {
         name: "simulate",
         program: "solver",
         arguments: "--threads 2 -q simulate sim.toml -o out",
@@ -191,14 +183,6 @@ fn forget_times(value: &mut Value) {
 /// Keys of what a report says of the run, not of its result.
 const OF_THE_RUN: &[&str] =
     &["timings", "peak_rss_mb", "wall_s_of_this_run", "resumed_after", "work", "threads"];
-
-/// A design under two scenarios.
-fn scenarios() -> Workdir {
-    let dir = chamber::workdir();
-    let more = "[[scenario]]\nname = \"drawn\"\n[[scenario]]\nname = \"thin\"\nwall = -3e-4\n";
-    dir.write("design.toml", &(dir.text("design.toml") + more));
-    dir
-}
 
 /// A box with a round chamber that opens below.
 fn model() -> Workdir {

@@ -1,14 +1,14 @@
 //! What programs must survive.
 
-use std::process::Command;
 use std::time::Duration;
 
 use mechanics::math::random::Random;
+use tests::fuzz::mutate;
 use tests::workdir::Workdir;
 
 use crate::child::{self, Running};
 use crate::job::Sound;
-use crate::{any, cad, clock, mesher, part, planted};
+use crate::{any, cad, part};
 
 /// Most kills in one folder.
 const KILLS: usize = 12;
@@ -30,13 +30,7 @@ pub const TRIALS: &[(&str, Trial)] = &[
     ("full disk", full_disk),
     ("damaged files", damage),
     ("two writers", two_writers),
-    ("limits", limits),
-    ("kills again", kills),
-    ("read-only disk", read_only),
-    ("bad meshers", mesher::bad),
     ("damaged CAD", cad::damaged),
-    ("clocks", clock::jumps),
-    ("planted", planted::one),
 ];
 
 /// A moment of a run.
@@ -109,38 +103,9 @@ fn damage(sound: &Sound, random: &mut Random, tally: &mut Tally) -> Result<(), S
     if path.is_dir() {
         return sound.ends_the_same(&dir);
     }
-    let mut bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
-    let at = any(random, bytes.len());
-    let how = match any(random, 6) {
-        0 => {
-            bytes.truncate(at);
-            "cut off"
-        }
-        1 => {
-            bytes.clear();
-            "empty"
-        }
-        2 if !bytes.is_empty() => {
-            bytes[at] ^= 1 << any(random, 8);
-            "with a bit turned"
-        }
-        3 => {
-            let end = bytes.len().min(at + 512);
-            bytes[at..end].fill(0);
-            "with a block of zeros"
-        }
-        4 => {
-            bytes.extend_from_slice(b"0\n");
-            "with two bytes more"
-        }
-        5 if !bytes.is_empty() => {
-            bytes.swap(at, 0);
-            "with two bytes exchanged"
-        }
-        _ => "as it was",
-    };
-    std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
-    let context = |what: String| format!("{name} {how} at byte {at}: {what}");
+    let bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
+    std::fs::write(&path, mutate(&[bytes], random)).map_err(|e| e.to_string())?;
+    let context = |what: String| format!("{name}: {what}");
     let end = child::run(sound.job.command(&dir))?;
     end.expect(&[0, 2]).map_err(context)?;
     if end.code == Some(0) {
@@ -169,47 +134,6 @@ fn two_writers(sound: &Sound, random: &mut Random, tally: &mut Tally) -> Result<
         return Err(format!("both are refused: {} and {}", first.said, second.said));
     }
     tally.interruptions += usize::from(first.code != second.code);
-    sound.ends_the_same(&dir)
-}
-
-/// Little memory, few files, a small stack: an error, or the result.
-fn limits(sound: &Sound, random: &mut Random, tally: &mut Tally) -> Result<(), String> {
-    let dir = (sound.job.workdir)();
-    let u = part(random);
-    let limit = match any(random, 3) {
-        // the system needs a fourth to load the program's libraries
-        0 => format!("ulimit -n {}", 4 + (20.0 * u) as usize),
-        1 => format!("ulimit -s {}", 200 + (8e3 * u) as usize),
-        // below this the system cannot load the program [KiB]
-        _ => format!("ulimit -v {}", 50_000 + (1e6 * u * u) as usize),
-    };
-    let end = child::run(sound.job.after(&dir, &limit))?;
-    let context = |what: String| format!("{limit}: {what}");
-    end.expect(&[0, 1, 2]).map_err(context)?;
-    tally.interruptions += usize::from(end.code != Some(0));
-    sound.ends_the_same(&dir).map_err(context)
-}
-
-/// A disk that cannot be written to.
-fn read_only(sound: &Sound, _: &mut Random, tally: &mut Tally) -> Result<(), String> {
-    let dir = (sound.job.workdir)();
-    let here = "mount --bind . . && cd \"$PWD\" && mount -o remount,ro,bind .";
-    let mut probe = Command::new("unshare");
-    probe.args(["-rm", "bash", "-c", here]).current_dir(dir.path("."));
-    if !child::run(probe)?.said.is_empty() {
-        eprintln!("no read-only disk: this machine lets nobody mount one");
-        return Ok(());
-    }
-    let own = sound.job.command(&dir);
-    let mut command = Command::new("unshare");
-    command.args(["-rm", "bash", "-c", &format!("{here} && exec \"$0\" \"$@\"")]);
-    command.arg(own.get_program()).args(own.get_args()).current_dir(dir.path("."));
-    let end = child::run(command)?;
-    end.expect(&[2])?;
-    if !end.said.to_lowercase().contains("read-only") {
-        return Err(format!("does not say that the disk is read-only: {}", end.said));
-    }
-    tally.interruptions += 1;
     sound.ends_the_same(&dir)
 }
 

@@ -167,7 +167,7 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::predicates::{corner_sharing_intersect, triangles_intersect};
+    use crate::predicates::tests::{corner_sharing_intersect, triangles_intersect};
     use crate::solid::Solid;
 
     fn ball() -> SurfaceMesh {

@@ -195,9 +195,4 @@ mod tests {
             assert_eq!(winding.contains(&p), r < 0.03 && s > 0.01, "{p:?}");
         }
     }
-
-    #[test]
-    fn an_empty_surface_contains_nothing() {
-        assert!(!WindingNumber::new(&SurfaceMesh::default()).contains(&Vec3::zeros()));
-    }
 }

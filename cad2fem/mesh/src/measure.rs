@@ -13,10 +13,21 @@ pub fn triangle_area(a: Vec3, b: Vec3, c: Vec3) -> f64 {
     (b - a).cross(&(c - a)).norm() / 2.0
 }
 
+/// Length of the longest edge of a triangle [m].
+pub fn longest_edge([a, b, c]: [Vec3; 3]) -> f64 {
+    (b - a).norm().max((c - b).norm()).max((a - c).norm())
+}
+
+/// Shape of a triangle, 4√3 area over the sum of the squared edges: 1 if it is regular, 0 if it is flat [1].
+pub fn triangle_shape([a, b, c]: [Vec3; 3]) -> f64 {
+    let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    4.0 * 3.0_f64.sqrt() * triangle_area(a, b, c) / squares
+}
+
 /// Whether a triangle has no area: its height is at most a 10¹²-th of its longest edge, so that 64 bits lose its
 /// normal, with a margin of 10⁴.
 pub fn is_flat(a: Vec3, b: Vec3, c: Vec3) -> bool {
-    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    let longest = longest_edge([a, b, c]);
     2.0 * triangle_area(a, b, c) <= 1e-12 * longest * longest
 }
 
@@ -242,16 +253,6 @@ mod tests {
     /// A few roundings of numbers of order one.
     const FEW_ROUNDINGS: f64 = 1e-14;
 
-    #[test]
-    fn metres_for_millimetres_are_remarked_on() {
-        let points = |size: f64| [Vec3::zeros(), Vec3::new(size, 0.0, 0.0)];
-        assert_eq!(unlikely_size(&points(0.08)), None);
-        assert_eq!(unlikely_size(&[]), None);
-        for (size, said) in [(80.0, "80.0000 mm if"), (8e-5, "0.0001 m")] {
-            assert!(unlikely_size(&points(size)).is_some_and(|remark| remark.contains(said)));
-        }
-    }
-
     fn regular_tet() -> [Vec3; 4] {
         [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from)
     }
@@ -301,19 +302,6 @@ mod tests {
         for angle in dihedral_angles(a, b, c, d) {
             assert!((angle - known).abs() < 100.0 * FEW_ROUNDINGS);
         }
-    }
-
-    #[test]
-    fn dihedral_angles_belong_to_their_edges() {
-        // The corner of a cube: right angles at the three edges from the origin.
-        let [o, x, y, z] = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
-        let slanted = (1.0 / 3.0_f64.sqrt()).acos().to_degrees();
-        let known = [90.0, 90.0, 90.0, slanted, slanted, slanted];
-        for (angle, known) in dihedral_angles(o, x, y, z).into_iter().zip(known) {
-            assert!((angle - known).abs() < 100.0 * FEW_ROUNDINGS);
-        }
-        // Circumradius √3/2, inscribed radius 1/(3+√3): 3 r/R = 2√3/(3+√3) = √3 − 1.
-        assert!((radius_ratio(o, x, y, z) - (3.0_f64.sqrt() - 1.0)).abs() < FEW_ROUNDINGS);
     }
 
     #[test]
@@ -382,5 +370,18 @@ mod tests {
         let known = 0.5 / 1.5_f64.sqrt();
         let found = hausdorff(&lid, &gap, 1000);
         assert!(found <= known && found > known - 0.02, "{found} {known}");
+    }
+
+    #[test]
+    fn dihedral_angles_belong_to_their_edges() {
+        // The corner of a cube: right angles at the three edges from the origin.
+        let [o, x, y, z] = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let slanted = (1.0 / 3.0_f64.sqrt()).acos().to_degrees();
+        let known = [90.0, 90.0, 90.0, slanted, slanted, slanted];
+        for (angle, known) in dihedral_angles(o, x, y, z).into_iter().zip(known) {
+            assert!((angle - known).abs() < 100.0 * FEW_ROUNDINGS);
+        }
+        // Circumradius √3/2, inscribed radius 1/(3+√3): 3 r/R = 2√3/(3+√3) = √3 − 1.
+        assert!((radius_ratio(o, x, y, z) - (3.0_f64.sqrt() - 1.0)).abs() < FEW_ROUNDINGS);
     }
 }

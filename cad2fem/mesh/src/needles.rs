@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use crate::SurfaceMesh;
 use crate::check::self_intersections;
-use crate::measure::triangle_area;
+use crate::measure::{longest_edge, triangle_area};
 use crate::topology::directed_edges;
 
 /// Rounds, at most: what is left of a needle may be one.
@@ -42,10 +42,9 @@ fn offending(surface: &SurfaceMesh, thin: f64) -> Vec<usize> {
 /// Height of a triangle over its longest edge.
 fn thickness(surface: &SurfaceMesh, t: usize) -> f64 {
     let [a, b, c] = surface.corners(t);
-    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    match longest {
+    match longest_edge([a, b, c]) {
         0.0 => 0.0,
-        _ => 2.0 * triangle_area(a, b, c) / longest,
+        longest => 2.0 * triangle_area(a, b, c) / longest,
     }
 }
 

@@ -10,6 +10,13 @@ pub fn place_key(place: &Vec3) -> [u64; 3] {
     [place.x, place.y, place.z].map(|x| (x + 0.0).to_bits())
 }
 
+/// The key of a triangle by its places, in any order of its corners.
+pub fn triangle_key(corners: &[Vec3; 3]) -> [[u64; 3]; 3] {
+    let mut places = corners.each_ref().map(place_key);
+    places.sort_unstable();
+    places
+}
+
 /// For each place the index of the first that is the same.
 pub fn first_at_place(places: &[Vec3]) -> Vec<usize> {
     let mut first = HashMap::with_capacity(places.len());

@@ -35,27 +35,6 @@ fn same_sign(values: &[f64]) -> bool {
     values.iter().all(|&x| x >= 0.0) || values.iter().all(|&x| x <= 0.0)
 }
 
-/// Whether two triangles have a point in common, coplanar ones included.
-///
-/// Where two triangles meet, an edge of one of them meets the other: their
-/// common set is convex, and each of its extreme points lies on an edge.
-pub fn triangles_intersect(t0: &[Vec3; 3], t1: &[Vec3; 3]) -> bool {
-    if apart(t0, t1) || apart(t1, t0) {
-        return false;
-    }
-    (0..3).any(|i| {
-        segment_intersects_triangle(&t0[i], &t0[(i + 1) % 3], t1)
-            || segment_intersects_triangle(&t1[i], &t1[(i + 1) % 3], t0)
-    })
-}
-
-/// Whether triangle `t` lies strictly on one side of the plane of `plane`.
-fn apart(plane: &[Vec3; 3], t: &[Vec3; 3]) -> bool {
-    let [a, b, c] = plane;
-    let sides = [0, 1, 2].map(|i| orient3d(a, b, c, &t[i]));
-    sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0)
-}
-
 /// Whether the segment pq and the triangle have a point in common.
 pub fn segment_intersects_triangle(p: &Vec3, q: &Vec3, triangle: &[Vec3; 3]) -> bool {
     let [a, b, c] = triangle;
@@ -113,15 +92,6 @@ fn segments_meet_2d(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> bool
         .all(|&k| a[k].min(b[k]) <= c[k].max(d[k]) && c[k].min(d[k]) <= a[k].max(b[k]))
 }
 
-/// Whether the triangles (v, a, b) and (v, c, d) meet anywhere but in v.
-///
-/// Their common set is star-shaped about v, so if it is more than v it reaches
-/// the edge opposite v of one of them.
-pub fn corner_sharing_intersect(v: &Vec3, ab: [&Vec3; 2], cd: [&Vec3; 2]) -> bool {
-    segment_intersects_triangle(ab[0], ab[1], &[*v, *cd[0], *cd[1]])
-        || segment_intersects_triangle(cd[0], cd[1], &[*v, *ab[0], *ab[1]])
-}
-
 /// Whether the triangles (u, v, a) and (u, v, b) meet anywhere but in uv: only
 /// when they are folded onto each other, coplanar and on the same side of uv.
 pub fn edge_sharing_intersect(u: &Vec3, v: &Vec3, a: &Vec3, b: &Vec3) -> bool {
@@ -133,8 +103,28 @@ pub fn edge_sharing_intersect(u: &Vec3, v: &Vec3, a: &Vec3, b: &Vec3) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// Whether two triangles have a point in common, coplanar ones included.
+    ///
+    /// Where two triangles meet, an edge of one of them meets the other: their
+    /// common set is convex, and each of its extreme points lies on an edge.
+    pub(crate) fn triangles_intersect(t0: &[Vec3; 3], t1: &[Vec3; 3]) -> bool {
+        (0..3).any(|i| {
+            segment_intersects_triangle(&t0[i], &t0[(i + 1) % 3], t1)
+                || segment_intersects_triangle(&t1[i], &t1[(i + 1) % 3], t0)
+        })
+    }
+
+    /// Whether the triangles (v, a, b) and (v, c, d) meet anywhere but in v.
+    ///
+    /// Their common set is star-shaped about v, so if it is more than v it reaches
+    /// the edge opposite v of one of them.
+    pub(crate) fn corner_sharing_intersect(v: &Vec3, ab: [&Vec3; 2], cd: [&Vec3; 2]) -> bool {
+        segment_intersects_triangle(ab[0], ab[1], &[*v, *cd[0], *cd[1]])
+            || segment_intersects_triangle(cd[0], cd[1], &[*v, *ab[0], *ab[1]])
+    }
 
     fn p(x: f64, y: f64, z: f64) -> Vec3 {
         Vec3::new(x, y, z)

@@ -25,4 +25,11 @@ impl SurfaceMesh {
         let [a, b, c] = self.corners(t);
         (a + b + c) / 3.0
     }
+
+    /// Adds the triangles of another surface, with vertices of their own.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.vertices.len();
+        self.vertices.extend(&other.vertices);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
 }

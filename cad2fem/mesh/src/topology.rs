@@ -61,18 +61,34 @@ fn smallest_first([a, b, c]: [usize; 3]) -> [usize; 3] {
 /// The surface made of `facets` without the vertices they do not use, and for
 /// each of its vertices the index in `vertices`. Vertices keep their order.
 pub fn submesh(vertices: &[Vec3], facets: &[[usize; 3]]) -> (SurfaceMesh, Vec<usize>) {
-    let mut used: Vec<usize> = facets.iter().flatten().copied().collect();
+    let (triangles, used) = renumbered(facets, vertices.len());
+    (SurfaceMesh { vertices: used.iter().map(|&v| vertices[v]).collect(), triangles }, used)
+}
+
+impl SurfaceMesh {
+    /// Some of the triangles, with the vertices that they use.
+    pub fn part(&self, triangles: &[usize]) -> Self {
+        let chosen: Vec<_> = triangles.iter().map(|&t| self.triangles[t]).collect();
+        submesh(&self.vertices, &chosen).0
+    }
+}
+
+impl TetMesh {
+    /// The mesh of other tetrahedra, with the vertices that they use.
+    pub fn with_tets(&self, tets: &[[usize; 4]]) -> Self {
+        let (tets, used) = renumbered(tets, self.vertices.len());
+        Self { vertices: used.iter().map(|&v| self.vertices[v]).collect(), tets }
+    }
+}
+
+/// Cells with the vertices that they use, of `count`, numbered in their order; and those, ascending.
+fn renumbered<const N: usize>(cells: &[[usize; N]], count: usize) -> (Vec<[usize; N]>, Vec<usize>) {
+    let mut used: Vec<usize> = cells.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
-    let mut new_id = vec![usize::MAX; vertices.len()];
-    for (new, &old) in used.iter().enumerate() {
-        new_id[old] = new;
-    }
-    let surface = SurfaceMesh {
-        vertices: used.iter().map(|&v| vertices[v]).collect(),
-        triangles: facets.iter().map(|f| f.map(|v| new_id[v])).collect(),
-    };
-    (surface, used)
+    let mut new_id = vec![usize::MAX; count];
+    used.iter().enumerate().for_each(|(new, &old)| new_id[old] = new);
+    (cells.iter().map(|cell| cell.map(|v| new_id[v])).collect(), used)
 }
 
 /// The three edges of a triangle in its direction.
@@ -228,7 +244,8 @@ impl DisjointSets {
         Self { parent: (0..n).collect() }
     }
 
-    fn representative(&mut self, mut i: usize) -> usize {
+    /// The smallest member of the set of a member.
+    pub fn representative(&mut self, mut i: usize) -> usize {
         while self.parent[i] != i {
             self.parent[i] = self.parent[self.parent[i]];
             i = self.parent[i];
@@ -293,15 +310,6 @@ mod tests {
     }
 
     #[test]
-    fn a_submesh_drops_unused_vertices_and_keeps_the_order() {
-        let points: Vec<Vec3> = (0..6).map(|i| Vec3::repeat(f64::from(i))).collect();
-        let (surface, map) = submesh(&points, &[[5, 1, 3]]);
-        assert_eq!(map, [1, 3, 5]);
-        assert_eq!(surface.triangles, [[2, 0, 1]]);
-        assert_eq!(surface.corners(0), [points[5], points[1], points[3]]);
-    }
-
-    #[test]
     fn rims_are_closed_loops_in_the_direction_of_their_triangles() {
         // An annulus: outer square 0..4, inner square 4..8, counter-clockwise.
         let mut ring = Vec::new();
@@ -342,12 +350,5 @@ mod tests {
         assert!(!is_manifold(&[[0, 1, 2], [0, 1, 3]]));
         assert!(!is_manifold(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]));
         assert!(!is_manifold(&[[0, 1, 1]]));
-    }
-
-    #[test]
-    fn edges_know_their_triangles_whatever_their_direction() {
-        let edges = edge_facets(&[[0, 1, 2], [3, 2, 1], [1, 2, 4]]);
-        assert_eq!(edges[&[1, 2]], [0, 1, 2]);
-        assert_eq!(edges.len(), 7);
     }
 }

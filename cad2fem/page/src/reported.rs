@@ -104,6 +104,9 @@ pub struct Plan {
     pub wall: Option<ThinnestWall>,
     /// The molds.
     pub molds: Vec<Entry>,
+    /// What to do with the castings, in order.
+    #[serde(default)]
+    pub steps: Vec<String>,
 }
 
 /// The thinnest wall of a body.
@@ -128,6 +131,12 @@ pub struct Entry {
 pub struct CastSheet {
     /// The silicone, if one is named.
     pub silicone: Option<CastSilicone>,
+    /// What can go wrong.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+    /// What to do, in order.
+    #[serde(default)]
+    pub steps: Vec<String>,
 }
 
 /// A silicone to mix.

@@ -8,8 +8,8 @@
 use std::collections::HashMap;
 
 use mesh::io::MshFile;
-use mesh::io::vtu::{Field, Grid};
-use mesh::{Vec3, facet_key};
+use mesh::io::vtu::{Field, Grid, TET_FACETS, outer_facets};
+use mesh::{Vec3, triangle_key};
 use serde_json::{Value, json};
 
 use crate::store::Store;
@@ -17,19 +17,11 @@ use crate::store::Store;
 /// Nodes of the largest mesh whose inside is in the page.
 const LARGEST: usize = 150_000;
 
-/// Corners of the facets of a tetrahedron seen from outside, then the nodes on their sides
-/// where it has them (VTK's order).
-const FACETS: [[usize; 6]; 4] =
-    [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [0, 3, 2, 7, 9, 6], [1, 2, 3, 5, 9, 8]];
-
-/// Bits of the corners of a facet, sorted: facets of different files are the same where these are.
-pub(crate) type Place = [[u64; 3]; 3];
-
 /// Tags by places of facets.
 #[derive(Clone, Debug, Default)]
 pub struct TagsByPlace {
     names: Vec<String>,
-    of: HashMap<Place, usize>,
+    of: HashMap<[[u64; 3]; 3], usize>,
 }
 
 impl TagsByPlace {
@@ -40,17 +32,10 @@ impl TagsByPlace {
         let full = |tag: &String| body.map_or_else(|| tag.clone(), |body| format!("{body}.{tag}"));
         self.names.extend(file.tags.names.iter().map(full));
         for (facet, &id) in &file.tags.facets {
-            let place = place(&facet.map(|v| file.mesh.vertices[v] + shift));
+            let place = triangle_key(&facet.map(|v| file.mesh.vertices[v] + shift));
             self.of.insert(place, first + id as usize - 1);
         }
     }
-}
-
-pub(crate) fn place(corners: &[Vec3; 3]) -> Place {
-    // adding 0 makes one zero of both
-    let mut bits = corners.map(|p| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits()));
-    bits.sort_unstable();
-    bits
 }
 
 /// A mesh, ready to be packed.
@@ -118,7 +103,8 @@ impl Solid {
     pub fn sides_of_cells(&self) -> Option<Vec<usize>> {
         let nodes = self.facets.0;
         let side = |cell: &[usize], side: &[usize; 6]| side.map(|i| cell[i.min(cell.len() - 1)]);
-        let sides = |cell| FACETS.iter().flat_map(move |s| side(cell, s).into_iter().take(nodes));
+        let sides =
+            |cell| TET_FACETS.iter().flat_map(move |s| side(cell, s).into_iter().take(nodes));
         self.inside.then(|| self.cells.1.chunks_exact(self.cells.0).flat_map(sides).collect())
     }
 
@@ -152,7 +138,7 @@ impl Solid {
     /// The tag of a facet by number, its number of names for none.
     fn tag(&self, tags: &TagsByPlace, facet: &[usize]) -> usize {
         let corners = [facet[0], facet[1], facet[2]].map(|v| self.points[v]);
-        tags.of.get(&place(&corners)).copied().unwrap_or(tags.names.len())
+        tags.of.get(&triangle_key(&corners)).copied().unwrap_or(tags.names.len())
     }
 
     /// A field at the points that the page has.
@@ -180,19 +166,10 @@ impl Solid {
 /// The facets that only one cell has, seen from outside, and that cell of each.
 fn boundary(nodes: usize, cells: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let cells: Vec<&[usize]> = cells.chunks_exact(nodes).collect();
-    let mut keys = Vec::with_capacity(4 * cells.len());
-    for (c, cell) in cells.iter().enumerate() {
-        for (f, facet) in FACETS.iter().enumerate() {
-            keys.push((facet_key([cell[facet[0]], cell[facet[1]], cell[facet[2]]]), c, f));
-        }
-    }
-    keys.sort_unstable();
-    let single = keys.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
-    let mut outer: Vec<(usize, usize)> = single.map(|side| (side[0].1, side[0].2)).collect();
-    outer.sort_unstable();
+    let outer = outer_facets(&cells);
     let per_facet = if nodes == 10 { 6 } else { 3 };
     let facets =
-        outer.iter().flat_map(|&(c, f)| FACETS[f][..per_facet].iter().map(move |&i| (c, i)));
+        outer.iter().flat_map(|&(c, f)| TET_FACETS[f][..per_facet].iter().map(move |&i| (c, i)));
     (facets.map(|(c, i)| cells[c][i]).collect(), outer.iter().map(|o| o.0).collect())
 }
 
@@ -256,19 +233,5 @@ mod tests {
         let solid = Solid::of_grid(&moved).unwrap();
         let tagged = solid.facets.1.chunks_exact(3).filter(|f| solid.tag(&tags, f) == 1);
         assert_eq!((tagged.count(), &tags.names[1][..]), (1, "arm.cavity"));
-    }
-
-    #[test]
-    fn the_middles_of_sides_lie_on_the_facet() {
-        let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
-        let sides = CellType::Tet10.edges().iter().map(|&[a, b]| 0.5 * (corners[a] + corners[b]));
-        let points: Vec<Vec3> = corners.into_iter().chain(sides).collect();
-        let (facets, _) = boundary(10, &(0..10).collect::<Vec<_>>());
-        for facet in facets.chunks_exact(6) {
-            for (middle, [a, b]) in [(3, [0, 1]), (4, [1, 2]), (5, [2, 0])] {
-                let expected = 0.5 * (points[facet[a]] + points[facet[b]]);
-                assert_eq!(points[facet[middle]], expected);
-            }
-        }
     }
 }

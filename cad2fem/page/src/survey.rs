@@ -25,8 +25,6 @@ pub struct Survey {
     pub reports: Vec<PathBuf>,
     /// Results of `fab verify`.
     pub checks: Vec<PathBuf>,
-    /// Casting sheets.
-    pub sheets: Vec<PathBuf>,
     /// Pictures.
     pub pictures: Vec<PathBuf>,
 }
@@ -67,6 +65,11 @@ impl Survey {
         Ok(found)
     }
 
+    /// What the casting sheets say, mold by mold.
+    pub fn sheets(&self) -> impl Iterator<Item = PathBuf> {
+        self.molds.iter().map(|mold| mold.join("cast.json")).filter(|path| path.exists())
+    }
+
     /// Adds what is in one folder.
     fn look(&mut self, folder: &Path) -> Result<()> {
         let files: Vec<PathBuf> = entries(folder)?.into_iter().filter(|p| p.is_file()).collect();
@@ -87,10 +90,6 @@ impl Survey {
             let whole = |f: &str| if f == "." { folder.to_owned() } else { folder.join(f) };
             let folders = folders.map(whole);
             let made: Vec<PathBuf> = folders.filter(|f| f.join("mold.json").exists()).collect();
-            // a body that takes several molds has a sheet for all of them, too
-            let apart = made.iter().filter(|f| *f != folder);
-            let sheets = std::iter::once(folder).chain(apart.map(PathBuf::as_path));
-            self.sheets.extend(sheets.map(|f| f.join("cast.md")).filter(|f| f.exists()));
             self.reports.extend(made.iter().map(|f| f.join("mold.json")));
             self.molds.extend(made);
         }
@@ -113,21 +112,12 @@ impl Survey {
     }
 }
 
-/// The files and folders in a folder, sorted. Links, which may lead to what nobody meant to show, and pipes
-/// are left out.
+/// The files and folders in a folder, sorted.
 pub fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let place = || folder.display().to_string();
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(place)? {
-        let entry = entry.with_context(place)?;
-        let kind = entry.file_type().with_context(place)?;
-        if kind.is_file() || kind.is_dir() {
-            found.push(entry.path());
-        } else {
-            let path = entry.path();
-            log::warn!("{}: left out, as it is neither a file nor a folder", path.display());
-        }
-    }
+    let found = std::fs::read_dir(folder).with_context(place)?;
+    let mut found: Vec<PathBuf> =
+        found.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().with_context(place)?;
     found.sort();
     Ok(found)
 }

@@ -1,36 +1,39 @@
 //! Threads on and in a body: where their segments lie, and the force along each.
 //!
-//! `windings.csv` has both ends of each segment at rest. Each is found on a facet of the mesh, at the weights b and c of
-//! its second and third corner. The page interpolates the displacement of the facet's nodes there, in every state, as
-//! the solver does. Facets inside the body are known where the page has its cells. A thread at a depth below its tag has
-//! ends inside cells, too: segments that meet there are joined, and what is left of one at an end of the thread goes.
+//! `windings.csv` has the facet or the tetrahedron of each segment, and the weights of both of its ends there. The page
+//! interpolates the displacement of a facet's nodes, in every state, as the solver does. Facets inside the body are known
+//! where the page has its cells. A thread at a depth below its tag has ends inside cells, too: segments that meet there
+//! are joined, and what is left of one at an end of the thread goes.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use mesh::bvh::{Closest, SurfaceBvh};
+use mesh::bvh::SurfaceBvh;
 use mesh::io::read_text;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::{SurfaceMesh, Vec3, facet_key};
+use reports::{Segment, WINDINGS};
 use serde_json::{Value, json};
 
 use crate::solid::Solid;
 use crate::store::Store;
 
-/// The file beside a state.
-const FILE: &str = "windings.csv";
-/// Columns of `windings.csv` behind the name: where the ends are at rest, and the force.
-const NUMBERS: usize = 13;
-/// Farthest that an end may lie from a facet, as a part of the size of the body [1].
-const ON: f64 = 1e-6;
+/// A weight of a tetrahedron's vertex that is rounding: the end of a segment is on the facet of the others [1].
+const ON: f64 = 1e-9;
 
 /// Ends of segments that are nearer than this are one point [m].
 const SAME: f64 = 1e-9;
+
+/// The vertices of a facet, and their weights at a point on it.
+type Spot = [(usize, f64); 3];
 
 /// Ends of segments, and what joins two of them.
 #[derive(Debug, Default, PartialEq)]
 struct Lines {
     /// Ends at rest [m]. Segments that follow each other share one.
     points: Vec<Vec3>,
+    /// Where each of them is; none inside a cell.
+    spots: Vec<Option<Spot>>,
     /// First and last point of each segment.
     segments: Vec<[usize; 2]>,
     /// Mean force along each [N].
@@ -38,34 +41,28 @@ struct Lines {
 }
 
 impl Lines {
-    fn read(path: &Path) -> Result<Self> {
+    fn new(segments: &[Segment]) -> Self {
         let mut lines = Self::default();
-        for (i, row) in read_text(path)?.lines().enumerate().skip(1) {
-            let row = numbers(row).with_context(|| {
-                format!(
-                    "{}: line {} does not end with {NUMBERS} finite numbers; expected the file that `solver \
-                     simulate` writes",
-                    path.display(),
-                    i + 1
-                )
-            })?;
-            let end = |first: usize| Vec3::from_column_slice(&row[first..first + 3]);
-            lines.add(end(0), end(6), row[NUMBERS - 1]);
+        for segment in segments {
+            let point = |end: usize| {
+                let end = &segment.ends[end];
+                (Vec3::from(end.rest), spot(&segment.vertices, &end.weights))
+            };
+            lines.add(point(0), point(1), segment.force);
         }
-        Ok(lines)
+        lines
     }
 
-    fn add(&mut self, start: Vec3, end: Vec3, force: f64) {
-        if self.points.last().is_none_or(|last| (last - start).norm() > SAME) {
-            self.points.push(start);
+    fn add(&mut self, start: (Vec3, Option<Spot>), end: (Vec3, Option<Spot>), force: f64) {
+        let follows = self.points.last().is_some_and(|last| (last - start.0).norm() <= SAME);
+        for (point, spot) in Some(start).filter(|_| !follows).into_iter().chain([end]) {
+            self.points.push(point);
+            self.spots.push(spot);
         }
-        self.points.push(end);
         self.segments.push([self.points.len() - 2, self.points.len() - 1]);
         self.forces.push(force);
     }
-}
 
-impl Lines {
     /// The lines without some points: segments that meet in one of them are joined, with their mean force.
     fn without(self, is_gone: impl Fn(usize) -> bool) -> Self {
         let numbers: Vec<Option<usize>> = (0..self.points.len())
@@ -91,113 +88,37 @@ impl Lines {
                 lines.forces.push(pulled / length);
             }
         }
-        let points = self.points.into_iter().zip(numbers);
-        lines.points = points.filter_map(|(point, number)| number.map(|_| point)).collect();
+        let points = self.points.into_iter().zip(self.spots).zip(numbers);
+        (lines.points, lines.spots) =
+            points.filter_map(|(point, number)| number.map(|_| point)).unzip();
         lines
     }
 }
 
-/// The last numbers of a row, whose name may have commas.
-fn numbers(row: &str) -> Option<[f64; NUMBERS]> {
-    let mut found = [0.0; NUMBERS];
-    let mut cells = row.rsplit(',');
-    for number in found.iter_mut().rev() {
-        *number = cells.next()?.trim().parse().ok().filter(|x: &f64| x.is_finite())?;
-    }
-    Some(found)
+/// The facet on which a point is that has these weights by the vertices of a tetrahedron, or of a facet.
+fn spot(vertices: &[usize; 4], weights: &[f64; 4]) -> Option<Spot> {
+    let least = (0..4).rev().min_by(|&a, &b| weights[a].abs().total_cmp(&weights[b].abs()))?;
+    let out = if vertices[3] == vertices[2] { 3 } else { least };
+    let mut others = (0..4).filter(|k| *k != out).map(|k| (vertices[k], weights[k]));
+    let facet = [others.next()?, others.next()?, others.next()?];
+    (weights[out].abs() <= ON).then_some(facet)
 }
 
-/// Facets of a mesh, to find points on.
-struct Facets {
-    /// Nodes per facet.
-    nodes: usize,
-    /// Nodes of all facets, corners first.
-    all: Vec<usize>,
-    surface: SurfaceMesh,
-    tree: SurfaceBvh,
+/// Facets by their corners, each with all of its nodes.
+fn by_corners(per_facet: usize, nodes: &[usize]) -> HashMap<[usize; 3], &[usize]> {
+    let facets = nodes.chunks_exact(per_facet);
+    facets.map(|facet| (facet_key([facet[0], facet[1], facet[2]]), facet)).collect()
 }
 
-impl Facets {
-    fn new(points: &[Vec3], nodes: usize, all: Vec<usize>) -> Self {
-        let triangles = all.chunks_exact(nodes).map(|f| [f[0], f[1], f[2]]).collect();
-        let surface = SurfaceMesh { vertices: points.to_vec(), triangles };
-        let tree = SurfaceBvh::new(&surface);
-        Self { nodes, all, surface, tree }
-    }
-
-    /// The nodes of the facet on which a point was found, and the weights of its second and third corner there.
-    fn spot(&self, found: &Closest) -> (Vec<usize>, [f64; 2]) {
-        let first = self.nodes * found.triangle;
-        let corners = self.surface.corners(found.triangle);
-        (self.all[first..first + self.nodes].to_vec(), weights(&found.point, &corners))
-    }
-}
-
-/// Weights of the second and third corner of a triangle at a point in its plane.
-fn weights(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 2] {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let normal = ab.cross(&ac);
-    let area = normal.norm_squared();
-    [ap.cross(&ac).dot(&normal) / area, ab.cross(&ap).dot(&normal) / area]
-}
-
-/// Where points lie: the facet of each among those that are used, its weights there, and the largest depth below the
-/// boundary [m].
-struct Spots {
-    facets: Vec<usize>,
-    facet_of_point: Vec<usize>,
-    places: Vec<f64>,
-    depth: f64,
-}
-
-/// Finds the points of lines on the facets of a solid, and lets lines without those that are on none; none where no
-/// segment is left.
-fn spots(solid: &Solid, lines: Lines) -> Option<(Lines, Spots)> {
-    let size = extent(solid.points());
+/// The largest depth of points below the boundary [m].
+fn depth(solid: &Solid, points: &[Vec3]) -> f64 {
     let (nodes, outer) = solid.boundary();
-    let outer = Facets::new(solid.points(), nodes, outer.to_vec());
-    let near: Vec<Closest> = lines.points.iter().map(|p| outer.tree.closest(p)).collect();
-    let depth = near.iter().map(|found| found.distance).fold(0.0, f64::max);
-    let is_on = |found: &Closest| found.distance <= ON * size;
-    let inner = if near.iter().all(is_on) {
-        None
-    } else {
-        Some(Facets::new(solid.points(), nodes, solid.sides_of_cells()?))
-    };
-    let place = |(p, found): (&Vec3, &Closest)| match &inner {
-        Some(inner) if !is_on(found) => {
-            let found = inner.tree.closest(p);
-            is_on(&found).then(|| inner.spot(&found))
-        }
-        _ => Some(outer.spot(found)),
-    };
-    let places: Vec<_> = lines.points.iter().zip(&near).map(place).collect();
-    let lines = lines.without(|point| places[point].is_none());
-    if lines.segments.is_empty() {
-        return None;
-    }
-    let mut spots = Spots { facets: vec![], facet_of_point: vec![], places: vec![], depth };
-    let mut known = std::collections::HashMap::new();
-    for (facet, place) in places.into_iter().flatten() {
-        let next = known.len();
-        let number = *known.entry(facet).or_insert_with_key(|facet| {
-            spots.facets.extend(facet);
-            next
-        });
-        spots.facet_of_point.push(number);
-        spots.places.extend(place);
-    }
-    Some((lines, spots))
+    let triangles = outer.chunks_exact(nodes).map(|f| [f[0], f[1], f[2]]).collect();
+    let tree = SurfaceBvh::new(&SurfaceMesh { vertices: solid.points().to_vec(), triangles });
+    points.iter().map(|p| tree.closest(p).distance).fold(0.0, f64::max)
 }
 
-/// Length of the diagonal of the box around points.
-fn extent(points: &[Vec3]) -> f64 {
-    let Some(first) = points.first() else { return 0.0 };
-    let (low, high) = points.iter().fold((*first, *first), |(a, b), p| (a.inf(p), b.sup(p)));
-    (high - low).norm()
-}
-
-/// The threads of a run in `folder` on its solid; null where it has none, or where they cannot be found on the solid.
+/// The threads of a run in `folder` on its solid; null where it has none, or where they are on none of its facets.
 /// `largest` is the largest force in the report [N].
 pub fn packed(
     folder: &Path,
@@ -205,107 +126,69 @@ pub fn packed(
     largest: Option<f64>,
     store: &mut Store,
 ) -> Result<Value> {
-    let path = folder.join(FILE);
+    let path = folder.join(WINDINGS);
     if !path.exists() {
         return Ok(Value::Null);
     }
-    let lines = Lines::read(&path)?;
+    let segments = Segment::all(&read_text(&path)?).map_err(anyhow::Error::msg);
+    let lines = Lines::new(&segments.with_context(|| path.display().to_string())?);
     if lines.segments.is_empty() {
         return Ok(Value::Null);
     }
-    let Some((lines, spots)) = spots(solid, lines) else {
+    let deepest = depth(solid, &lines.points);
+    let (nodes, outer) = solid.boundary();
+    let sides = solid.sides_of_cells().unwrap_or_default();
+    let facets = [by_corners(nodes, outer), by_corners(nodes, &sides)];
+    let facet = |spot: &Option<Spot>| {
+        let key = facet_key((*spot)?.map(|(vertex, _)| vertex));
+        facets.iter().find_map(|facets| facets.get(&key)).copied()
+    };
+    let is_known: Vec<bool> = lines.spots.iter().map(|spot| facet(spot).is_some()).collect();
+    let lines = lines.without(|point| !is_known[point]);
+    if lines.segments.is_empty() {
         let why = "its threads are not on facets of the body that the page has";
         log::warn!("{}: {why}, so that they are left out", path.display());
         return Ok(Value::Null);
-    };
-    let (nodes, _) = solid.boundary();
+    }
+    let (mut known, mut used) = (HashMap::new(), Vec::new());
+    let (mut facet_of_point, mut places) = (Vec::new(), Vec::new());
+    for spot in lines.spots.iter().flatten() {
+        let Some(found) = facet(&Some(*spot)) else { continue };
+        let next = known.len();
+        let number = *known.entry(found).or_insert_with(|| {
+            used.extend(found);
+            next
+        });
+        facet_of_point.push(number);
+        let weight = |corner: usize| spot.iter().find(|(v, _)| *v == found[corner]).map(|s| s.1);
+        places.extend([1, 2].map(|corner| weight(corner).unwrap_or_default()));
+    }
     let most = lines.forces.iter().copied().fold(0.0, f64::max);
     Ok(json!({
-        "facets": store.indices(&solid.numbers_of(&spots.facets), nodes),
-        "facetOfPoint": store.indices(&spots.facet_of_point, 1),
-        "places": store.numbers(&spots.places, 2),
+        "facets": store.indices(&solid.numbers_of(&used), nodes),
+        "facetOfPoint": store.indices(&facet_of_point, 1),
+        "places": store.numbers(&places, 2),
         "segments": store.indices(&lines.segments.concat(), 2),
         "forces": store.numbers(&lines.forces, 1),
         "largest": largest.unwrap_or(most),
-        "depth": spots.depth,
+        "depth": deepest,
     }))
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
-    use mesh::io::MshFile;
-    use mesh::{Tags, TetMesh};
-
     use super::*;
 
-    /// Two tetrahedra that share the facet between the unit points.
-    fn pair() -> Solid {
-        let vertices =
-            vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(1.0, 1.0, 1.0)];
-        let mesh = TetMesh { vertices, tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]] };
-        Solid::of_mesh(&MshFile { mesh, tags: Tags::new(vec![]) })
-    }
-
-    /// Where the page will have a point.
-    fn interpolated(solid: &Solid, spots: &Spots, point: usize) -> Vec3 {
-        let facet = &spots.facets[3 * spots.facet_of_point[point]..][..3];
-        let [b, c] = [spots.places[2 * point], spots.places[2 * point + 1]];
-        let corner = |i: usize| solid.points()[facet[i]];
-        (1.0 - b - c) * corner(0) + b * corner(1) + c * corner(2)
-    }
-
+    /// The facet of a tetrahedron that a point is on, and none of one inside.
     #[test]
-    fn points_are_found_outside_and_inside() {
-        let solid = pair();
-        let third = 1.0 / 3.0;
-        let points = [
-            Vec3::new(0.25, 0.5, 0.0),
-            Vec3::new(0.0, 0.0, 0.7),
-            Vec3::new(third, third, third),
-            Vec3::new(0.2, 0.5, 0.3),
-        ];
-        let along = |points: &[Vec3]| {
-            let mut lines = Lines::default();
-            points.windows(2).for_each(|ends| lines.add(ends[0], ends[1], 1.0));
-            lines
-        };
-        let (_, found) = spots(&solid, along(&points)).unwrap();
-        for (i, point) in points.iter().enumerate() {
-            assert!((interpolated(&solid, &found, i) - point).norm() < 1e-12, "{point}");
-        }
-        // from the middle of the facet between both, the nearest side of the cube's corner is a third away
-        assert!((found.depth - third).abs() < 1e-12, "{}", found.depth);
-        let inside = Vec3::new(0.1, 0.1, 0.1);
-        let (lines, _) = spots(&solid, along(&[points[0], inside, points[1]])).unwrap();
-        assert_eq!(lines.segments, [[0, 1]]);
-        assert!(spots(&solid, along(&[points[0], inside])).is_none(), "on no facet");
+    fn points_are_on_facets() {
+        let corners = |spot: Option<Spot>| spot.map(|spot| spot.map(|(vertex, _)| vertex));
+        assert_eq!(corners(spot(&[7, 8, 9, 9], &[0.2, 0.3, 0.5, 0.0])), Some([7, 8, 9]));
+        assert_eq!(corners(spot(&[7, 8, 9, 9], &[0.0, 0.3, 0.7, 0.0])), Some([7, 8, 9]));
+        assert_eq!(corners(spot(&[6, 7, 8, 9], &[0.2, 1e-17, 0.3, 0.5])), Some([6, 8, 9]));
+        assert_eq!(spot(&[6, 7, 8, 9], &[0.25; 4]), None);
     }
 
-    #[test]
-    fn segments_that_follow_each_other_share_a_point() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join(FILE);
-        let row =
-            |name: &str, a: &str, b: &str, f: &str| format!("{name},{a},9,9,9,{b},9,9,9,{f}\n");
-        let head = "winding,…\n".to_owned();
-        let body = row("t", "0,0,0", "1,0,0", "0.5")
-            + &row("t", "1,0,0", "0,1,0", "0")
-            + &row("\"u, v\"", "0,0,1", "0,1,0", "2");
-        std::fs::write(&path, head.clone() + &body).unwrap();
-        let lines = Lines::read(&path).unwrap();
-        assert_eq!(lines.segments, [[0, 1], [1, 2], [3, 4]]);
-        assert_eq!((lines.points.len(), &lines.forces[..]), (5, &[0.5, 0.0, 2.0][..]));
-
-        let mut store = Store::default();
-        let packed = packed(dir.path(), &pair(), None, &mut store).unwrap();
-        assert_eq!((&packed["largest"], &packed["depth"]), (&json!(2.0), &json!(0.0)));
-        std::fs::write(&path, head + &row("t", "0,0,0", "1,0,x", "0.5")).unwrap();
-        let message = Lines::read(&path).unwrap_err().to_string();
-        assert!(message.contains("line 2") && message.contains("13 finite numbers"), "{message}");
-    }
-
-    /// One point of a line goes, then its end, and the first of another line.
     #[test]
     fn segments_are_joined_where_points_go() {
         let x = |k: usize| Vec3::new(k as f64, 0.0, 0.0);
@@ -313,20 +196,11 @@ mod tests {
         for (a, b, force) in
             [(0, 1, 1.0), (1, 3, 4.0), (3, 4, 2.0), (4, 5, 9.0), (7, 8, 9.0), (8, 9, 5.0)]
         {
-            lines.add(x(a), x(b), force);
+            lines.add((x(a), None), (x(b), None), force);
         }
         let left = lines.without(|point| [1, 4, 5].contains(&point));
         assert_eq!(left.points, [0, 3, 4, 8, 9].map(x));
         assert_eq!(left.segments, [[0, 1], [1, 2], [3, 4]]);
         assert_eq!(left.forces, [3.0, 2.0, 5.0]);
-    }
-
-    #[test]
-    fn weights_of_a_point_give_it_back() {
-        let corners =
-            [Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 0.1, 0.0), Vec3::new(0.2, 2.0, 0.4)];
-        let p = 0.2 * corners[0] + 0.3 * corners[1] + 0.5 * corners[2];
-        let [b, c] = weights(&p, &corners);
-        assert!((b - 0.3).abs() < 1e-12 && (c - 0.5).abs() < 1e-12);
     }
 }

@@ -1,7 +1,6 @@
 //! What all programs share: command line and exit codes, configuration files, hashes,
 //! progress messages and memory use.
 
-mod allocator;
 mod checkpoint;
 mod child;
 mod cli;
@@ -22,7 +21,6 @@ mod shell;
 pub mod table;
 mod terminal;
 
-pub use allocator::OrEnd;
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::{Process, beside};
 pub use cli::{Unusable, Verbosity, run};

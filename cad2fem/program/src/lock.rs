@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use mesh::io::{Unfinished, make_results, open_to_append, remove_litter};
+use mesh::io::{Unfinished, make_folder, open_to_append, remove_litter};
 
 /// The file that is locked.
 const NAME: &str = ".lock";
@@ -22,7 +22,7 @@ pub struct FolderLock {
 impl FolderLock {
     /// Makes the folder if it is missing, and locks it: from now on it is a folder of results.
     pub fn new(folder: &Path) -> Result<Self> {
-        make_results(folder)?;
+        make_folder(folder)?;
         let path = folder.join(NAME);
         let context = || path.display().to_string();
         let open = || open_to_append(&path);

@@ -1,6 +1,6 @@
 //! Title, captions, colour scale and legend.
 
-use super::color::{Rgb, Scale, encode};
+use super::color::{Rgb, Scale, encode, viridis};
 use super::font::{Anchor, Style, Weight, draw, width};
 use super::image::Image;
 
@@ -79,7 +79,7 @@ impl Key {
             Self::None => {}
             Self::Scale { name, unit, scale } => {
                 let labels = Labels::new(scale, unit);
-                draw_scale(image, ty, name, scale, &labels, [left, top, bottom]);
+                draw_scale(image, ty, name, &labels, [left, top, bottom]);
             }
             Self::Names(names) => draw_names(image, ty, names, [left, top, bottom]),
         }
@@ -90,7 +90,6 @@ fn draw_scale(
     image: &mut Image,
     ty: &Type,
     name: &str,
-    scale: &Scale,
     labels: &Labels,
     [left, top, bottom]: [f64; 3],
 ) {
@@ -101,7 +100,7 @@ fn draw_scale(
     draw(image, &labels.title(name), [left, high - 2.0 * h], Anchor::Left, &ty.text());
     for y in high as i64..low as i64 {
         let t = (low - 0.5 - y as f64) / (low - high);
-        let color = encode(scale.map.at(t));
+        let color = encode(viridis(t));
         image.fill([left, y as f64], [right, y as f64 + 1.0], color, 1.0);
     }
     frame(image, [left, high], [right, low]);
@@ -204,17 +203,16 @@ fn number(value: f64, step: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::color::Map;
     use super::*;
 
     #[test]
     fn ticks_are_round_numbers_in_a_readable_unit() {
-        let scale = Scale { min: 0.0, max: 0.0123, map: Map::Viridis };
+        let scale = Scale { min: 0.0, max: 0.0123 };
         let labels = Labels::new(&scale, "m");
         assert_eq!(labels.title("displacement"), "displacement [mm]");
         let texts: Vec<&str> = labels.ticks.iter().map(|(_, t)| t.as_str()).collect();
         assert_eq!(texts, ["0", "5", "10", "12.3"]);
-        let scale = Scale { min: -0.4, max: 0.4, map: Map::Diverging };
+        let scale = Scale { min: -0.4, max: 0.4 };
         let texts: Vec<String> = Labels::new(&scale, "").ticks.into_iter().map(|t| t.1).collect();
         assert_eq!(texts, ["−0.4", "−0.2", "0", "0.2", "0.4"]);
     }

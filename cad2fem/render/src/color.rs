@@ -58,37 +58,23 @@ pub fn section(color: Rgb) -> Rgb {
     mix(color, from_hex(0xfff6e6), 0.5)
 }
 
-/// How values become colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Map {
-    /// Perceptually uniform, dark blue to yellow: for magnitudes.
-    Viridis,
-    /// Blue, light grey, red: for values on both sides of zero.
-    Diverging,
-}
-
 /// Viridis at 0, 0.1, ..., 1 (the public-domain map of matplotlib).
 const VIRIDIS: [u32; 11] = [
     0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151,
     0xbddf26, 0xfde725,
 ];
-const DIVERGING: [u32; 9] =
-    [0x2a4b8d, 0x4a78b5, 0x85a9d1, 0xbfd0e0, 0xeae6e1, 0xe8c3b0, 0xd98f78, 0xbd5a4c, 0x8f2732];
 
 const ENTRIES: usize = 512;
-static TABLES: LazyLock<[Vec<Rgb>; 2]> = LazyLock::new(|| [table(&VIRIDIS), table(&DIVERGING)]);
+static TABLE: LazyLock<Vec<Rgb>> = LazyLock::new(table);
 
-impl Map {
-    /// Colour at `t` in 0..1, clamped.
-    pub fn at(self, t: f64) -> Rgb {
-        let index = (t.clamp(0.0, 1.0) * (ENTRIES - 1) as f64).round() as usize;
-        TABLES[self as usize][index]
-    }
+/// Colour of Viridis at `t` in 0..1, clamped.
+pub fn viridis(t: f64) -> Rgb {
+    TABLE[(t.clamp(0.0, 1.0) * (ENTRIES - 1) as f64).round() as usize]
 }
 
 /// The codes interpolated in sRGB, where the maps are near to uniform.
-fn table(codes: &[u32]) -> Vec<Rgb> {
-    let stops: Vec<Rgb> = codes.iter().map(|&code| encode(from_hex(code))).collect();
+fn table() -> Vec<Rgb> {
+    let stops: Vec<Rgb> = VIRIDIS.iter().map(|&code| encode(from_hex(code))).collect();
     (0..ENTRIES)
         .map(|i| {
             let x = i as f32 / (ENTRIES - 1) as f32 * (stops.len() - 1) as f32;
@@ -98,22 +84,20 @@ fn table(codes: &[u32]) -> Vec<Rgb> {
         .collect()
 }
 
-/// A range of values and the map that colours it.
+/// A range of values, coloured from dark blue to yellow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// Value at the lower end.
     pub min: f64,
     /// Value at the upper end.
     pub max: f64,
-    /// Colours from lower to upper end.
-    pub map: Map,
 }
 
 impl Scale {
     /// Colour of a value.
     pub fn color(&self, value: f64) -> Rgb {
         let span = self.max - self.min;
-        self.map.at(if span > 0.0 { (value - self.min) / span } else { 0.5 })
+        viridis(if span > 0.0 { (value - self.min) / span } else { 0.5 })
     }
 }
 
@@ -122,27 +106,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn curve_is_its_own_inverse() {
-        for code in [0x000000, 0x01020a, 0x7f8081, 0xffffff] {
-            let back = encode(from_hex(code)).map(|v| (255.0 * v).round() as u32);
-            assert_eq!((back[0] << 16) | (back[1] << 8) | back[2], code);
-        }
-    }
-
-    #[test]
-    fn viridis_gets_lighter_all_the_way() {
-        let luminance = |c: Rgb| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-        let steps: Vec<f32> =
-            (0..=32).map(|i| luminance(Map::Viridis.at(f64::from(i) / 32.0))).collect();
-        assert!(steps.windows(2).all(|w| w[0] < w[1]), "{steps:?}");
-    }
-
-    #[test]
     fn scale_clamps_and_survives_a_constant_field() {
-        let scale = Scale { min: 1.0, max: 3.0, map: Map::Viridis };
+        let scale = Scale { min: 1.0, max: 3.0 };
         assert_eq!(scale.color(-5.0), from_hex(VIRIDIS[0]));
-        assert_eq!(scale.color(9.0), Map::Viridis.at(1.0));
+        assert_eq!(scale.color(9.0), viridis(1.0));
         let flat = Scale { max: 1.0, ..scale };
-        assert_eq!(flat.color(1.0), Map::Viridis.at(0.5));
+        assert_eq!(flat.color(1.0), viridis(0.5));
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use mesh::topology::DisjointSets;
 use mesh::{Vec3, measure};
 
 use super::Facet;
@@ -195,21 +196,11 @@ fn features(
 
 /// For every edge, the total length of the edges that are connected with it.
 fn chain_lengths(points: &[Vec3], edges: &[[usize; 2]]) -> Vec<f64> {
-    let mut parent: Vec<usize> = (0..points.len()).collect();
-    fn root(parent: &mut [usize], mut v: usize) -> usize {
-        while parent[v] != v {
-            parent[v] = parent[parent[v]];
-            v = parent[v];
-        }
-        v
-    }
-    for &[a, b] in edges {
-        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-        parent[a.max(b)] = a.min(b);
-    }
+    let mut chains = DisjointSets::new(points.len());
+    edges.iter().for_each(|&[a, b]| chains.join(a, b));
     let mut lengths = vec![0.0; points.len()];
     for &[a, b] in edges {
-        lengths[root(&mut parent, a)] += (points[b] - points[a]).norm();
+        lengths[chains.representative(a)] += (points[b] - points[a]).norm();
     }
-    edges.iter().map(|&[a, _]| lengths[root(&mut parent, a)]).collect()
+    edges.iter().map(|&[a, _]| lengths[chains.representative(a)]).collect()
 }

@@ -73,14 +73,6 @@ mod tests {
     }
 
     #[test]
-    fn top_has_x_to_the_right() {
-        let [right, up, toward] = "top".parse::<View>().unwrap().frame();
-        assert!((right - Vec3::x()).norm() < 1e-15);
-        assert!((up - Vec3::y()).norm() < 1e-15);
-        assert!((toward - Vec3::z()).norm() < 1e-15);
-    }
-
-    #[test]
     fn bad_views_are_told_the_names() {
         for text in ["isometric", "30", "30,100", "a,b"] {
             let message = text.parse::<View>().unwrap_err();

@@ -12,6 +12,7 @@ mod simulation;
 mod stability;
 mod step;
 mod validation;
+mod windings;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
@@ -33,3 +34,4 @@ pub use stability::{
 };
 pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};
 pub use validation::{BandEnd, Comparison, MeasuredPoint, Validation};
+pub use windings::{Segment, SegmentEnd, WINDINGS};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use program::Unusable;
 
-use crate::installed::rules;
+use crate::installation::rules;
 use crate::mesher::python::Python;
 
 /// Prints what the programs need and whether it is there, and how to get what is missing; exit

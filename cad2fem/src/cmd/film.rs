@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use gif::{Encoder, Frame, Repeat};
 use log::info;
 use mesh::Vec3;
-use mesh::io::{note_results, read_text, write_atomic};
+use mesh::io::{read_text, write_atomic};
 use page::reported::Scene;
 use render::annotate::Key;
 use render::color;
@@ -115,7 +115,6 @@ struct State {
 }
 
 fn of_folder(folder: &Path) -> Result<Vec<Step>> {
-    note_results(folder);
     let report = folder.join("report.json");
     let text = read_text(&report)?;
     let Report { config, steps } =

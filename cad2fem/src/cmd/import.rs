@@ -12,7 +12,7 @@ use program::FolderLock;
 use crate::import::repair::Repair;
 use crate::import::source::Reader;
 use crate::import::{Request, import};
-use crate::labelled::{Facts, LabelledSurface};
+use crate::model::{Facts, LabelledSurface};
 use crate::report::Input;
 use crate::units::Unit;
 

@@ -7,10 +7,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use mesh::io::remove_litter;
 use program::{Change, FolderLock, Unusable};
 
-use crate::cad::{self, CadOptions, parse_number};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
-use crate::labelled::{Facts, LabelledSurface, remove_stamp};
 use crate::mesher::gmsh::Kind;
+use crate::model::cad::{self, CadOptions, parse_number};
+use crate::model::{Facts, LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
@@ -84,11 +84,14 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
     let fields = Fields::new(model, args.fine);
     let skin = surface(model, &fields).with_context(|| args.file.display().to_string())?;
     let region = assign(model, &fields, &skin);
-    let (surface, thin, names) = (skin.surface, skin.thin, model.region_names());
-    let (inside, volumes) = (Vec::new(), Vec::new());
-    let facts = Facts { chord_error: skin.chord_error, ..Facts::default() };
-    let import = None;
-    let labelled = LabelledSurface { surface, names, region, inside, volumes, thin, import, facts };
+    let labelled = LabelledSurface {
+        surface: skin.surface,
+        names: model.region_names(),
+        region,
+        thin: skin.thin,
+        facts: Facts { chord_error: skin.chord_error, ..Facts::default() },
+        ..LabelledSurface::default()
+    };
     finish(args, &labelled, folder, input.clone(), start)
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use mesh::io::write_atomic;
 
-use crate::installed::SPECIAL;
+use crate::installation::SPECIAL;
 use crate::template::Template;
 
 /// Writes a folder with all files of a body, which can be made at once and then changed

@@ -8,8 +8,8 @@ use mesh::io::write_surface;
 use mesh::measure::{diagonal, enclosed_volume};
 use mesh::topology::boundary_loops;
 
-use crate::offset::offset;
 use crate::report::read_in;
+use crate::selection::offset;
 use crate::units::Unit;
 
 /// Distance over the diagonal of the bounding box unless --distance is given.

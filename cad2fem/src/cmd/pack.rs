@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use mesh::io::{note_results, read_bytes, read_text, write_atomic};
+use mesh::io::{read_bytes, read_text, write_atomic};
 use page::contents;
 use page::reported::{Provenance, read};
 use page::survey::{Survey, entries, name};
@@ -49,7 +49,6 @@ pub struct Args {
 /// Runs the verb.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
-    note_results(&args.folder);
     let is_zip = args.output.extension().is_some_and(|e| e == "zip");
     ensure!(is_zip, "{}: the name must end with .zip", args.output.display());
     let survey = Survey::of(&args.folder)?;

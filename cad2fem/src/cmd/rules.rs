@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::installed::{SPECIAL, rules};
+use crate::installation::{SPECIAL, rules};
 
 /// Prints the path of the rules for make that belong to this program; the Makefile of a body includes them
 #[derive(Debug, clap::Args)]

@@ -2,8 +2,8 @@
 
 use program::schema::Format;
 
-use crate::config::Config;
 use crate::implicit::Model;
+use crate::tetmesh::config::Config;
 
 /// What the verb can print.
 pub const FORMATS: &[Format] =

@@ -11,12 +11,12 @@ use mesh::{SurfaceMesh, Tags};
 use program::Changes;
 use serde::Serialize;
 
-use crate::cache::Cache;
-use crate::config::{Config, Tetmesh};
-use crate::layers::{Layers, append};
+use crate::mesher::layers::{Layers, append};
 use crate::mesher::python::Python;
 use crate::report::{Input, read_in};
-use crate::tetrahedralize::{Outcome, Request, prepare, tetrahedralize};
+use crate::tetmesh::cache::Cache;
+use crate::tetmesh::config::{Config, Tetmesh};
+use crate::tetmesh::{Outcome, Request, prepare, tetrahedralize};
 use crate::units::Unit;
 
 /// Edges wanted, over the longest of a surface that stays, from which on a user expects a coarser mesh.
@@ -58,9 +58,6 @@ pub struct Args {
     /// Envelope around the input [diagonal of the bounding box]
     #[arg(long, value_name = "F")]
     relative_envelope: Option<f64>,
-    /// Energy at which an element is good enough, 3 is regular
-    #[arg(long, value_name = "E")]
-    stop_energy: Option<f64>,
     /// Turn an inward-facing outer surface instead of refusing it
     #[arg(long)]
     orient: bool,
@@ -167,7 +164,6 @@ impl Args {
             settings.envelope = self.envelope;
             settings.relative_envelope = self.relative_envelope;
         }
-        settings.stop_energy = self.stop_energy.unwrap_or(settings.stop_energy);
         Ok(settings)
     }
 }

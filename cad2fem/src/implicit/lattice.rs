@@ -113,36 +113,3 @@ fn tetrahedra(sides: &Sides, middle: &Vec3, faces: &[(Cube, usize)]) -> Complex 
     complex.on = vec![0; complex.vertices.len()];
     complex
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::super::{Fields, Model};
-    use super::*;
-    use mesh::measure::tet_volume;
-
-    #[test]
-    fn cubes_around_a_ball_are_filled_once() {
-        let model: Model = toml::from_str(
-            "unit = 'mm'\ngrid = 0.5\nregion = []\nsolid = [{ name = 'ball', shape.sphere = { center = \
-             [0.1, 0, 0], radius = 5 } }]",
-        )
-        .unwrap();
-        let fields = Fields::new(&model, false);
-        let sides = Sides::new(&model, &fields, 0.5).unwrap();
-        let complex = lattice(&sides, model.bounds()).unwrap();
-        let corners = |t: &[u32; 4]| t.map(|v| complex.vertices[v as usize] / sides.metres);
-        let volumes = complex.tets.iter().map(|t| {
-            let [a, b, c, d] = corners(t);
-            tet_volume(a, b, c, d)
-        });
-        // A lattice tetrahedron has a twelfth of its cube.
-        assert!(volumes.clone().all(|v| (v * 12.0 / 0.125 - 1.0).abs() < 1e-3));
-        let shell = 4.0 / 3.0 * std::f64::consts::PI * (5.5_f64.powi(3) - 4.5_f64.powi(3));
-        let volume: f64 = volumes.sum();
-        assert!((shell..2.0 * shell).contains(&volume), "{volume} of a shell of {shell} mm³");
-        // Whatever is left out is far from the surface.
-        let inner = complex.tets.iter().flat_map(corners).map(|p| fields.solid.at(&p));
-        assert!(inner.clone().any(|d| d < -0.5) && inner.clone().any(|d| d > 0.5));
-    }
-}

@@ -370,16 +370,7 @@ impl Model {
 
     /// A box around the body, with room for blends and for a grid cell [unit].
     pub fn bounds(&self) -> Bounds {
-        self.bounds_of(&self.solid)
-    }
-
-    /// Such a box around what is taken out of the body; `None` if nothing is.
-    pub fn cavity_bounds(&self) -> Option<Bounds> {
-        (!self.cavity.is_empty()).then(|| self.bounds_of(&self.cavity))
-    }
-
-    fn bounds_of(&self, primitives: &[Primitive]) -> Bounds {
-        let bodies = primitives.iter().filter(|p| p.is_body());
+        let bodies = self.solid.iter().filter(|p| p.is_body());
         let boxes = bodies.flat_map(|p| {
             let images = [Some(&p.shape).cloned(), p.mirror.then(|| p.shape.mirrored())];
             // A smooth union adds at most a quarter of its blend width.
@@ -477,11 +468,5 @@ mod tests {
             let message = error(&text);
             assert!(message.contains(expected), "{expected:?} not in {message:?}");
         }
-    }
-
-    #[test]
-    fn the_bounds_hold_the_body_with_a_margin() {
-        let model = ModelFile::parse(BALL).unwrap().model;
-        assert_eq!(model.bounds(), (Vec3::repeat(-7.0), Vec3::repeat(7.0)));
     }
 }

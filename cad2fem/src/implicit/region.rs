@@ -6,7 +6,7 @@ use super::model::{Model, Primitive, Region};
 use super::{Cuboid, Fields, Part, Skin};
 
 /// What the conditions of a region look at.
-struct Site {
+struct Triangle {
     centroid: Vec3,
     /// What it is a part of.
     part: Part,
@@ -20,14 +20,14 @@ pub fn assign(model: &Model, fields: &Fields, skin: &Skin) -> Vec<Option<usize>>
     let names = model.region_names();
     (0..skin.surface.triangles.len())
         .map(|t| {
-            let site = Site::of(model, fields, skin, t);
-            let region = model.region.iter().find(|r| r.takes(model, &site))?;
+            let triangle = Triangle::of(model, fields, skin, t);
+            let region = model.region.iter().find(|r| r.takes(model, &triangle))?;
             names.iter().position(|n| *n == region.name)
         })
         .collect()
 }
 
-impl Site {
+impl Triangle {
     fn of(model: &Model, fields: &Fields, skin: &Skin, t: usize) -> Self {
         let centroid = skin.surface.centroid(t) / model.unit.metres();
         let part = skin.part[t];
@@ -41,22 +41,22 @@ impl Site {
 }
 
 impl Region {
-    fn takes(&self, model: &Model, site: &Site) -> bool {
+    fn takes(&self, model: &Model, triangle: &Triangle) -> bool {
         let on_cut =
-            |name: &String| matches!(site.part, Part::Cut(c) if model.cut[c].name == *name);
+            |name: &String| matches!(triangle.part, Part::Cut(c) if model.cut[c].name == *name);
         let near_one = |names: &[String], bodies: &[Primitive]| {
-            site.body.is_some_and(|b| names.contains(&bodies[b].name))
+            triangle.body.is_some_and(|b| names.contains(&bodies[b].name))
         };
         let on_primitive =
-            |names: &Vec<String>| site.part == Part::Outside && near_one(names, &model.solid);
+            |names: &Vec<String>| triangle.part == Part::Outside && near_one(names, &model.solid);
         let in_cavity = || {
             let names = self.cavity.names();
-            site.part == Part::Cavity && (names.is_empty() || near_one(names, &model.cavity))
+            triangle.part == Part::Cavity && (names.is_empty() || near_one(names, &model.cavity))
         };
         self.cut.as_ref().is_none_or(on_cut)
             && (!self.cavity.is_given() || in_cavity())
             && self.primitives.as_ref().is_none_or(on_primitive)
-            && self.within.is_none_or(|w| w.contains(&site.centroid))
+            && self.within.is_none_or(|w| w.contains(&triangle.centroid))
     }
 }
 

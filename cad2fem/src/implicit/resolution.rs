@@ -1,7 +1,7 @@
 //! Whether a grid resolves a model: its thin primitives, its walls, and how its surface bends.
 
 use anyhow::Result;
-use mesh::measure::{enclosed_volume, triangle_area, triangle_normal};
+use mesh::measure::{enclosed_volume, longest_edge, triangle_area, triangle_normal};
 use mesh::topology::{boundary_loops, edge_facets};
 use mesh::{SurfaceMesh, Vec3, walls};
 
@@ -80,8 +80,7 @@ pub fn remark_on_spikes(model: &Model, skin: &Skin, grid: f64) {
     let (surface, metres) = (&skin.surface, model.unit.metres());
     let is_needle = |t: usize| {
         let [a, b, c] = surface.corners(t);
-        let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-        2.0 * triangle_area(a, b, c) < LOW * grid * metres * longest
+        2.0 * triangle_area(a, b, c) < LOW * grid * metres * longest_edge([a, b, c])
     };
     let normal = |t: usize| {
         let [a, b, c] = surface.corners(t);

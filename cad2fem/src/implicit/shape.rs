@@ -334,10 +334,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn pitch_turns_x_down() {
-        let x = Rotation::from([90.0, 0.0, 0.0]).0 * Vec3::x();
-        assert!((x + Vec3::z()).norm() < 1e-12);
-    }
 }

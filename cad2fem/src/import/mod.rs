@@ -24,8 +24,8 @@ use mesh::{SurfaceMesh, Vec3, check};
 use nalgebra::Matrix3;
 use program::Unusable;
 
-use crate::labelled::{Facts, LabelledSurface};
-use crate::record::Record;
+use crate::model::record::Record;
+use crate::model::{Facts, LabelledSurface};
 use crate::report::findings;
 use repair::Repair;
 use source::Reader;
@@ -48,19 +48,15 @@ pub struct Patched {
 impl Patched {
     /// Some of the triangles, with the vertices that they use.
     pub fn part(&self, triangles: &[usize]) -> Self {
-        let chosen: Vec<_> = triangles.iter().map(|&t| self.surface.triangles[t]).collect();
         Self {
-            surface: mesh::topology::submesh(&self.surface.vertices, &chosen).0,
+            surface: self.surface.part(triangles),
             patch: triangles.iter().map(|&t| self.patch[t]).collect(),
         }
     }
 
     /// More triangles, with vertices of their own.
     pub fn add(&mut self, more: Self) {
-        let offset = self.surface.vertices.len();
-        self.surface.vertices.extend(more.surface.vertices);
-        let triangles = more.surface.triangles.iter().map(|corners| corners.map(|v| v + offset));
-        self.surface.triangles.extend(triangles);
+        self.surface.append(&more.surface);
         self.patch.extend(more.patch);
     }
 }
@@ -231,16 +227,13 @@ fn labelled(body: Patched, patches: &Patches, record: Record, facts: Facts) -> L
     used.dedup();
     let region = body.patch.iter().map(|patch| used.binary_search(patch).ok()).collect();
     let names = used.iter().map(|&patch| patches.name(patch).to_owned()).collect();
-    let (inside, volumes) = (Vec::new(), Vec::new());
     let import = Some(record);
     LabelledSurface {
         surface: body.surface,
         names,
         region,
-        inside,
-        volumes,
-        thin: Vec::new(),
         import,
         facts,
+        ..LabelledSurface::default()
     }
 }

@@ -26,13 +26,13 @@ use program::Unusable;
 use super::fill::fill;
 use super::weld::weld;
 use super::{Patched, Patches, THIN};
-use crate::layers::Layers;
 use crate::mesher::ftetwild::FTetWild;
+use crate::mesher::layers::Layers;
 use crate::mesher::python::Python;
 use crate::mesher::{Options, TetMesher as _};
-use crate::record::Record;
+use crate::model::record::Record;
 use crate::report::findings;
-use crate::tetrahedralize::{settle, tidy};
+use crate::tetmesh::{settle, tidy};
 
 /// Vertices of a shell by which it is said to lie inside another.
 const PROBES: usize = 200;
@@ -91,7 +91,7 @@ impl Repair {
             name_cavities(&mut raw, patches);
             return solid_of(&raw).with_context(|| shown.to_string());
         }
-        let (shells, inward) = shells_of(&parted(&raw));
+        let (shells, inward) = shells_of(&raw, &parted(&raw.surface.triangles));
         let sound = |shell: &Patched| check::run(&shell.surface, &NEEDED).is_empty();
         if shells.len() > 1 && shells.iter().all(sound) {
             return united(&shells, &inward, file, record);
@@ -281,23 +281,19 @@ fn depths(shells: &[Patched]) -> Vec<usize> {
     (0..shells.len()).map(depth).collect()
 }
 
-/// Shells that meet in edges, with vertices of their own again: welding has made one of them. They are what hangs together
-/// by edges of two triangles.
-fn parted(raw: &Patched) -> Patched {
-    let mut shells = DisjointSets::new(raw.patch.len());
-    for beside in edge_facets(&raw.surface.triangles).into_values() {
+/// What hangs together by edges of two triangles: shells that meet in edges, of which welding has made one, are several again.
+fn parted(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
+    let mut shells = DisjointSets::new(triangles.len());
+    for beside in edge_facets(triangles).into_values() {
         if let [s, t] = beside[..] {
             shells.join(s, t);
         }
     }
-    shells.groups().iter().fold(Patched::default(), |mut all, shell| {
-        all.add(raw.part(shell));
-        all
-    })
+    shells.groups()
 }
 
-/// The connected shells. Those that are closed face outward; which of them faced inward.
-fn shells_of(raw: &Patched) -> (Vec<Patched>, Vec<bool>) {
+/// Shells with vertices of their own. Those that are closed face outward; which of them faced inward.
+fn shells_of(raw: &Patched, groups: &[Vec<usize>]) -> (Vec<Patched>, Vec<bool>) {
     let turned = |shell: &Vec<usize>| {
         let mut part = raw.part(shell);
         let closed = boundary_edges(&part.surface.triangles).is_empty();
@@ -307,7 +303,7 @@ fn shells_of(raw: &Patched) -> (Vec<Patched>, Vec<bool>) {
         }
         (part, inward)
     };
-    components(&raw.surface.triangles).iter().map(turned).unzip()
+    groups.iter().map(turned).unzip()
 }
 
 /// Shells that are sound each by itself, but cross: the union of those at even depth without those
@@ -332,7 +328,7 @@ fn united(shells: &[Patched], inward: &[bool], file: &Path, record: &mut Record)
 
 /// All shells together; those that are closed and inside an odd number of others face inward.
 fn oriented(raw: &Patched) -> Patched {
-    let (mut shells, _) = shells_of(raw);
+    let (mut shells, _) = shells_of(raw, &components(&raw.surface.triangles));
     let depth = depths(&shells);
     for (shell, depth) in shells.iter_mut().zip(depth) {
         if depth % 2 == 1 && boundary_edges(&shell.surface.triangles).is_empty() {

@@ -12,11 +12,11 @@ use mesh::topology::boundary;
 use program::{InputFile, sha256_file};
 
 use super::{Patched, Patches};
-use crate::cad::{CadOptions, read_faces};
-use crate::labelled::Facts;
 use crate::mesher::gmsh::{Faces, Kind};
-use crate::record::{Known, Source};
-use crate::solids::Solids;
+use crate::model::Facts;
+use crate::model::cad::{CadOptions, read_faces};
+use crate::model::record::{Known, Source};
+use crate::model::solids::Solids;
 use crate::units::{Unit, guess};
 
 /// How files are read.

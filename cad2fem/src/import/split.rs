@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use mesh::measure::{triangle_area, triangle_normal};
-use mesh::topology::edge_facets;
+use mesh::topology::{DisjointSets, edge_facets};
 
 use super::{Patched, Patches};
 
@@ -12,69 +12,48 @@ const MOST: usize = 300;
 /// Parts every patch at edges where its triangles enclose more than `angle` [deg]; the pieces have
 /// the name of the patch and a number, the largest first.
 pub fn split(mut body: Patched, angle: f64, patches: &mut Patches) -> Result<Patched> {
-    let piece = pieces(&body, angle);
-    let count = piece.iter().max().map_or(0, |most| most + 1);
+    let pieces = pieces(&body, angle);
+    let count = pieces.len();
     ensure!(
         count <= MOST,
         "--split {angle} makes {count} patches, {MOST} at most are useful: give a larger angle"
     );
-    let mut area = vec![0.0; count];
-    let mut patch_of = vec![0; count];
-    for (t, &p) in piece.iter().enumerate() {
-        let [a, b, c] = body.surface.corners(t);
-        area[p] += triangle_area(a, b, c);
-        patch_of[p] = body.patch[t];
-    }
+    let area_of = |t: &usize| {
+        let [a, b, c] = body.surface.corners(*t);
+        triangle_area(a, b, c)
+    };
+    let area: Vec<f64> = pieces.iter().map(|piece| piece.iter().map(area_of).sum()).collect();
+    let patch_of: Vec<u32> = pieces.iter().map(|piece| body.patch[piece[0]]).collect();
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|&a, &b| patch_of[a].cmp(&patch_of[b]).then(area[b].total_cmp(&area[a])));
-    let mut renamed = patch_of.clone();
     for same in order.chunk_by(|&a, &b| patch_of[a] == patch_of[b]).filter(|same| same.len() > 1) {
         let name = patches.name(patch_of[same[0]]).to_owned();
         for (number, &p) in (1..).zip(same) {
-            renamed[p] = patches.index(&format!("{name}-{number}"));
+            let renamed = patches.index(&format!("{name}-{number}"));
+            pieces[p].iter().for_each(|&t| body.patch[t] = renamed);
         }
     }
-    body.patch = piece.iter().map(|&p| renamed[p]).collect();
     Ok(body)
 }
 
-/// For each triangle the number of its piece.
-fn pieces(body: &Patched, angle: f64) -> Vec<usize> {
+/// The triangles of each piece.
+fn pieces(body: &Patched, angle: f64) -> Vec<Vec<usize>> {
     let triangles = &body.surface.triangles;
     let normal: Vec<_> = (0..triangles.len())
         .map(|t| body.surface.corners(t))
         .map(|[a, b, c]| triangle_normal(a, b, c))
         .collect();
     let flattest = angle.to_radians().cos();
-    let mut beside = vec![Vec::new(); triangles.len()];
+    let mut pieces = DisjointSets::new(triangles.len());
     for pair in edge_facets(triangles).values() {
         if let [s, t] = pair[..]
             && body.patch[s] == body.patch[t]
             && normal[s].dot(&normal[t]) >= flattest
         {
-            beside[s].push(t);
-            beside[t].push(s);
+            pieces.join(s, t);
         }
     }
-    let mut piece = vec![usize::MAX; triangles.len()];
-    let mut count = 0;
-    for start in 0..triangles.len() {
-        if piece[start] != usize::MAX {
-            continue;
-        }
-        piece[start] = count;
-        let mut front = vec![start];
-        while let Some(t) = front.pop() {
-            for &other in
-                beside[t].iter().filter(|&&other| piece[other] == usize::MAX).collect::<Vec<_>>()
-            {
-                piece[other] = count;
-                front.push(other);
-            }
-        }
-        count += 1;
-    }
-    piece
+    pieces.groups()
 }
 
 #[cfg(test)]

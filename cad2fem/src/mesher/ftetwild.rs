@@ -5,7 +5,6 @@
 //! surface and is not the input surface. The order in which it inserts triangles is
 //! random; `fixed_seed.py` gives it a seed, so that the same input gives the same mesh.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use anyhow::Result;
@@ -17,7 +16,7 @@ use serde_json::json;
 use super::job::Job;
 use super::python::Python;
 use super::{Options, TetMesher};
-use crate::layers::Layers;
+use crate::mesher::layers::Layers;
 
 /// The mesher.
 pub struct FTetWild;
@@ -83,10 +82,5 @@ fn in_body(mesh: &TetMesh, surface: &SurfaceMesh) -> TetMesh {
     let winding = WindingNumber::new(surface);
     let inside = |t: &usize| winding.contains(&(mesh.corners(*t).iter().sum::<Vec3>() / 4.0));
     let tets: Vec<[usize; 4]> = (0..mesh.tets.len()).filter(inside).map(|t| mesh.tets[t]).collect();
-    let used: BTreeSet<usize> = tets.iter().flatten().copied().collect();
-    let number: BTreeMap<usize, usize> = used.iter().copied().zip(0..).collect();
-    TetMesh {
-        vertices: used.iter().map(|&v| mesh.vertices[v]).collect(),
-        tets: tets.iter().map(|tet| tet.map(|v| number[&v])).collect(),
-    }
+    mesh.with_tets(&tets)
 }

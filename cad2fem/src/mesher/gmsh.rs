@@ -17,8 +17,8 @@ use serde_json::json;
 use super::job::Job;
 use super::python::Python;
 use super::{Options, TetMesher};
-use crate::geo::without_reach;
-use crate::layers::{Layers, require_conforming};
+use crate::mesher::layers::{Layers, require_conforming};
+use crate::mesher::script::without_reach;
 
 /// The mesher.
 pub struct Gmsh;

@@ -5,14 +5,14 @@
 //! which an error shows the end.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use mesh::io::{Unfinished, create_new, npy, read_own_text, remove_output_folder};
+use mesh::io::{Unfinished, create_new, npy, read_own_text};
 use mesh::{SurfaceMesh, Vec3};
-use program::{FolderLock, Process, Spinner, Unusable, is_own_folder, temporary_folder};
+use program::{Process, Spinner, Unusable, temporary_folder};
 use tempfile::TempDir;
 
 use super::python::Python;
@@ -30,43 +30,20 @@ if sys.platform == 'linux':
 /// What the names of the folders begin with.
 const PREFIX: &str = "cad2fem-";
 
-/// A folder that is younger may be about to be locked.
-const SETTLED: Duration = Duration::from_secs(60);
-
-/// Removes the folders of this user's jobs that nobody holds; what cannot be removed stays.
-fn remove_left_behind(parent: &Path) {
-    for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
-        let named = entry.file_name().to_string_lossy().starts_with(PREFIX);
-        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
-        if named
-            && is_own_folder(&entry.path())
-            && age().is_some_and(|age| age > SETTLED)
-            && let Ok(lock) = FolderLock::new(&entry.path())
-        {
-            let _ = remove_output_folder(&entry.path());
-            drop(lock);
-        }
-    }
-}
-
 /// A script about to run in a temporary folder of its own.
 pub struct Job {
-    // dropped first, as it lies in the folder
-    _lock: FolderLock,
     folder: TempDir,
     title: &'static str,
     _unfinished: Unfinished,
 }
 
 impl Job {
-    /// A folder for a job with the name `title`. Those that killed programs left are removed.
+    /// A folder for a job with the name `title`.
     pub fn new(title: &'static str) -> Result<Self> {
-        remove_left_behind(&std::env::temp_dir());
         let make = || temporary_folder(PREFIX);
         let (folder, unfinished) =
             Unfinished::new(make, |folder: &TempDir| folder.path().to_owned())?;
-        let lock = FolderLock::new(folder.path())?;
-        Ok(Self { _lock: lock, folder, title, _unfinished: unfinished })
+        Ok(Self { folder, title, _unfinished: unfinished })
     }
 
     /// A file of the job.
@@ -193,50 +170,5 @@ impl Job {
         }
         let (rows, _) = values.as_chunks::<N>();
         Ok(rows.to_vec())
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use std::fs::{File, FileTimes};
-    use std::time::SystemTime;
-
-    use super::*;
-
-    /// Makes a folder that others may write to, in which a link leads elsewhere.
-    #[cfg(unix)]
-    fn plant(folder: &Path, victim: &Path) {
-        use std::os::unix::fs::{PermissionsExt as _, symlink};
-        std::fs::write(victim, "precious").unwrap();
-        symlink(victim, folder.join(".lock")).unwrap();
-        std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o777)).unwrap();
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn folders_of_killed_programs_are_removed() {
-        let parent = tempfile::tempdir().unwrap();
-        let folder = |name: &str, age: Duration| {
-            let path = parent.path().join(name);
-            std::fs::create_dir(&path).unwrap();
-            let old = FileTimes::new().set_modified(SystemTime::now() - age);
-            File::open(&path).unwrap().set_times(old).unwrap();
-            path
-        };
-        let held = folder("cad2fem-held", Duration::ZERO);
-        let _lock = FolderLock::new(&held).unwrap();
-        let old = FileTimes::new().set_modified(SystemTime::now() - 2 * SETTLED);
-        File::open(&held).unwrap().set_times(old).unwrap();
-        let left = folder("cad2fem-left", 2 * SETTLED);
-        let young = folder("cad2fem-young", Duration::ZERO);
-        let other = folder("other", 2 * SETTLED);
-        let shared = folder("cad2fem-shared", Duration::ZERO);
-        plant(&shared, &parent.path().join("victim"));
-        File::open(&shared).unwrap().set_times(old).unwrap();
-        remove_left_behind(parent.path());
-        assert!(shared.exists());
-        assert_eq!(std::fs::read_to_string(parent.path().join("victim")).unwrap(), "precious");
-        assert!(held.exists() && young.exists() && other.exists() && !left.exists());
     }
 }

@@ -3,7 +3,9 @@
 pub mod ftetwild;
 pub mod gmsh;
 pub mod job;
+pub mod layers;
 pub mod python;
+pub mod script;
 
 use std::time::Duration;
 
@@ -12,7 +14,7 @@ use mesh::{SurfaceMesh, TetMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::layers::Layers;
+use crate::mesher::layers::Layers;
 use python::Python;
 
 /// What is asked of a tetrahedral mesher; everything that decides its result.

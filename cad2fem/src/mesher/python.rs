@@ -1,12 +1,11 @@
 //! The Python that runs the external programs.
 
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Output};
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::checkout::{checkout, unchanged};
-use crate::installed;
+use crate::installation;
 
 /// Environment variable that names the Python to use.
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
@@ -27,7 +26,7 @@ impl Python {
         let path = match named.map(PathBuf::from) {
             Some(path) if path.is_file() => path,
             Some(path) => bail!("{PYTHON_VARIABLE} is {}, which is not a file", path.display()),
-            None => installed::python().map_or_else(of_checkout, Ok)?,
+            None => installation::python().map_or_else(of_checkout, Ok)?,
         };
         log::info!("Python of the meshers: {}", path.display());
         Ok(Self { path })
@@ -40,11 +39,7 @@ impl Python {
 
     /// Loads a package: libraries of the system that it needs may be missing.
     pub fn import(&self, package: &str) -> Result<()> {
-        let script = "import importlib, sys; importlib.import_module(sys.argv[1])";
-        let output = Command::new(&self.path)
-            .args(["-I", "-c", script, package])
-            .output()
-            .with_context(|| format!("cannot run {}", self.path.display()))?;
+        let output = self.ask("import importlib as m; m.import_module(package)", package)?;
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.trim_end().lines().last().unwrap_or("it says nothing");
         ensure!(output.status.success(), "cannot be loaded: {last}");
@@ -53,11 +48,8 @@ impl Python {
 
     /// The installed version of a package.
     pub fn version_of(&self, package: &str) -> Result<String> {
-        let script = "import importlib.metadata as m, sys; print(m.version(sys.argv[1]))";
-        let output = Command::new(&self.path)
-            .args(["-I", "-c", script, package]) // nothing from the working directory
-            .output()
-            .with_context(|| format!("cannot run {}", self.path.display()))?;
+        let output =
+            self.ask("import importlib.metadata as m; print(m.version(package))", package)?;
         if output.status.success() {
             return Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned());
         }
@@ -66,6 +58,13 @@ impl Python {
              {PYTHON_VARIABLE} to a Python that has it",
             self.path.display()
         )
+    }
+
+    /// Runs a line about a package, with nothing from the working directory.
+    fn ask(&self, line: &str, package: &str) -> Result<Output> {
+        let script = format!("import sys; package = sys.argv[1]; {line}");
+        let output = Command::new(&self.path).args(["-I", "-c", &script, package]).output();
+        output.with_context(|| format!("cannot run {}", self.path.display()))
     }
 }
 
@@ -77,7 +76,6 @@ fn of_checkout() -> Result<PathBuf> {
              or of `make setup`, or set {PYTHON_VARIABLE}"
         )
     };
-    let folder = checkout().filter(|folder| folder.join(PYTHON).is_file()).with_context(remedy)?;
-    ensure!(unchanged(&folder, &[".venv", ".venv/bin", PYTHON]), "{}", remedy());
-    Ok(folder.join(PYTHON))
+    let python = installation::checkout().map(|folder| folder.join(PYTHON));
+    python.filter(|python| python.is_file()).with_context(remedy)
 }

@@ -1,4 +1,4 @@
-//! What differs between operating systems: how files are opened and owned, how a program is interrupted and ends,
+//! What differs between operating systems: how files are owned, how a program is interrupted and ends,
 //! how much memory there is, and how paths are written.
 //!
 //! `unix` is for Linux and macOS, `windows` for Windows; both have the same functions. Other crates ask no system for
@@ -13,8 +13,8 @@ mod this;
 
 pub use paths::{canonical, portable};
 pub use this::{
-    available_memory, end_now, host, is_changed_by_others, is_sticky, names, on_interruption,
-    opening, owner, peak_memory, permissions, special, unblock_in, user,
+    available_memory, host, is_changed_by_others, on_interruption, owner, peak_memory, permissions,
+    unblock_in, user,
 };
 
 /// What asked a program to end.

@@ -1,39 +1,13 @@
 //! Linux and macOS.
 
-use std::fs::{File, Metadata, OpenOptions, Permissions};
-use std::io;
-use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::fs::{Metadata, Permissions};
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use nix::fcntl::OFlag;
 use nix::sys::signal::{SigSet, Signal};
 
 use crate::Interruption;
-
-/// Options with which a pipe that was put in place of a file does not make the program wait, and, unless `follow`, a
-/// link is not followed.
-pub fn opening(options: &mut OpenOptions, follow: bool) -> &mut OpenOptions {
-    let links = if follow { OFlag::empty() } else { OFlag::O_NOFOLLOW };
-    options.custom_flags((OFlag::O_NONBLOCK | OFlag::O_NOCTTY | links).bits())
-}
-
-/// Number of names that a file has: more than one with hard links.
-pub fn names(file: &File) -> io::Result<u64> {
-    Ok(file.metadata()?.nlink())
-}
-
-/// A pipe or a socket, by its name.
-pub fn special(found: &Metadata) -> Option<&'static str> {
-    let kind = found.file_type();
-    if kind.is_fifo() {
-        Some("a pipe")
-    } else if kind.is_socket() {
-        Some("a socket")
-    } else {
-        None
-    }
-}
 
 /// Permissions of a new file, of which the mask of the user is still taken away; nothing where files have none.
 pub fn permissions(mode: u32) -> Option<Permissions> {
@@ -54,11 +28,6 @@ pub fn user() -> Option<u32> {
 pub fn is_changed_by_others(found: &Metadata) -> bool {
     let mode = found.mode();
     mode & 0o002 != 0 || (mode & 0o020 != 0 && owner(found) != user())
-}
-
-/// Whether only the owner of a file may rename or remove it in this folder.
-pub fn is_sticky(found: &Metadata) -> bool {
-    found.mode() & 0o1000 != 0
 }
 
 /// From now on `act` is called when the process is asked to end, in a thread of its own. To be called before the first
@@ -92,13 +61,6 @@ pub fn unblock_in(command: &mut Command) {
 /// Those that end a program in order.
 fn signals() -> SigSet {
     [Signal::SIGINT, Signal::SIGTERM].into_iter().collect()
-}
-
-/// Ends the process at once: what is run at the end in order may ask for memory.
-#[allow(unsafe_code, reason = "a function of C, which only ends the process")]
-pub fn end_now(code: i32) -> ! {
-    // SAFETY: it may be called at any time
-    unsafe { nix::libc::_exit(code) }
 }
 
 /// Name of this machine.

@@ -2,8 +2,7 @@
 
 #![allow(unsafe_code, reason = "functions of the system")]
 
-use std::fs::{File, Metadata, OpenOptions, Permissions};
-use std::io;
+use std::fs::{Metadata, Permissions};
 use std::mem::size_of;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
@@ -16,22 +15,6 @@ use windows_sys::Win32::System::SystemInformation::{GlobalMemoryStatusEx, MEMORY
 use windows_sys::Win32::System::Threading::GetCurrentProcess;
 
 use crate::Interruption;
-
-/// Options with which a file is opened. Pipes have no names among files here, and making a link needs a right that
-/// few have.
-pub fn opening(options: &mut OpenOptions, _follow: bool) -> &mut OpenOptions {
-    options
-}
-
-/// Number of names that a file has.
-pub fn names(_file: &File) -> io::Result<u64> {
-    Ok(1)
-}
-
-/// A pipe or a socket, by its name: neither is among files.
-pub fn special(_found: &Metadata) -> Option<&'static str> {
-    None
-}
 
 /// Permissions of a new file: those of its folder.
 pub fn permissions(_mode: u32) -> Option<Permissions> {
@@ -51,11 +34,6 @@ pub fn user() -> Option<u32> {
 /// Whether others may write there. The folders of a user are closed to others here.
 pub fn is_changed_by_others(_found: &Metadata) -> bool {
     false
-}
-
-/// Whether only the owner of a file may rename or remove it in this folder.
-pub fn is_sticky(_found: &Metadata) -> bool {
-    true
 }
 
 type Act = Box<dyn FnOnce(Interruption) + Send>;
@@ -86,12 +64,6 @@ unsafe extern "system" fn handle(event: u32) -> i32 {
 
 /// A program that ours runs is interrupted as ours is: nothing has to be done.
 pub fn unblock_in(_command: &mut Command) {}
-
-/// Ends the process at once.
-#[allow(clippy::exit, reason = "the one function of the system for it")]
-pub fn end_now(code: i32) -> ! {
-    std::process::exit(code)
-}
 
 /// Name of this machine.
 pub fn host() -> Option<String> {

@@ -2,18 +2,14 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use mesh::Vec3;
-use reports::{Simulation, Winding};
+use reports::{Segment, Simulation, WINDINGS, Winding};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::geometry::MM;
-
-/// The first columns of `windings.csv`.
-const HEAD: &str = "winding,start at rest x [m],start at rest y [m],start at rest z [m],start now x [m],start now y [m],\
-                    start now z [m],end at rest x [m],end at rest y [m],end at rest z [m]";
 
 /// Ends of segments that are nearer than this are one point [m].
 const SAME: f64 = 1e-9;
@@ -112,25 +108,16 @@ impl Thread {
             .collect())
     }
 
-    /// The lines of the threads beside a report, at rest [m]: those of `windings.csv`.
+    /// The lines of the threads beside a report, at rest [m]: those of [`WINDINGS`].
     pub fn lines(report: &Path) -> Result<Vec<Vec<Vec3>>> {
-        let path = report.with_file_name("windings.csv");
+        let path = report.with_file_name(WINDINGS);
         let context = || format!("wound: {}", path.display());
         let text = mesh::io::read_text(&path).with_context(context)?;
-        let mut rows = text.lines();
-        ensure!(
-            rows.next().is_some_and(|head| head.starts_with(HEAD)),
-            "{}: its first columns are not {HEAD:?}; expected the file that `solver simulate` writes beside its report",
-            context()
-        );
+        let segments = Segment::all(&text).map_err(anyhow::Error::msg).with_context(context)?;
         let mut lines: Vec<Vec<Vec3>> = Vec::new();
-        for (i, row) in rows.enumerate() {
-            let numbers: Option<Vec<f64>> =
-                row.split(',').skip(1).map(|cell| cell.parse().ok()).collect();
-            let Some([a, b, c, _, _, _, d, e, f, ..]) = numbers.as_deref() else {
-                bail!("{}: row {} is not of twelve numbers behind a name: {row}", context(), i + 2);
-            };
-            let (start, end) = (Vec3::new(*a, *b, *c), Vec3::new(*d, *e, *f));
+        for [start, end] in
+            segments.iter().map(|segment| segment.ends.map(|end| Vec3::from(end.rest)))
+        {
             let goes_on =
                 |line: &&mut Vec<Vec3>| line.last().is_some_and(|p| (p - start).norm() < SAME);
             match lines.last_mut().filter(goes_on) {

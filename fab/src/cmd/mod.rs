@@ -1,11 +1,9 @@
 //! The verbs, one per file.
 
-pub mod keys;
 pub mod mold;
 pub mod plan;
 mod proof;
 pub mod schema;
-pub mod tolerance;
 pub mod verify;
 
 use std::path::{Path, PathBuf};
@@ -38,10 +36,6 @@ pub enum Verb {
     Plan(Task),
     /// Read a mold back from its files and prove it right
     Verify(verify::Args),
-    /// Simulate a body with walls off by the print tolerance: spread of its response
-    Tolerance(tolerance::Args),
-    /// Print all keys of mold.toml with defaults and meanings, as a table in Markdown
-    Keys,
     /// The JSON Schema of a file that this program reads, for editors and other programs
     Schema(SchemaArguments),
 }
@@ -216,8 +210,6 @@ impl Verb {
             Self::Mold(args) => mold::run(args),
             Self::Plan(task) => plan::run(task),
             Self::Verify(args) => verify::run(args),
-            Self::Tolerance(args) => tolerance::run(args),
-            Self::Keys => keys::run(),
             Self::Schema(args) => args.print(schema::FORMATS),
         }
     }

@@ -17,10 +17,9 @@ use crate::body::source::{CastPart, Input};
 use crate::config::method::Method;
 use crate::config::{Config, SprueConfig};
 use crate::files::attempt;
-use crate::files::bench;
 use crate::files::output;
+use crate::files::page;
 use crate::files::report::{FILE, MoldReport};
-use crate::files::sheet;
 use crate::geometry::MM;
 use crate::mold::Mold;
 use crate::plan::report::{Entry, Material};
@@ -33,7 +32,7 @@ pub struct Args {
     /// What is to be molded, and where to
     #[command(flatten)]
     pub task: Task,
-    /// Name of the body on the sheet for the bench, cast.pdf [default: that of the mesh]
+    /// Name of the body on the sheet for casting, cast.html [default: that of the mesh]
     #[arg(long)]
     pub title: Option<String>,
 }
@@ -133,11 +132,8 @@ fn write_all(
         mold.prove(&entry.name, against, planned, progress)?;
         mold.write(&folder(entry), pictures)?;
     }
-    if planned.molds.len() > 1 {
-        sheet::write_whole(&args.task.output, planned)?;
-    }
     let mesh = args.task.mesh.file_stem().unwrap_or_default().to_string_lossy();
-    bench::write(&args.task.output, planned, args.title.as_deref().unwrap_or(&mesh))?;
+    page::write(&args.task.output, planned, args.title.as_deref().unwrap_or(&mesh))?;
     planned.write(&args.task.output)?;
     Ok(())
 }
@@ -188,8 +184,7 @@ fn remove_molds(output: &Path, plan: &plan::report::PlanReport) -> Result<()> {
             let _ = std::fs::remove_dir(folder);
         }
     }
-    remove_output(&output.join(sheet::MARKDOWN))?;
-    remove_output(&output.join(bench::FILE))?;
+    remove_output(&output.join(page::FILE))?;
     Ok(remove_output(&output.join(plan::report::FILE))?)
 }
 

@@ -219,7 +219,6 @@ impl MoldFiles {
         };
         mold.shells.iter().try_for_each(|piece| add(piece, Role::Shell))?;
         mold.cores.iter().try_for_each(|piece| add(piece, Role::Core))?;
-        mold.funnel.iter().try_for_each(|(piece, _)| add(piece, Role::Funnel))?;
         surfaces.push(cast);
         surfaces.push(printable(OUTSIDE, &mold.outside, upright)?);
         Ok(Self { surfaces, report })

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use mesh::io::{note_results, write_atomic};
+use mesh::io::write_atomic;
 use program::Unusable;
 
 use crate::verify::{Against, Status, verify};
@@ -40,9 +40,6 @@ pub fn run(args: &Args) -> Result<()> {
     let design = args.design.as_deref();
     let [model, from, simulation] =
         [&args.model, &args.from, &args.simulation].map(|path| path.as_deref());
-    for results in [Some(args.folder.as_path()), simulation].into_iter().flatten() {
-        note_results(results);
-    }
     let mut lines = verify(&args.folder, Against { design, model, from, simulation })?;
     // What a person has to look at comes first.
     lines.sort_by_key(|line| std::cmp::Reverse(line.status));

@@ -2,17 +2,19 @@
 
 use library::{Printer, printers, silicones};
 use program::schema::one_of_these_or_none;
+use program::table;
+use program::table::Range;
+use program::{KeyPath, Misfit, misfit};
 use schemars::{Schema, SchemaGenerator};
-use serde::Serialize;
 
-use super::table::{any, optional_length, table};
+use super::LENGTH;
 
 table! {
     /// What is cast, and what the mold is printed on.
-    #[derive(PartialEq, Serialize)]
-    CastingConfig, "casting." {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct CastingConfig {
         /// A silicone of `cad2fem/library/silicones.toml`: for masses, times,
-        /// moduli and warnings of `cast.md`.
+        /// moduli and warnings of `cast.html`.
         #[schemars(schema_with = "silicone_names")]
         silicone: Option<String> = None => "none: volumes only", known_silicone;
         /// A printer of `cad2fem/library/printers.toml`: for gaps, build volume and overhangs, and a
@@ -20,16 +22,16 @@ table! {
         #[schemars(schema_with = "printer_names")]
         printer: Option<String> = None => "none", known_printer;
         /// Silicone that stays in the cup, as a share of what fills the mold [1].
-        waste: f64 = 0.2, share;
+        waste: f64 = 0.2, Range::between(0.0, 10.0);
         /// Least thickness of the silicone at rest [m].
-        least_wall: f64 = 1e-3, wall;
+        least_wall: f64 = 1e-3, LENGTH;
         /// Least thickness of a core, which breaks or is not printed where it is thinner [m].
-        least_core: Option<f64> = None => "none", optional_length;
+        least_core: Option<f64> = None => "none", LENGTH;
         /// Whether a second casting goes around this one, such as a skin over thread: the core stays inside, and
         /// the holes of its pins stay open.
-        first_shot: bool = false, any;
+        first_shot: bool = false;
         /// Gauge pressure of the leak test [Pa].
-        leak_test: Option<f64> = None => "the working pressure", pressure;
+        leak_test: Option<f64> = None => "the working pressure", Range::above(0.0).at_most(1e6).unit("Pa");
     }
 }
 
@@ -48,35 +50,12 @@ fn printer_names(_: &mut SchemaGenerator) -> Schema {
     one_of_these_or_none(printers().iter().map(|(key, _)| key))
 }
 
-fn known_silicone(key: &str, name: &Option<String>) -> Result<(), String> {
+fn known_silicone(key: &KeyPath, name: &Option<String>) -> Result<(), Misfit> {
     let Some(name) = name else { return Ok(()) };
-    silicones().find(name).map(drop).map_err(|message| format!("{key}: {message}"))
+    silicones().find(name).map(drop).map_err(|message| misfit!(key.clone(), ": {message}"))
 }
 
-fn known_printer(key: &str, name: &Option<String>) -> Result<(), String> {
+fn known_printer(key: &KeyPath, name: &Option<String>) -> Result<(), Misfit> {
     let Some(name) = name else { return Ok(()) };
-    printers().find(name).map(drop).map_err(|message| format!("{key}: {message}"))
-}
-
-fn share(key: &str, waste: &f64) -> Result<(), String> {
-    match (0.0..=10.0).contains(waste) {
-        true => Ok(()),
-        false => Err(format!("{key} is {waste}, must lie between 0 and 10")),
-    }
-}
-
-fn wall(key: &str, least: &f64) -> Result<(), String> {
-    match *least > 0.0 && *least < 1.0 {
-        true => Ok(()),
-        false => Err(format!("{key} is {least}, must be above 0 and below 1 m")),
-    }
-}
-
-fn pressure(key: &str, pressure: &Option<f64>) -> Result<(), String> {
-    match pressure {
-        Some(pressure) if !(*pressure > 0.0 && *pressure <= 1e6) => {
-            Err(format!("{key} is {pressure} Pa, must be above 0 and at most 1e6 Pa"))
-        }
-        _ => Ok(()),
-    }
+    printers().find(name).map(drop).map_err(|message| misfit!(key.clone(), ": {message}"))
 }

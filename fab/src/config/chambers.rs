@@ -1,5 +1,6 @@
 //! `chamber`: the tags of the walls of the air chambers.
 
+use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,10 +29,10 @@ impl Chambers {
     }
 
     /// Whether no tag is named twice.
-    pub fn check(key: &str, chambers: &Self) -> Result<(), String> {
+    pub fn check(key: &KeyPath, chambers: &Self) -> Result<(), Misfit> {
         let twice = |(i, tag): &(usize, &String)| chambers.0[..*i].contains(tag);
         match chambers.0.iter().enumerate().find(twice) {
-            Some((_, tag)) => Err(format!("{key} names {tag:?} twice")),
+            Some((_, tag)) => Err(misfit!(key.clone(), " names {tag:?} twice")),
             None => Ok(()),
         }
     }

@@ -1,10 +1,10 @@
 //! `[core]`: how a core is held, and its bore.
 
+use program::table;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::Config;
-use super::table::{any, length, optional_length, table};
+use super::{Config, LENGTH};
 
 /// Distance of the flat from the stub's axis, in radii.
 pub const STUB_FLAT: f64 = 0.7;
@@ -17,7 +17,7 @@ const THINNEST: f64 = 5e-4;
 const FILLED: f64 = 0.51;
 
 /// Whether a core is held at a second place.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Support {
     /// By pins if it moves more than `limits.sag`.
@@ -30,27 +30,26 @@ pub enum Support {
 
 table! {
     /// The core print: a stub below the inlet, in a socket of the piece below.
-    CoreConfig, "core." {
+    #[derive(Clone, Debug)]
+    pub struct CoreConfig {
         /// Length of the stub, and thickness of the mold below the part [m].
-        length: f64 = 8e-3, length;
+        length: f64 = 8e-3, LENGTH;
         /// Gap between stub and socket [m].
-        clearance: Option<f64> = None => "that of `casting.printer`, else 2e-4", optional_length;
+        clearance: Option<f64> = None => "that of `casting.printer`, else 2e-4", LENGTH;
         /// Width of the ring around the socket on which the core rests [m].
-        shoulder: f64 = 1e-4, length;
+        shoulder: f64 = 1e-4, LENGTH;
         /// What holds a core beside its stub: `"pin"`, at least one pin of the mold, whose hole in the silicone
         /// is closed afterwards; `"stub"`, nothing; or `"auto"`, pins if the core leans or bends by more than
         /// `limits.sag`, and none in cores of wax.
-        support: Support = Support::Auto => "\"auto\"", any;
+        support: Support = Support::Auto;
         /// Radius of those pins [m].
-        pin: f64 = 1e-3, length;
+        pin: f64 = 1e-3, LENGTH;
         /// Points of the design beside which pins hold a core, each within four radii of the axis of its pin [m].
-        pins: Vec<[f64; 3]> = Vec::new() => "searched, as few as are needed", any;
-        /// Whether stubs of several cores differ, so that each fits into its own socket only.
-        keyed: bool = true, any;
+        pins: Vec<[f64; 3]> = Vec::new() => "searched, as few as are needed";
         /// Radius of the bore for water in a soluble core [m].
-        drain: f64 = 6e-4, length;
+        drain: f64 = 6e-4, LENGTH;
         /// Least thickness of a soluble core around its bore [m].
-        skin: f64 = 8e-4, length;
+        skin: f64 = 8e-4, LENGTH;
     }
 }
 

@@ -2,28 +2,29 @@
 
 use library::tubes;
 use program::schema::one_of_these;
-use program::{KeyPath, Misfit, misfit};
+use program::table;
+use program::table::{Range, nested};
+use program::{KeyPath, Misfit};
 use schemars::{Schema, SchemaGenerator};
-
-use super::table::{any, table};
 
 table! {
     /// A tube and its collar.
-    FittingConfig, "fitting." {
+    #[derive(Clone, Debug)]
+    pub struct FittingConfig {
         /// A tube of `cad2fem/library/tubes.toml`, for which a collar is cast around each inlet.
         #[schemars(schema_with = "tube_names")]
-        name: Option<String> = None => "none: no collar", any;
+        name: Option<String> = None => "none: no collar";
         /// Outer diameter of the tube, instead of its name [m].
-        outer: Option<f64> = None => "that of the named tube", any;
+        outer: Option<f64> = None => "that of the named tube";
         /// Inner diameter of the tube, instead of its name [m].
-        inner: Option<f64> = None => "that of the named tube", any;
+        inner: Option<f64> = None => "that of the named tube";
         /// How much narrower the bore is than the tube, over the tube's diameter: a judgement [1].
-        interference: f64 = 0.1, squeeze;
+        interference: f64 = 0.1, Range::between(0.0, 0.4).advice(": a part of the diameter, not percent");
         /// How far the collar stands out of the body [m].
-        length: Option<f64> = None => "twice the outer diameter", any;
+        length: Option<f64> = None => "twice the outer diameter", SIZE;
         /// Thickness of the collar around the bore; more where the rim of the inlet needs it, by
         /// `casting.least_wall` [m].
-        wall: f64 = 2e-3, any;
+        wall: f64 = 2e-3, SIZE;
     }
 }
 
@@ -31,14 +32,8 @@ fn tube_names(_: &mut SchemaGenerator) -> Schema {
     one_of_these(tubes().iter().map(|(key, _)| key))
 }
 
-fn squeeze(key: &str, interference: &f64) -> Result<(), String> {
-    match (0.0..=0.4).contains(interference) {
-        true => Ok(()),
-        false => Err(format!(
-            "{key} is {interference}, must lie between 0 and 0.4: a part of the diameter, not percent"
-        )),
-    }
-}
+/// A size of a collar.
+const SIZE: Range = Range::above(0.0).below(0.1).unit("m");
 
 /// The tube that was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,16 +88,10 @@ impl FittingConfig {
     }
 
     /// Whether the tube is known and the numbers can be.
-    pub fn check(&self) -> Result<(), Misfit> {
-        let tube = self.tube().map_err(|what| KeyPath::table("fitting").told(what))?;
-        self.check_ranges()?;
-        for (key, length) in [("length", self.length(&tube)), ("wall", self.wall)] {
-            if !(length > 0.0 && length < 0.1) {
-                let key = KeyPath::of(&format!("fitting.{key}"));
-                return Err(misfit!(key, " is {length}, must be above 0 and below 0.1 m"));
-            }
-        }
-        Ok(())
+    pub fn check(at: &KeyPath, fitting: &Option<Self>) -> Result<(), Misfit> {
+        let Some(fitting) = fitting else { return Ok(()) };
+        nested(at, fitting)?;
+        fitting.tube().map(drop).map_err(|what| KeyPath::table("fitting").told(what))
     }
 }
 
@@ -126,8 +115,8 @@ mod tests {
             ("name = \"hose\"", "known are barb-eighth-inch"),
             ("outer = 3e-3\ninner = 5e-3", "the inner one smaller"),
             ("name = \"tube-6x4\"\nouter = 6e-3", "needs either name"),
-            ("name = \"tube-6x4\"\ninterference = 10", "fitting.interference is 10"),
-            ("name = \"tube-6x4\"\nwall = 2", "fitting.wall is 2"),
+            ("name = \"tube-6x4\"\ninterference = 10", "[fitting]: interference = 10"),
+            ("name = \"tube-6x4\"\nwall = 2", "[fitting]: wall = 2 m"),
         ] {
             let found = format!("{:#}", parse(text).unwrap_err());
             assert!(found.contains(message), "{found}");

@@ -1,13 +1,15 @@
 //! `[gluing]`: where halves are glued.
 
-use super::table::{any, optional_direction, table};
+use program::table;
+use program::table::direction;
 
 table! {
     /// The plane in which a body is cut into halves.
-    GluingConfig, "gluing." {
+    #[derive(Clone, Debug)]
+    pub struct GluingConfig {
         /// Normal of the plane in which halves are glued [1].
-        normal: Option<[f64; 3]> = None => "searched", optional_direction;
+        normal: Option<[f64; 3]> = None => "searched", direction;
         /// Position of that plane along its normal, in the design's coordinates [m].
-        offset: Option<f64> = None => "searched", any;
+        offset: Option<f64> = None => "searched";
     }
 }

@@ -1,15 +1,18 @@
 //! `[keys]`: cones that register one piece on another.
 
-use super::table::{length, optional_length, table};
+use program::table;
+
+use super::LENGTH;
 
 table! {
     /// Conical registration keys.
-    KeysConfig, "keys." {
+    #[derive(Clone, Debug)]
+    pub struct KeysConfig {
         /// Radius at the foot of a key; it is half as wide at its tip [m].
-        radius: f64 = 3e-3, length;
+        radius: f64 = 3e-3, LENGTH;
         /// Height of a key [m].
-        height: f64 = 3e-3, length;
+        height: f64 = 3e-3, LENGTH;
         /// Gap between a key and its hole [m].
-        clearance: Option<f64> = None => "that of `casting.printer`, else 2e-4", optional_length;
+        clearance: Option<f64> = None => "that of `casting.printer`, else 2e-4", LENGTH;
     }
 }

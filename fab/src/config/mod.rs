@@ -1,10 +1,7 @@
 //! `mold.toml`: how a body is to be molded.
 //!
-//! Lengths are metres and directions are those of the design. Every key has a default, and is one
-//! row of one file: its type, default, range and meaning ([`table`]). An unknown key is an error
-//! that lists the valid ones.
-
-mod table;
+//! Lengths are metres and directions are those of the design. A key is one row of one file: its type, default, range
+//! and meaning ([`program::table`]). An unknown key is an error that lists the valid ones.
 
 pub mod method;
 
@@ -23,12 +20,13 @@ mod vents;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 use library::{Chemistry, silicones};
-use program::schema::one_of_these;
-use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Deserializer, Serialize};
+use program::table;
+use program::table::{Range, Table, direction, nested};
+use program::{Change, KeyPath, Keys, Settings, misfit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 pub use casting::CastingConfig;
 pub use chambers::Chambers;
@@ -39,19 +37,20 @@ pub use gluing::GluingConfig;
 pub use groove::GrooveConfig;
 pub use keys::KeysConfig;
 pub use limits::LimitsConfig;
-use method::Method;
+use method::MethodChoice;
 pub use parting::{AutoParting, HeightFieldConfig, PartingConfig, PlaneParting};
 pub use sprue::SprueConfig;
-pub use table::Key;
-use table::{any, length, optional_direction, table};
 pub use vents::VentsConfig;
 
 /// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
 /// are usual [m].
 const CLEARANCE: f64 = 2e-4;
 
+/// A length of a mold.
+const LENGTH: Range = Range::above(0.0).below(1.0).unit("m");
+
 /// What the outside of the mold looks like.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsideShape {
     /// Planes around the part in 26 directions, with flanges.
@@ -94,95 +93,61 @@ impl Casts {
 
 table! {
     /// Everything that can be asked of `fab mold`.
-    Config, "" {
+    #[derive(Clone, Debug)]
+    pub struct Config {
         /// Tag of the wall of the air chamber; of several chambers a list, in the order in which cores
         /// are numbered; `[]` for a body without one.
-        chamber: Chambers = Chambers::one("cavity") => "\"cavity\"", Chambers::check;
+        chamber: Chambers = Chambers::one("cavity"), Chambers::check;
         /// How the chamber comes into the body: one of the methods above, or `"auto"`, which
         /// chooses by what is measured.
-        #[serde(deserialize_with = "method_or_auto")]
-        #[schemars(schema_with = "methods")]
-        method: Option<Method> = None => "\"auto\"", any;
+        method: MethodChoice = MethodChoice(None);
         /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
         /// casting that is open on top, and level there.
-        layers: Vec<String> = Vec::new() => "none", any;
+        layers: Vec<String> = Vec::new() => "none";
         /// Report of `solver simulate`, from the folder of this file: its threads are wound on the casting, as
-        /// `cast.md` then says.
-        wound: Option<PathBuf> = None => "none", any;
+        /// `cast.html` then says.
+        wound: Option<PathBuf> = None => "none";
         /// Mesh of what is cast already and lies in the mold, from the folder of this file: the silicone around it, such
         /// as a skin over a wound core, is what is left to pour.
-        around: Option<PathBuf> = None => "none", any;
+        around: Option<PathBuf> = None => "none";
         /// Which surface is cast: `"carried"`, that of the model which `--model` names, carried as a design moved the
         /// mesh; `"model"`, the same with designed chambers as the tetrahedra have them; or `"mesh"`, the boundary of
         /// the tetrahedra, which is off the model by up to the mesher's envelope.
-        surface: Option<Casts> = None => "that of the model, if there is one, carried with the design", any;
+        surface: Option<Casts> = None => "that of the model, if there is one, carried with the design";
         /// What decides between methods and partings.
-        limits: LimitsConfig = LimitsConfig::default() => "a table", any;
+        limits: LimitsConfig = LimitsConfig::default(), nested;
         /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by
         /// 1/(1 − s) [1].
-        shrinkage: Option<f64> = None => "that of a `casting.silicone` that cures with tin, else 0", any;
+        shrinkage: Option<f64> = None => "that of a `casting.silicone` that cures with tin, else 0";
         /// Whether pieces carry their names on their flanges.
-        labels: bool = true, any;
+        labels: bool = true;
         /// Direction that points up while casting; the inlets must face down [1].
-        up: Option<[f64; 3]> = None => "away from the inlet", optional_direction;
+        up: Option<[f64; 3]> = None => "away from the inlet", direction;
         /// Least thickness of the mold around the part [m].
-        wall: f64 = 5e-3, length;
+        wall: f64 = 5e-3, LENGTH;
         /// Outside of the mold: `"hull"`, planes in 26 directions, or `"box"`.
-        outside: OutsideShape = OutsideShape::Hull => "\"hull\"", any;
+        outside: OutsideShape = OutsideShape::Hull;
         /// Where the shells separate.
-        parting: PartingConfig = PartingConfig::Auto(AutoParting::default()) => "a table", any;
+        parting: PartingConfig = PartingConfig::Auto(AutoParting::default()), nested;
         /// Where halves are glued.
-        gluing: GluingConfig = GluingConfig::default() => "a table", any;
+        gluing: GluingConfig = GluingConfig::default(), nested;
         /// Rim on which the shells are bolted to each other.
-        flange: FlangeConfig = FlangeConfig::default() => "a table", any;
+        flange: FlangeConfig = FlangeConfig::default(), nested;
         /// Cones that register one piece on another.
-        keys: KeysConfig = KeysConfig::default() => "a table", any;
+        keys: KeysConfig = KeysConfig::default(), nested;
         /// Channel through which the silicone enters.
-        sprue: SprueConfig = SprueConfig::default() => "a table", any;
+        sprue: SprueConfig = SprueConfig::default(), nested;
         /// Channels through which the air leaves.
-        vents: VentsConfig = VentsConfig::default() => "a table", any;
+        vents: VentsConfig = VentsConfig::default(), nested;
         /// Stub that holds the core at its inlet.
-        core: CoreConfig = CoreConfig::default() => "a table", any;
+        core: CoreConfig = CoreConfig::default(), nested;
         /// The tube that is put into the inlet. Unset: what fits the inlet as it is modelled.
-        fitting: Option<FittingConfig> = None => "a table", any;
+        fitting: Option<FittingConfig> = None, FittingConfig::check;
         /// The groove for the thread of `wound`. Unset: none.
-        groove: Option<GrooveConfig> = None => "a table", any;
+        groove: Option<GrooveConfig> = None, nested;
         /// What is cast, and what the mold is printed on.
-        casting: CastingConfig = CastingConfig::default() => "a table", any;
+        casting: CastingConfig = CastingConfig::default(), nested;
     }
-}
-
-fn methods(_: &mut SchemaGenerator) -> Schema {
-    one_of_these(["auto"].into_iter().chain(Method::all().into_iter().map(Method::name)))
-}
-
-fn method_or_auto<'de, D: Deserializer<'de>>(input: D) -> Result<Option<Method>, D::Error> {
-    let name = String::deserialize(input)?;
-    let found = Method::named(&name);
-    if found.is_some() || name == "auto" {
-        return Ok(found);
-    }
-    let quoted = |method: Method| format!("{:?}", method.name());
-    let names = Method::all().into_iter().map(quoted).collect::<Vec<_>>().join(", ");
-    Err(serde::de::Error::custom(format!("method is {name:?}, must be \"auto\" or one of {names}")))
-}
-
-/// All keys in the order of the tables, as a table in Markdown.
-pub fn markdown() -> String {
-    let single = Config::KEYS.iter().filter(|key| key.default != "a table");
-    let all = single
-        .chain(LimitsConfig::KEYS)
-        .chain(PartingConfig::keys())
-        .chain(GluingConfig::KEYS)
-        .chain(FlangeConfig::KEYS)
-        .chain(KeysConfig::KEYS)
-        .chain(SprueConfig::KEYS)
-        .chain(VentsConfig::KEYS)
-        .chain(CoreConfig::KEYS)
-        .chain(FittingConfig::KEYS)
-        .chain(GrooveConfig::KEYS)
-        .chain(CastingConfig::KEYS);
-    table::markdown(all)
 }
 
 impl Config {
@@ -201,10 +166,6 @@ impl Config {
     }
 
     fn of(file: &Settings) -> Result<Self> {
-        if let Some(tag) = file.parse::<toml::Table>()?.get("cavity") {
-            let what = format!("the key `cavity` is now called `chamber`: write chamber = {tag}");
-            bail!(KeyPath::word("cavity").told(what));
-        }
         let config: Self = file.parse()?;
         config.check()?;
         Ok(config)
@@ -243,7 +204,7 @@ impl Config {
     }
 
     fn check(&self) -> Result<()> {
-        self.check_tables()?;
+        self.check_ranges(&KeyPath::default())?;
         ensure!(
             self.groove.is_none() || self.wound.is_some(),
             misfit!(
@@ -256,14 +217,14 @@ impl Config {
             (0.0..0.2).contains(&shrinkage),
             misfit!(
                 KeyPath::of("shrinkage"),
-                " is {shrinkage}, must be at least 0 and below 0.2: a part of lengths, not percent"
+                " = {shrinkage}: must be at least 0 and below 0.2: a part of lengths, not percent"
             )
         );
         ensure!(
             self.keys.height + self.key_clearance() < self.flange.thickness,
             misfit!(
-                KeyPath::of("flange.thickness"),
-                " is {}, must exceed keys.height and clearance, {}: the keys would pierce it",
+                KeyPath::table("flange").key("thickness"),
+                " = {} m: must exceed keys.height and clearance, {}: the keys would pierce it",
                 self.flange.thickness,
                 self.keys.height + self.key_clearance()
             )
@@ -274,7 +235,7 @@ impl Config {
                 self.wall >= least,
                 misfit!(
                     KeyPath::of("wall"),
-                    " is {} m, but two lines of casting.printer {:?} are {least:.1e} m wide: with less the mold \
+                    " = {} m, but two lines of casting.printer {:?} are {least:.1e} m wide: with less the mold \
                      leaks, or is not printed at all",
                     self.wall,
                     printer.name
@@ -282,21 +243,6 @@ impl Config {
             );
         }
         Ok(())
-    }
-
-    fn check_tables(&self) -> Result<(), Misfit> {
-        self.check_ranges()?;
-        self.limits.check_ranges()?;
-        self.parting.check()?;
-        self.gluing.check_ranges()?;
-        self.flange.check_ranges()?;
-        self.keys.check_ranges()?;
-        self.sprue.check_ranges()?;
-        self.vents.check_ranges()?;
-        self.core.check_ranges()?;
-        self.fitting.as_ref().map_or(Ok(()), FittingConfig::check)?;
-        self.groove.as_ref().map_or(Ok(()), GrooveConfig::check_ranges)?;
-        self.casting.check_ranges()
     }
 }
 
@@ -330,27 +276,20 @@ mod tests {
     #[test]
     fn values_out_of_range_are_refused() {
         for (text, key) in [
-            ("wall = 5", "wall is 5"),
-            ("[vents]\nradius = -1e-3", "vents.radius is -0.001"),
-            ("up = [0, 0, 0]", "up is"),
-            ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "parting.max_slope is 90"),
-            ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "parting.smoothing is 0.0016"),
-            ("[sprue]\nradius = nan", "sprue.radius is NaN"),
-            ("[sprue]\nhead = 20", "sprue.head is 20"),
+            ("wall = 5", "wall = 5 m"),
+            ("[vents]\nradius = -1e-3", "[vents]: radius = -0.001 m"),
+            ("up = [0, 0, 0]", "up = ["),
+            ("[parting]\nkind = \"height-field\"\nmax_slope = 90", "[parting]: max_slope = 90°"),
+            ("[parting]\nkind = \"height-field\"\ncell = 1e-6", "[parting]: smoothing = 0.0016"),
+            ("[sprue]\nradius = nan", "[sprue]: radius = NaN m"),
             ("[casting]\nsilicone = \"rubber\"", "known are dragon-skin-10-medium"),
             ("[casting]\nprinter = \"pen\"", "known are bambu-p1s"),
-            ("wall = 7e-4\n[casting]\nprinter = \"prusa-mk4\"", "wall is 0.0007 m, but two lines"),
-            ("[casting]\nwaste = -1", "casting.waste is -1"),
-            ("[casting]\nleak_test = 0", "casting.leak_test is 0 Pa"),
+            ("wall = 7e-4\n[casting]\nprinter = \"prusa-mk4\"", "wall = 0.0007 m, but two lines"),
+            ("[casting]\nwaste = -1", "[casting]: waste = -1"),
+            ("[casting]\nleak_test = 0", "[casting]: leak_test = 0 Pa"),
         ] {
             let message = format!("{:#}", Config::parse(text).unwrap_err());
             assert!(message.contains(key), "{message}");
         }
-    }
-
-    #[test]
-    fn the_old_name_of_the_chamber_is_refused_with_the_new_one() {
-        let message = format!("{:#}", Config::parse("cavity = \"hole\"").unwrap_err());
-        assert!(message.contains("write chamber = \"hole\""), "{message}");
     }
 }

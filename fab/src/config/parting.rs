@@ -1,13 +1,15 @@
 //! `[parting]`: where the shells separate.
 
+use program::table;
+use program::table::{Range, Table, direction};
 use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::table::{Key, any, length, optional_direction, table};
+use super::LENGTH;
 
 /// The surface between the two shells.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PartingConfig {
     /// Chosen by what is measured.
@@ -27,69 +29,52 @@ impl PartingConfig {
 
 table! {
     /// Settings of a parting surface that is chosen by what is measured.
-    AutoParting, "parting." {
+    #[derive(Clone, Debug)]
+    pub struct AutoParting {
         /// Direction in which the shells separate, along or across `up` [1].
-        pull: Option<[f64; 3]> = None => "where undercuts are least", optional_direction;
+        pull: Option<[f64; 3]> = None => "where undercuts are least", direction;
     }
 }
 
 table! {
     /// Settings of a planar parting surface.
-    PlaneParting, "parting." {
+    #[derive(Clone, Debug)]
+    pub struct PlaneParting {
         /// Direction in which the shells separate, along or across `up` [1].
-        pull: Option<[f64; 3]> = None => "where undercuts are least", optional_direction;
-        /// Plane: its position along `pull`, in the design's coordinates [m].
-        offset: Option<f64> = None => "where undercuts are least", any;
+        pull: Option<[f64; 3]> = None => "where undercuts are least", direction;
+        /// Its position along `pull`, in the design's coordinates [m].
+        offset: Option<f64> = None => "where undercuts are least";
     }
 }
 
 table! {
     /// Settings of a height-field parting surface.
-    HeightFieldConfig, "parting." {
+    #[derive(Clone, Debug)]
+    pub struct HeightFieldConfig {
         /// Direction in which the shells separate, along or across `up` [1].
-        pull: Option<[f64; 3]> = None => "where undercuts are least", optional_direction;
-        /// Height field: spacing of the columns [m].
-        cell: f64 = 8e-4, length;
-        /// Height field: standard deviation of the Gaussian that smooths the heights [m].
-        smoothing: f64 = 1.6e-3, length;
-        /// Height field: steepest slope along a row of columns [degrees].
-        max_slope: f64 = 80.0, slope;
+        pull: Option<[f64; 3]> = None => "where undercuts are least", direction;
+        /// Spacing of the columns [m].
+        cell: f64 = 8e-4, LENGTH;
+        /// Standard deviation of the Gaussian that smooths the heights [m].
+        smoothing: f64 = 1.6e-3, LENGTH;
+        /// Steepest slope along a row of columns [degrees].
+        max_slope: f64 = 80.0, Range::between(1.0, 89.0).unit("°");
     }
 }
 
-fn slope(key: &str, degrees: &f64) -> Result<(), String> {
-    match (1.0..=89.0).contains(degrees) {
-        true => Ok(()),
-        false => Err(format!("{key} is {degrees}, must lie between 1 and 89 degrees")),
-    }
-}
-
-impl PartingConfig {
-    /// The keys, in order.
-    pub fn keys() -> impl Iterator<Item = &'static Key> {
-        const KIND: Key = Key {
-            name: "parting.kind",
-            default: "\"auto\"",
-            meaning: "Where the shells separate: `\"plane\"`, `\"height-field\"`, or `\"auto\"`, \
-                      which chooses by what is measured; halves and sheets always choose by it.",
-        };
-        let tables = [AutoParting::KEYS, PlaneParting::KEYS, HeightFieldConfig::KEYS];
-        std::iter::once(&KIND).chain(tables.into_iter().flatten())
-    }
-
-    /// Whether every value lies in its range.
-    pub fn check(&self) -> Result<(), Misfit> {
+impl Table for PartingConfig {
+    fn check_ranges(&self, at: &KeyPath) -> Result<(), Misfit> {
         match self {
-            Self::Auto(auto) => auto.check_ranges(),
-            Self::Plane(plane) => plane.check_ranges(),
+            Self::Auto(auto) => auto.check_ranges(at),
+            Self::Plane(plane) => plane.check_ranges(at),
             Self::HeightField(field) => {
-                field.check_ranges()?;
+                field.check_ranges(at)?;
                 let HeightFieldConfig { smoothing, cell, .. } = field;
                 match *smoothing <= 50.0 * cell {
                     true => Ok(()),
                     false => Err(misfit!(
-                        KeyPath::of("parting.smoothing"),
-                        " is {smoothing}, must be at most 50 cells of {cell} m"
+                        at.clone().key("smoothing"),
+                        " = {smoothing} m: must be at most 50 cells of {cell} m"
                     )),
                 }
             }

@@ -1,14 +1,17 @@
 //! `[vents]`: channels through which the air leaves.
 
-use super::table::{length, table};
+use program::table;
+
+use super::LENGTH;
 
 table! {
     /// Vents at the local maxima of height.
-    VentsConfig, "vents." {
+    #[derive(Clone, Debug)]
+    pub struct VentsConfig {
         /// Radius of a vent [m].
-        radius: f64 = 8e-4, length;
+        radius: f64 = 8e-4, LENGTH;
         /// A local maximum of height gets a vent if one has to descend at least this far from it
         /// to reach a higher one [m].
-        persistence: f64 = 1e-3, length;
+        persistence: f64 = 1e-3, LENGTH;
     }
 }

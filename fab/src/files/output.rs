@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use mesh::io::threemf::{self, Place, Shape};
 use mesh::io::{IoError, write_atomic};
 use mesh::{SurfaceMesh, Vec3, measure};
 use nalgebra::Matrix3;
@@ -13,7 +14,6 @@ use crate::files::picture;
 use crate::files::report::{MoldReport, Part, Role};
 use crate::files::sheet::{self, Sheet};
 use crate::files::slicer;
-use crate::files::threemf::{self, Place, Shape};
 use crate::mold::Purpose;
 
 /// All parts where they are in the closed mold.
@@ -36,13 +36,13 @@ pub fn threemf_file(part: &Part) -> String {
 /// The files that [`write`] and [`draw`] make, relative to the folder of the report.
 pub fn files(report: &MoldReport) -> Vec<String> {
     let parts = report.parts.iter().flat_map(|part| [threemf_file(part), slicer::file(part)]);
-    let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, sheet::JSON, sheet::MARKDOWN];
+    let others = [ASSEMBLY, GRID, ASSEMBLED, EXPLODED, sheet::FILE];
     let templates = report.layers.iter().map(LaidIn::file);
     parts.chain(templates).chain(others.map(str::to_owned)).collect()
 }
 
 /// Writes the parts and their assembly as 3MF, how parts are sliced, the assembly for
-/// ParaView, and the sheet for casting. `surfaces` are those of the STL files, the cast last.
+/// ParaView, and what the sheet for casting says. `surfaces` are those of the STL files, the cast last.
 pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
     let shape = |(part, surface): (&Part, &SurfaceMesh), place| Shape {
         name: part.name.clone(),
@@ -52,14 +52,14 @@ pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Re
     let shapes = report.parts.iter().zip(surfaces);
     for (part, surface) in shapes.clone() {
         let alone = shape((part, surface), Place::at(Vec3::zeros()));
-        threemf::write(&folder.join(threemf_file(part)), &part.name, &[alone])?;
+        threemf::write(&folder.join(threemf_file(part)), &report.program, &part.name, &[alone])?;
     }
     slicer::write(folder, report)?;
     for layer in &report.layers {
         write_atomic(&folder.join(layer.file()), |out| out.write_all(layer.svg().as_bytes()))?;
     }
     let closed: Vec<Shape> = shapes.map(|both| shape(both, to_mold(both.0))).collect();
-    threemf::write(&folder.join(ASSEMBLY), "closed mold", &closed)?;
+    threemf::write(&folder.join(ASSEMBLY), &report.program, "closed mold", &closed)?;
     picture::grid(&folder.join(GRID), &assembly(report, surfaces))?;
     let sheet = Sheet::new(report);
     sheet.map_err(|message| IoError::content(folder, message))?.write(folder)

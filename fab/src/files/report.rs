@@ -8,6 +8,8 @@ use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
+use program::KeyPath;
+use program::table::Table;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -60,10 +62,8 @@ pub struct MoldReport {
     pub method: Method,
     /// Tags of the chambers, in the order of their cores.
     pub chambers: Vec<String>,
-    /// Whether each core fits into its own socket only, and there one way only.
+    /// Whether each core fits into its socket one way only.
     pub one_way: bool,
-    /// Whether several cores and their sockets carry numbers.
-    pub numbered: bool,
     /// How each core is held that stands on a stub.
     pub holds: Vec<Holding>,
     /// Printed parts; taken apart in reverse order.
@@ -134,8 +134,6 @@ pub enum Role {
     Shell,
     /// Shapes the chamber.
     Core,
-    /// Stands in the sprue while the mold is filled.
-    Funnel,
 }
 
 /// What is cast.
@@ -150,7 +148,7 @@ pub struct Cast {
     pub genus: i32,
     /// What is cast already and lies in the mold [mL].
     pub inside_ml: f64,
-    /// Silicone to fill the rest of the mold with its sprue, vents and funnel, without waste [mL].
+    /// Silicone to fill the rest of the mold with its sprue and vents, without waste [mL].
     pub silicone_ml: f64,
     /// Area of the walls of its chambers [mm²].
     pub chamber_area: f64,
@@ -253,7 +251,6 @@ impl MoldReport {
             let volume = volume + plugs;
             Weight::new(volume * cured.powi(3), chamber_area * cured.powi(2), density)
         });
-        let head = mold.funnel.as_ref().map_or(0.0, |(_, volume)| volume * MM.powi(3));
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
             units: "mm".into(),
@@ -267,7 +264,6 @@ impl MoldReport {
             method: mold.method,
             chambers: mold.chambers.clone(),
             one_way: mold.one_way,
-            numbered: mold.numbered,
             holds: mold.holds.iter().map(Holding::new).collect(),
             parts: Vec::new(),
             cast: Cast {
@@ -275,7 +271,7 @@ impl MoldReport {
                 volume,
                 genus: handles(&mold.cast),
                 inside_ml: 0.0,
-                silicone_ml: (volume + channels + head) / 1e3,
+                silicone_ml: (volume + channels) / 1e3,
                 chamber_area,
                 weight,
             },
@@ -340,7 +336,7 @@ impl MoldReport {
         if self.units != "mm" {
             return Err(format!("units are {:?}, must be \"mm\"", self.units));
         }
-        self.casting.check_ranges()?;
+        self.casting.check_ranges(&KeyPath::of("casting"))?;
         for Part { name, demolding, to_mold, .. } in &self.parts {
             let direction = Vec3::from(*demolding);
             if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {

@@ -6,11 +6,10 @@ use mesh::check::Finding;
 use mesh::solid::Solid;
 
 use super::cast_body::CastBody;
-use super::features::core::Print;
 use super::features::pin::{self, NEAR, Pin, Site, Tried};
 use super::features::support::{Contact, SILICONE, Stand};
 use super::mount::Mount;
-use super::piece::{Feature, Piece, Purpose};
+use super::piece::Piece;
 use crate::config::{Casts, Config, Support};
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
@@ -40,22 +39,26 @@ pub struct Hold {
     pub plugs: f64,
 }
 
-/// A core and what is cast around it.
-pub struct Solids {
+/// A core on its stub, of which it is to be seen whether that holds it.
+pub struct Standing<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The body that is cast.
+    pub body: &'a CastBody,
+    /// Which of the body's cores it is.
+    pub index: usize,
     /// The core with its stub.
-    pub core: Solid,
-    /// What is cast.
-    pub cast: Solid,
+    pub solid: &'a Solid,
+    /// Centre of its inlet [m].
+    pub inlet: Vec3,
+    /// The stub.
+    pub stub: Frustum,
 }
 
-/// A core that is held, and what that makes of the mold.
+/// How a core is held, and by which pins.
 pub struct Held {
-    /// The core with pits, and the cast with the holes of pins.
-    pub solids: Solids,
-    /// The shells with pins.
-    pub shells: Vec<Piece>,
-    /// One for each pin.
-    pub features: Vec<Feature>,
+    /// The pins.
+    pub pins: Vec<Pin>,
     /// What a person should know.
     pub finding: Option<Finding>,
     /// How it is held.
@@ -101,22 +104,22 @@ pub enum PinError {
     },
 }
 
-/// Holds the core `index` of a body, on its stub in an inlet, by pins if it needs them or they are asked for.
+/// Holds a core on its stub, by pins of the shells if it needs them or they are asked for. `cast` is what is cast, with
+/// the holes of other cores' pins.
 pub fn hold(
-    name: &str,
-    (body, index): (&CastBody, usize),
-    solids: Solids,
-    shells: Vec<Piece>,
-    (inlet, print): (&Vec3, &Print),
+    standing: &Standing,
+    cast: &Solid,
+    shells: &[Piece],
     mount: &Mount,
 ) -> Result<Held, PinError> {
+    let Standing { name, body, index, solid, inlet, stub } = standing;
     let config = mount.config;
-    let chamber = body.cores[index].solid.to_surface();
+    let chamber = body.cores[*index].solid.to_surface();
     let density = config.density().unwrap_or(SILICONE);
     let clearance = config.stub_clearance();
-    let stand = Stand::new(&chamber, inlet, &print.stub, clearance, density);
-    let [core, filled] = [&solids.core, &body.filled].map(|s| SurfaceBvh::new(&s.to_surface()));
+    let stand = Stand::new(&chamber, inlet, stub, clearance, density);
     let bvh = |solid: &Solid| SurfaceBvh::new(&solid.to_surface());
+    let [core, filled] = [*solid, &body.filled].map(bvh);
     let cores: Vec<SurfaceBvh> = body.cores.iter().map(|core| bvh(&core.solid)).collect();
     let around: Vec<(SurfaceBvh, Vec3)> =
         shells.iter().map(|shell| (bvh(&shell.solid), shell.demolding)).collect();
@@ -136,7 +139,7 @@ pub fn hold(
         let beside = shells.iter().enumerate().filter(|(i, _)| *i != pin.shell);
         pin.is_beside(beside.map(|(_, shell)| &shell.solid))
             && pin.is_clear(&channels, others, config.core.skin)
-            && leaves_walls(pin, others, body.plain.as_ref().unwrap_or(&solids.cast), config)
+            && leaves_walls(pin, others, body.plain.as_ref().unwrap_or(cast), config)
     };
     let alone = stand.sag(&[]).most();
     let limit = config.limits.sag;
@@ -147,7 +150,7 @@ pub fn hold(
         .copied()
         .filter(|at| {
             let at = mount.frame.point(&Vec3::from(*at));
-            nearest(&cores, &at) == index
+            nearest(&cores, &at) == *index
         })
         .collect();
     let mut tried = None;
@@ -156,7 +159,7 @@ pub fn hold(
     } else if config.core.support == Support::Pin {
         let (offered, tried) = site.pins(None);
         let none = || PinError::Nowhere {
-            core: name.into(),
+            core: (*name).into(),
             radius: site.radius,
             tried,
             left: offered.len(),
@@ -181,12 +184,12 @@ pub fn hold(
     let held = stand.sag(&contacts);
     let finding = match pins.is_empty() {
         true => unheld(name, &stand, limit, tried),
-        false => Some(pinned(name, &pins, &shells, [alone, held.most(), limit])),
+        false => Some(pinned(name, &pins, shells, [alone, held.most(), limit])),
     };
     let hold = Hold {
-        core: name.into(),
+        core: (*name).into(),
         inlet: *inlet,
-        stub: print.stub.clone(),
+        stub: stub.clone(),
         clearance,
         density,
         limit,
@@ -195,27 +198,7 @@ pub fn hold(
         lengths: pins.iter().map(|pin| pin.length).collect(),
         plugs: pins.iter().map(|pin| pin.hole).sum(),
     };
-    Ok(with_pins(&pins, solids, shells, finding, hold))
-}
-
-/// Pins in shells, pits in the core and holes in the cast.
-fn with_pins(
-    pins: &[Pin],
-    solids: Solids,
-    mut shells: Vec<Piece>,
-    finding: Option<Finding>,
-    hold: Hold,
-) -> Held {
-    let Solids { mut core, mut cast } = solids;
-    let mut features = Vec::new();
-    for Pin { shell, frustum, pit, .. } in pins {
-        let pin = frustum.solid();
-        core = core.difference(&pit.solid());
-        cast = cast.difference(&pin);
-        shells[*shell].solid = shells[*shell].solid.union(&pin);
-        features.push(Feature { purpose: Purpose::Pin, frustum: pit.clone() });
-    }
-    Held { solids: Solids { core, cast }, shells, features, finding, hold }
+    Ok(Held { pins, finding, hold })
 }
 
 /// The core whose surface is nearest to a point.

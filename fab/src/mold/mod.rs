@@ -8,7 +8,7 @@
 //! | `CastBody::new` | what is cast, and what fills its chambers |
 //! | [`venting::places`] | where silicone enters and air leaves |
 //! | `Division::new` | the outside, and shells with keys and bolts |
-//! | `Channels::new` | the sprue, the vents, and the funnel |
+//! | [`channels`] | the sprue and the vents |
 //! | `Cores::new` | cores on their stubs, shells with sockets, the cast with holes of pins |
 //! | `cut`, `connected` | shells with channels; every piece in one piece |
 
@@ -20,7 +20,6 @@ pub mod features;
 mod height_field;
 pub mod holding;
 mod mount;
-mod numbering;
 pub mod parting;
 mod piece;
 pub mod venting;
@@ -37,12 +36,12 @@ use crate::config::Config;
 use crate::config::method::Method;
 use crate::geometry::frame::Frame;
 use cast_body::CastBody;
-use channels::Channels;
+pub use cast_body::Opening;
+use channels::channels;
 use cores::Cores;
 use division::{Blank, Division};
 use features::block::Block;
 use features::core::PrintError;
-use features::keying::KeyingError;
 use holding::{Hold, PinError};
 use mount::Mount;
 pub use piece::{Feature, Piece, Purpose};
@@ -75,12 +74,8 @@ pub struct Mold {
     pub chambers: Vec<String>,
     /// How each core is held that stands on a stub.
     pub holds: Vec<Hold>,
-    /// Whether it fits together one way only.
+    /// Whether each core fits into its socket one way only.
     pub one_way: bool,
-    /// Whether several cores and their sockets carry numbers.
-    pub numbered: bool,
-    /// What stands in the sprue while the mold is filled, and the volume it holds [m³].
-    pub funnel: Option<(Piece, f64)>,
     /// What is cast, without sprue and vents.
     pub cast: Solid,
     /// Area of the walls of its chambers [m²].
@@ -100,9 +95,6 @@ pub enum MoldError {
     /// A core cannot be held.
     #[error(transparent)]
     Print(#[from] PrintError),
-    /// Cores would fit into each other's sockets.
-    #[error(transparent)]
-    Keying(#[from] KeyingError),
     /// The pin that was asked for has no place.
     #[error(transparent)]
     Pin(#[from] PinError),
@@ -165,37 +157,29 @@ impl Mold {
         let division = Division::new(&blank, &rims)?;
         let end = block.max.z + BEYOND;
         let outside = division.outside;
-        let channels = places.map_or(Channels::default(), |places| {
-            Channels::new(places, &surface, end, &outside, &body.cast, config)
-        });
-        let mount = Mount {
-            method,
-            outside: &outside,
-            floor: block.min.z,
-            frame: &frame,
-            channels: &channels.features,
-            config,
-        };
+        let channels =
+            places.as_ref().map_or(Vec::new(), |places| channels(places, &surface, end, config));
+        let sealed = places.map_or(Vec::new(), |places| places.findings);
+        let mount =
+            Mount { method, floor: block.min.z, frame: &frame, channels: &channels, config };
         let cores = match portion {
             Portion::Whole => Cores::new(&body, division.shells, &mount)?,
-            Portion::Above(_) | Portion::Below(_) => Cores::none(&body, division.shells, &outside),
+            Portion::Above(_) | Portion::Below(_) => Cores::none(&body, division.shells),
         };
-        let shells = cut(cores.shells, &channels.features);
+        let shells = cut(cores.shells, &channels);
         Ok(Self {
             shells: shells.into_iter().map(connected).collect::<Result<_, _>>()?,
             cores: cores.pieces.into_iter().map(connected).collect::<Result<_, _>>()?,
-            features: [division.features, cores.features, channels.features].concat(),
-            findings: [division.findings, channels.findings, cores.findings].concat(),
+            features: [division.features, cores.features, channels].concat(),
+            findings: [division.findings, sealed, cores.findings].concat(),
             cast: cores.cast,
             chamber_area: body.chamber_area(),
-            funnel: channels.funnel,
             frame,
             method,
-            outside: cores.outside,
+            outside,
             chambers: boundary.cores.iter().map(|core| core.chamber.clone()).collect(),
             holds: cores.holds,
             one_way: cores.one_way,
-            numbered: cores.numbered,
             portion,
             open,
             block,

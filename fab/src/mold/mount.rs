@@ -1,17 +1,14 @@
 //! What surrounds the cores of a mold.
 
-use mesh::solid::Solid;
-
 use super::piece::Feature;
 use crate::config::Config;
 use crate::config::method::Method;
 use crate::geometry::frame::Frame;
+
 /// What surrounds the cores.
 pub struct Mount<'a> {
     /// How the cores leave the body.
     pub method: Method,
-    /// Outside of the closed mold.
-    pub outside: &'a Solid,
     /// Height to which stubs reach [m].
     pub floor: f64,
     /// From the design to the mold.

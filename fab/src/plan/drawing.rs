@@ -7,7 +7,7 @@ use mesh::{SurfaceMesh, Vec3, topology};
 use nalgebra::Matrix3;
 use render::annotate::Key;
 use render::camera::Projection;
-use render::color::{self, Map, Scale};
+use render::color::{self, Scale};
 use render::cut::cut;
 use render::panel::Look;
 use render::raster::Lines;
@@ -35,7 +35,7 @@ const RANGE: f64 = 0.5;
 pub fn draw(path: &Path, plan: &Plan) -> Result<(), IoError> {
     let deepest = plan.castings.iter().flat_map(|casting| &casting.undercut);
     let max = deepest.fold(RANGE, |max, depth| max.max(depth * MM));
-    let scale = Scale { min: 0.0, max, map: Map::Viridis };
+    let scale = Scale { min: 0.0, max };
     let panels: Vec<Panel> = plan.castings.iter().flat_map(panels).collect();
     let sheet = Sheet {
         size: [SIZE[0], SIZE[1] * plan.castings.len()],

@@ -155,7 +155,7 @@ impl Plan {
         config: &Config,
     ) -> Result<Self, PlanError> {
         let mut judge = Judge::new(boundary, config, refused);
-        let (method, castings, chosen_by) = match config.method {
+        let (method, castings, chosen_by) = match config.method.0 {
             Some(asked) => {
                 let method = judge.require(asked)?;
                 (method, judge.castings(method)?, ChosenBy::Configuration)

@@ -26,9 +26,6 @@ const HELD: f64 = 2.0;
 /// channels are cut into a flat top; thinner than that a printed mold closes it [mm].
 const MOUTH: f64 = 0.1;
 
-/// Least length of a funnel's spigot in the sprue [mm].
-const INSERTED: f64 = 2.0;
-
 /// All checks of features.
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = Vec::new();
@@ -48,19 +45,7 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }
-    lines.extend(funnel(mold));
     lines
-}
-
-/// The funnel reaches into the sprue.
-fn funnel(mold: &ClosedMold) -> Option<Line> {
-    let body = mold.funnel.as_ref()?;
-    let sprue = mold.report.features.iter().find(|f| f.purpose == Purpose::Sprue);
-    // From where the channel first leaves the mold down to the end of the spigot.
-    let above = sprue.map(|sprue| sprue.exact().difference(&mold.outside.solid));
-    let above = above.filter(|s| !s.is_empty());
-    let depth = above.map_or(0.0, |s| s.bounds().0.z - body.solid.bounds().0.z);
-    Some(Line::at_least("funnel: reaches into the sprue", depth, INSERTED, "mm"))
 }
 
 /// A bolt passes through at least two pieces, and nothing is in its hole.

@@ -44,8 +44,6 @@ pub struct ClosedMold {
     pub shells: Vec<Body>,
     /// Cores.
     pub cores: Vec<Body>,
-    /// What stands in the sprue, above the closed mold.
-    pub funnel: Option<Body>,
     /// The body that is cast.
     pub cast: Body,
     /// Lowest and highest corner of all shells.
@@ -126,7 +124,6 @@ impl ClosedMold {
         let reach = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
         let rounding = 3.0_f64.sqrt() * reach * 2.0_f64.powi(-24);
         let (mut shells, mut cores) = (Vec::new(), Vec::new());
-        let mut funnel = None;
         let mut shell_points = Vec::new();
         for (surface, part) in parts.iter().zip(&report.parts) {
             let body = Body::new(&part.name, surface, Vec3::from(part.demolding));
@@ -136,7 +133,6 @@ impl ClosedMold {
                     shells.push(body);
                 }
                 Role::Core => cores.push(body),
-                Role::Funnel => funnel = Some(body),
             }
         }
         let bounds = measure::bounds(&shell_points);
@@ -148,7 +144,7 @@ impl ClosedMold {
         let channels =
             report.features.iter().fold(empty, |all, outline| all.union(&outline.solid()));
         let cast = Body::new("cast", &cast, Vec3::zeros());
-        Self { report, shells, cores, funnel, cast, bounds, outside, rounding, cavity, channels }
+        Self { report, shells, cores, cast, bounds, outside, rounding, cavity, channels }
     }
 
     /// Largest change of a volume with this boundary area by rounding [mm³].

@@ -46,7 +46,7 @@ fn block(mold: &ClosedMold) -> Line {
 
 /// No two bodies share a volume.
 fn overlaps(mold: &ClosedMold) -> Vec<Line> {
-    let bodies: Vec<&Body> = mold.parts().chain(&mold.funnel).chain([&mold.cast]).collect();
+    let bodies: Vec<&Body> = mold.parts().chain([&mold.cast]).collect();
     let mut lines = Vec::new();
     for (i, a) in bodies.iter().enumerate() {
         for b in &bodies[i + 1..] {

@@ -1,6 +1,6 @@
-//! Each core fits into its own socket only, and there one way only.
+//! Each core fits into its sockets one way only.
 //!
-//! The written stubs of a core are put into the written sockets, its own and those of others: every stub on every
+//! The written stubs of a core are put into its written sockets: every stub on every
 //! socket, turned about its axis in steps of 15°, in the middle and pushed aside by its play. How far the
 //! core then stands proud is the least height by which it must be lifted so that it meets nothing of the
 //! piece with the sockets. The least of all these places is compared with what one sees. Places in which a stub
@@ -53,27 +53,17 @@ pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let cores: Vec<Stubs> =
         mold.cores.iter().map(|core| stubs(mold, core, below(&core.solid))).collect();
     let claimed = mold.report.one_way;
-    let line = |name: String, proud: f64, place: String| {
-        let found = format!("stands {proud:.2} mm proud{place}");
+    let line = |core: &Stubs| {
+        let proud = core.proud(&floor, depth);
+        let found = format!("stands {proud:.2} mm proud when turned");
+        let name = format!("{}: one way only", core.name);
         let mut line = Line::new(name, proud >= SEEN, found, &format!("at least {SEEN} mm"));
         if line.status == Status::Fail && !claimed {
             line.status = Status::Warn;
         }
         line
     };
-    let mut lines = Vec::new();
-    for (i, core) in cores.iter().enumerate().filter(|(_, core)| !core.sockets.is_empty()) {
-        let own = core.proud(core, &floor, depth);
-        lines.push(line(format!("{}: one way only", core.name), own, " when turned".into()));
-        let others =
-            cores.iter().enumerate().filter(|(j, other)| *j != i && !other.sockets.is_empty());
-        let others = others.map(|(_, other)| (core.proud(other, &floor, depth), other.name));
-        if let Some((proud, name)) = others.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            let place = format!(" in that of {name}");
-            lines.push(line(format!("{}: its socket only", core.name), proud, place));
-        }
-    }
-    lines
+    cores.iter().filter(|core| !core.sockets.is_empty()).map(line).collect()
 }
 
 /// The height of the highest inlet, below which stubs are [mm]: bodies may hang lower.
@@ -103,20 +93,18 @@ fn stubs<'a>(mold: &ClosedMold, core: &'a Body, solid: Solid) -> Stubs<'a> {
 }
 
 impl Stubs<'_> {
-    /// How far these stubs stand proud in the sockets of a core, or turned in their own [mm], at most `depth`.
-    fn proud(&self, of: &Self, floor: &Solid, depth: f64) -> f64 {
+    /// How far these stubs stand proud when they are turned in their sockets [mm], at most `depth`.
+    fn proud(&self, floor: &Solid, depth: f64) -> f64 {
         let (low, high) = floor.bounds();
         let is_seen = |placed: &Solid| {
             let (from, to) = placed.bounds();
             (from - low).xy().min() < 0.0 || (high - to).xy().min() < 0.0
         };
-        let same = std::ptr::eq(self, of);
         let mut least = depth;
         for (from, _) in &self.sockets {
-            for (to, play) in &of.sockets {
-                let here = same && from == to;
+            for (to, play) in &self.sockets {
                 for turn in (0..TURNS).map(|k| TAU * k as f64 / TURNS as f64) {
-                    if here && turn.min(TAU - turn) < SAME {
+                    if from == to && turn.min(TAU - turn) < SAME {
                         continue;
                     }
                     for aside in pushed(*play) {
@@ -178,6 +166,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::config::Config;
+    use crate::mold::Opening;
     use crate::mold::features::core::Print;
 
     /// The thinnest stub of which the mold says that it fits one way only stands proud when it is turned.
@@ -185,8 +174,10 @@ mod tests {
     fn the_thinnest_stub_that_keeps_from_turning_does() {
         let config = Config::default();
         let away = Solid::cube(&Vec3::repeat(1.0), &Vec3::repeat(2.0));
-        let print =
-            |inlet: f64| Print::new(Vec3::zeros(), inlet, -8e-3, &away, None, &config).unwrap();
+        let print = |inlet: f64| {
+            let inlet = Opening { centre: Vec3::zeros(), radius: inlet };
+            Print::new(&inlet, -8e-3, &away, &config).unwrap()
+        };
         let inlets = (1200..3000).map(|k| 1e-6 * f64::from(k));
         let thinnest = inlets.map(print).find(Print::keeps_from_turning).unwrap();
         let millimetres = Matrix3x4::from_partial_diagonal(&[1e3; 3]);
@@ -197,7 +188,7 @@ mod tests {
         let sockets = vec![(Vec3::new(0.0, 0.0, -8.0), 1e3 * config.stub_clearance())];
         let stub = below(solid(thinnest.stub_solid()));
         let stubs = Stubs { name: "core", solid: stub, sockets };
-        let proud = stubs.proud(&stubs, &around.difference(&socket), 8.0);
+        let proud = stubs.proud(&around.difference(&socket), 8.0);
         assert!(proud >= SEEN, "{proud} mm with a stub of {:e} m", thinnest.stub.base_radius);
     }
 
@@ -212,7 +203,7 @@ mod tests {
         let stubs = Stubs { name: "core", solid, sockets };
         let floor = Solid::cube(&Vec3::new(-13.0, -9.0, -10.0), &Vec3::new(13.0, 9.0, 0.0));
         let floor = floor.difference(&round(-8.0, 2.7)).difference(&round(8.0, 3.7));
-        let proud = stubs.proud(&stubs, &floor, 8.0);
+        let proud = stubs.proud(&floor, 8.0);
         assert!(proud >= SEEN, "{proud} mm");
     }
 }

@@ -255,6 +255,11 @@ pub fn balloon_pressure(inside: f64) -> f64 {
     2.0 * (part(outside) - part(inside))
 }
 
+/// The largest pressure of [`balloon_pressure`], beyond which there is no equilibrium.
+pub fn balloon_limit() -> f64 {
+    (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max)
+}
+
 /// A block that is cut at x = 0 and one beside it, near the plane: each comes close to the
 /// other, and the second to its image.
 pub fn half() -> (TetMesh, Plane) {

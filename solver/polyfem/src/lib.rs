@@ -2,8 +2,7 @@
 //!
 //! Reads the JSON files that were published with Gjoka et al. 2024: a state
 //! (bodies, materials, loads, contact, time) or a run (an optimisation of a
-//! state). Every key either becomes something here or is listed with the reason
-//! why not.
+//! state). Every key is either read here or listed with the reason why not.
 //!
 //! What is different there:
 //!
@@ -38,8 +37,6 @@ use self::design::Design;
 use self::document::Document;
 use self::scene::Translated;
 
-pub use self::document::Fate;
-
 /// What the file does not say.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
@@ -50,9 +47,12 @@ pub struct Options {
     pub thickness: Option<f64>,
 }
 
+/// Patterns of keys that have no part in our scene, and why.
+type Reasons = &'static [(&'static str, &'static str)];
+
 /// A scene in our words.
 pub struct Imported {
-    documents: Vec<(Document, &'static [(&'static str, &'static str)])>,
+    documents: Vec<(Document, Reasons)>,
     scene: Translated,
     design: Option<Design>,
 }
@@ -80,7 +80,7 @@ pub fn read(path: &Path, options: &Options) -> Result<Imported> {
     let [state] = &all[..] else {
         return Err(states.wrong(&format!("{} scenes; expected one", all.len())));
     };
-    let key = state.need("path", "the file of the scene")?.becomes("scene");
+    let key = state.need("path", "the file of the scene")?;
     let (place, moved) = find(path, Path::new(key.text()?)).ok_or_else(|| {
         key.wrong(&format!(
             "there is no file {}",
@@ -116,7 +116,7 @@ fn find(from: &Path, path: &Path) -> Option<(PathBuf, bool)> {
 impl Imported {
     /// Makes sure that our programs can read it.
     fn checked(
-        documents: Vec<(Document, &'static [(&'static str, &'static str)])>,
+        documents: Vec<(Document, Reasons)>,
         scene: Translated,
         design: Option<Design>,
     ) -> Result<Self> {

@@ -13,8 +13,6 @@ pub struct Setting<'a> {
     pub geometry: &'a Geometry,
     /// The time steps.
     pub clock: &'a Clock,
-    /// Whether tags have the name of their body in front.
-    pub several: bool,
 }
 
 impl Setting<'_> {
@@ -22,30 +20,11 @@ impl Setting<'_> {
     pub fn dimension(&self) -> usize {
         if self.clock.planar { 2 } else { 3 }
     }
-
-    /// A tag as our scene calls it.
-    pub fn on(&self, solid: &Solid, tag: &str) -> String {
-        if self.several { format!("{}.{tag}", solid.name) } else { tag.to_owned() }
-    }
-
-    /// The tags with an id that a load names; where there are none, the load is
-    /// left out.
-    fn tags(&self, load: &Key) -> Result<Vec<String>> {
-        let key = load.need("id", "the id of a selection")?.becomes("on");
-        let ids = key.ids()?;
-        let mut tags = Vec::new();
-        for solid in &self.geometry.solids {
-            let own = ids.iter().filter(|id| solid.ids.contains_key(id));
-            tags.extend(own.map(|&id| self.on(solid, &tag(id))));
-        }
-        Ok(tags)
-    }
 }
 
 /// Acceleration by gravity: minus the right-hand side.
 pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Vec<Amount>>> {
     let Some(key) = conditions.get("rhs") else { return Ok(None) };
-    let key = key.becomes("gravity, with the opposite sign");
     let mut all = amounts(&key, None, at.clock, at.dimension())?;
     if all.iter().all(Amount::is_zero) {
         return Ok(None);
@@ -56,9 +35,7 @@ pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Vec<Amount>>> {
 
 /// Writes all supports and loads.
 pub fn write(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<()> {
-    let items = |name: &str| -> Vec<Key> {
-        conditions.and_then(|c| c.get(name)).map(|key| key.items()).unwrap_or_default()
-    };
+    let items = |name: &str| conditions.map(|c| c.items_of(name)).unwrap_or_default();
     for load in items("dirichlet_boundary") {
         fixed(&load, at, text)?;
     }
@@ -68,15 +45,14 @@ pub fn write(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<
         }
     }
     for load in items("pressure_boundary") {
-        let value = value(&load, at, "pressure, with the opposite sign")?.negated();
+        let key = load.need("value", "a number, an expression or a list over time")?;
+        let value = amount(&key, load.get("time_reference").as_ref(), at.clock)?.negated();
         for on in named(&load, at)? {
             text.table("[[chamber]]").name("on", &on).key("pressure", &value.toml());
         }
     }
     for load in items("neumann_boundary") {
-        let key = load.need("value", "the force per area [Pa]")?.becomes("traction");
-        let times = load.get("time_reference").map(|k| k.becomes("times of the table"));
-        let traction = amounts(&key, times.as_ref(), at.clock, at.dimension())?;
+        let traction = values(&load, "the force per area [Pa]", at, at.dimension())?;
         for on in named(&load, at)? {
             text.table("[[traction]]").name("on", &on).key("traction", &vector(&traction));
         }
@@ -84,19 +60,24 @@ pub fn write(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<
     Ok(())
 }
 
-/// The tags of a load, which is left out if there are none.
+/// The tags with an id that a load names; it is left out if there are none.
 fn named(load: &Key, at: &Setting) -> Result<Vec<String>> {
-    let tags = at.tags(load)?;
+    let ids = load.need("id", "the id of a selection")?.ids()?;
+    let mut tags = Vec::new();
+    for solid in &at.geometry.solids {
+        let own = ids.iter().filter(|id| solid.ids.contains_key(id));
+        tags.extend(own.map(|&id| at.geometry.on(solid, &tag(id))));
+    }
     if tags.is_empty() {
         load.leave("no body has a facet with this id");
     }
     Ok(tags)
 }
 
-fn value(load: &Key, at: &Setting, becomes: &str) -> Result<Amount> {
-    let key = load.need("value", "a number, an expression or a list over time")?.becomes(becomes);
-    let times = load.get("time_reference").map(|k| k.becomes("times of the table"));
-    amount(&key, times.as_ref(), at.clock)
+/// The components of a load.
+fn values(load: &Key, what: &str, at: &Setting, dimension: usize) -> Result<Vec<Amount>> {
+    let key = load.need("value", what)?;
+    amounts(&key, load.get("time_reference").as_ref(), at.clock, dimension)
 }
 
 /// A vector in TOML, with zeros for what is missing.
@@ -107,16 +88,13 @@ fn vector(amounts: &[Amount]) -> String {
 }
 
 fn fixed(load: &Key, at: &Setting, text: &mut Text) -> Result<()> {
-    let key = load.need("value", "the displacement [m]")?.becomes("displacement");
-    let times = load.get("time_reference").map(|k| k.becomes("times of the table"));
-    let mut displacement = amounts(&key, times.as_ref(), at.clock, at.dimension())?;
+    let mut displacement = values(load, "the displacement [m]", at, at.dimension())?;
     let mut components = String::from(&"xyz"[..at.dimension()]);
     if let Some(active) = load.get("dimension") {
         let flags: Vec<bool> = active.items().iter().map(Key::flag).collect::<Result<_>>()?;
         if flags.len() != at.dimension() {
             return Err(active.wrong(&format!("expected {} values", at.dimension())));
         }
-        let _ = active.becomes("components");
         let named = "xyz".chars().zip(&flags);
         components = named.filter_map(|(axis, on)| on.then_some(axis)).collect();
         for (value, on) in displacement.iter_mut().zip(flags) {
@@ -139,20 +117,15 @@ fn fixed(load: &Key, at: &Setting, text: &mut Text) -> Result<()> {
 
 /// Writes the obstacles with their displacements.
 pub fn write_obstacles(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<()> {
-    let all = conditions.and_then(|c| c.get("obstacle_displacements"));
-    let all = all.map(|key| key.items()).unwrap_or_default();
+    let all = conditions.map(|c| c.items_of("obstacle_displacements")).unwrap_or_default();
     for obstacle in &at.geometry.obstacles {
         text.table("[[obstacle]]").name("name", &obstacle.name);
         text.name("surface", &format!("{}.obj", obstacle.name));
         for load in &all {
-            let id = load.need("id", "the id of the obstacle")?;
-            if Some(id.becomes("[[obstacle]]").id()?) != obstacle.id {
-                continue;
+            if Some(load.need("id", "the id of the obstacle")?.id()?) == obstacle.id {
+                let displacement = values(load, "the displacement [m]", at, 3)?;
+                text.key("displacement", &vector(&displacement));
             }
-            let key = load.need("value", "the displacement [m]")?.becomes("displacement");
-            let times = load.get("time_reference").map(|k| k.becomes("times of the table"));
-            let displacement = amounts(&key, times.as_ref(), at.clock, 3)?;
-            text.key("displacement", &vector(&displacement));
         }
     }
     Ok(())
@@ -160,14 +133,13 @@ pub fn write_obstacles(conditions: Option<&Key>, at: &Setting, text: &mut Text) 
 
 /// The initial velocity of a body, if it has one [m/s].
 pub fn velocity(root: &Key, solid: &Solid, dimension: usize) -> Result<Option<String>> {
-    let all = root.get("initial_conditions").and_then(|c| c.get("velocity"));
-    for item in all.map(|key| key.items()).unwrap_or_default() {
-        let id = item.need("id", "the volume_selection of a body")?.becomes("[[body]]");
-        if !id.ids()?.contains(&solid.volume) {
+    let all = root.get("initial_conditions").map(|c| c.items_of("velocity"));
+    for item in all.unwrap_or_default() {
+        let ids = item.need("id", "the volume_selection of a body")?.ids()?;
+        if !ids.contains(&solid.volume) {
             continue;
         }
-        let value = item.need("value", "the velocity [m/s]")?.becomes("[[body]] velocity");
-        let mut numbers = value.numbers(dimension)?;
+        let mut numbers = item.need("value", "the velocity [m/s]")?.numbers(dimension)?;
         numbers.resize(3, 0.0);
         return Ok(Some(list(numbers.into_iter().map(super::text::number))));
     }

@@ -21,15 +21,11 @@ struct Translated {
 /// tr FᵀF − 3 of a plane strain is tr FᵀF − 2 in the plane.
 pub fn material(materials: &Key, id: i64, planar: bool) -> Result<String> {
     for key in materials.items() {
-        let ids = key.get("id").map(|k| k.becomes("material").ids()).transpose()?;
-        if ids.is_some_and(|ids| !ids.contains(&id)) {
+        if key.optional("id", Key::ids)?.is_some_and(|ids| !ids.contains(&id)) {
             continue;
         }
         let law = law(&key, planar)?;
-        let density = match key.get("rho") {
-            Some(rho) => rho.becomes("density").positive()?,
-            None => DENSITY,
-        };
+        let density = key.optional("rho", Key::positive)?.unwrap_or(DENSITY);
         let mut fields = vec![format!("kind = {}", quoted(law.kind))];
         fields.extend(law.parameters.iter().map(|(name, v)| format!("{name} = {}", number(*v))));
         fields.push(format!("density = {}", number(density)));
@@ -42,14 +38,11 @@ pub fn material(materials: &Key, id: i64, planar: bool) -> Result<String> {
 }
 
 fn law(key: &Key, planar: bool) -> Result<Translated> {
-    let name = key.need("type", "the name of the law")?.becomes("material, kind");
+    let name = key.need("type", "the name of the law")?;
     let rivlin = |kind| -> Result<Translated> {
-        let mut parameters = Vec::new();
-        for own in ["c1", "c2", "c3", "d1"] {
-            let what = "a parameter of its law [Pa]";
-            parameters.push((own, key.need(own, what)?.becomes("material").number()?));
-        }
-        Ok(Translated { kind, parameters })
+        let parameter = |own| Ok((own, key.need(own, "a parameter of its law [Pa]")?.number()?));
+        let parameters = ["c1", "c2", "c3", "d1"].map(parameter).into_iter();
+        Ok(Translated { kind, parameters: parameters.collect::<Result<_>>()? })
     };
     match name.text()? {
         // in the plane it is another law, in which c₂ has no part
@@ -73,16 +66,10 @@ fn law(key: &Key, planar: bool) -> Result<Translated> {
 /// Laws that are linear in λ and μ, given by E and ν, or by λ and μ.
 fn lame(kind: &'static str, key: &Key, planar: bool) -> Result<Translated> {
     let [lambda, mu] = match (key.get("lambda"), key.get("mu")) {
-        (Some(lambda), Some(mu)) => [lambda, mu]
-            .map(|k| k.becomes("material").number())
-            .into_iter()
-            .collect::<Result<Vec<_>>>()?[..]
-            .try_into()
-            .expect("two"),
+        (Some(lambda), Some(mu)) => [lambda.number()?, mu.number()?],
         _ => {
-            let young = key.need("E", "Young's modulus [Pa]")?.becomes("material, young");
-            let poisson = key.need("nu", "Poisson's ratio")?.becomes("material, poisson");
-            let (e, nu) = (young.positive()?, poisson.number()?);
+            let e = key.need("E", "Young's modulus [Pa]")?.positive()?;
+            let nu = key.need("nu", "Poisson's ratio")?.number()?;
             if !planar {
                 let parameters = vec![("young", e), ("poisson", nu)];
                 return Ok(Translated { kind, parameters });

@@ -120,34 +120,6 @@ impl Plane {
 mod tests {
     use super::*;
 
-    /// An L of squares with vertices numbered at random.
-    fn angle() -> Plane {
-        let at = [[1, 0], [0, 0], [2, 1], [0, 1], [1, 1], [0, 2], [1, 2], [2, 0]];
-        let vertices = at.map(|[x, y]: [i32; 2]| Vec3::new(x.into(), y.into(), 0.0)).to_vec();
-        let triangles = vec![[1, 0, 4], [4, 3, 1], [0, 7, 2], [2, 4, 0], [3, 4, 6], [6, 5, 3]];
-        Plane { vertices, triangles }
-    }
-
-    #[test]
-    fn a_slab_is_a_sound_body_with_its_area_times_its_thickness() {
-        let (slab, sides, faces) = angle().extruded(0.25);
-        assert_eq!((slab.tets.len(), sides.len(), faces.len()), (18, 16, 12));
-        assert_eq!(mesh::check::check_tets(&slab).len(), 0);
-        assert!((mesh::measure::volume(&slab) - 3.0 * 0.25).abs() < 1e-15);
-        let (surface, _) = mesh::topology::boundary(&slab).surface(&slab);
-        assert!((mesh::measure::enclosed_volume(&surface) - 0.75).abs() < 1e-14);
-        // two side facets for each of the 8 edges, of the area of the edge
-        let area: f64 = sides
-            .iter()
-            .map(|f| {
-                let [a, b, c] = f.corners.map(|v| slab.vertices[v]);
-                mesh::measure::triangle_area(a, b, c)
-            })
-            .sum();
-        assert!((area - 8.0 * 0.25).abs() < 1e-14);
-        assert!(sides.iter().all(|f| f.source.len() == 2 && f.center.z == 0.0));
-    }
-
     #[test]
     fn plane_files_are_read_with_two_or_three_coordinates() {
         let folder = tempfile::tempdir().expect("a temporary folder");

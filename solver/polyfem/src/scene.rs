@@ -40,8 +40,6 @@ pub struct Translated {
     pub text: String,
     /// The bodies.
     pub geometry: Geometry,
-    /// Whether tags have the name of their body in front.
-    pub several: bool,
     /// Number of time steps; none in a static scene.
     pub steps: usize,
     /// What the user should know beside the keys.
@@ -53,7 +51,7 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
     let root = document.root();
     let mut notes = Vec::new();
     let bodies = root.need("geometry", "the list of bodies")?;
-    let geometry = geometry::read(&bodies, options.thickness)?;
+    let mut geometry = geometry::read(&bodies, options.thickness)?;
     let clock = clock(&root, geometry.thickness.is_some())?;
     let conditions = root.get("boundary_conditions");
     let materials = root.need("materials", "the laws of the bodies")?;
@@ -63,8 +61,8 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
         velocities.push(loads::velocity(&root, solid, dimension)?);
     }
     let moving = velocities.iter().any(Option::is_some);
-    let several = geometry.solids.len() > 1 || clock.planar || moving;
-    let at = Setting { geometry: &geometry, clock: &clock, several };
+    geometry.several = geometry.solids.len() > 1 || clock.planar || moving;
+    let at = Setting { geometry: &geometry, clock: &clock };
 
     let mut text = Text::new(&header(document, &geometry));
     degrees(&root, &mut text)?;
@@ -75,7 +73,7 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
     }
     for (solid, velocity) in geometry.solids.iter().zip(velocities) {
         let law = material(&materials, solid.volume, clock.planar)?;
-        if several {
+        if geometry.several {
             text.table("[[body]]").name("name", &solid.name);
         }
         text.name("mesh", &format!("{}.msh", solid.name)).key("material", &law);
@@ -84,7 +82,7 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
         }
     }
     for key in materials.items() {
-        let ids = key.get("id").map(|k| k.ids()).transpose()?.unwrap_or_default();
+        let ids = key.optional("id", Key::ids)?.unwrap_or_default();
         if !ids.is_empty() && geometry.solids.iter().all(|s| !ids.contains(&s.volume)) {
             key.leave("no body is made of it");
         }
@@ -103,7 +101,7 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
         notes.push("the thickness of slabs has no part in it: its bodies are not plane".to_owned());
     }
     let steps = clock.ends.len();
-    Ok(Translated { text: text.0, geometry, several, steps, notes })
+    Ok(Translated { text: text.0, geometry, steps, notes })
 }
 
 fn header(document: &Document, geometry: &Geometry) -> Vec<String> {
@@ -124,24 +122,17 @@ fn header(document: &Document, geometry: &Geometry) -> Vec<String> {
 /// Polynomial degree and quadrature.
 fn degrees(root: &Key, text: &mut Text) -> Result<()> {
     let space = root.get("space");
-    let degree = match space.as_ref().and_then(|s| s.get("discr_order")) {
-        Some(key) => {
-            let key = key.becomes("degree");
-            let degree = key.count()?;
-            if !(1..=3).contains(&degree) {
-                return Err(key.wrong(&format!("{degree}: expected 1, 2 or 3")));
-            }
-            degree
-        }
-        // as PolyFEM assumes it
-        None => 1,
-    };
+    let order = space.as_ref().and_then(|s| s.get("discr_order"));
+    // as PolyFEM assumes it
+    let degree = order.as_ref().map_or(Ok(1), Key::count)?;
+    if let Some(key) = order.filter(|_| !(1..=3).contains(&degree)) {
+        return Err(key.wrong(&format!("{degree}: expected 1, 2 or 3")));
+    }
     text.key("degree", &degree.to_string());
     let advanced = space.as_ref().and_then(|s| s.get("advanced"));
     if let Some(key) = advanced.and_then(|a| a.get("quadrature_order")) {
         let order = key.count()?;
         if (5..=12).contains(&order) {
-            let _ = key.becomes("quadrature");
             text.key("quadrature", &order.to_string());
         } else {
             key.leave("energies are integrated to a degree from 5 to 12 here; 5 if not said");
@@ -153,13 +144,10 @@ fn degrees(root: &Key, text: &mut Text) -> Result<()> {
 /// The time steps.
 fn clock(root: &Key, planar: bool) -> Result<Clock> {
     let Some(time) = root.get("time") else { return Ok(Clock { planar, ..Clock::default() }) };
-    let start = match time.get("t0") {
-        Some(key) => key.becomes("nothing: time begins at 0").number()?,
-        None => 0.0,
-    };
-    let end = time.get("tend").map(|k| k.becomes("[time] end").number()).transpose()?;
-    let step = time.get("dt").map(|k| k.becomes("[time] steps").positive()).transpose()?;
-    let count = time.get("time_steps").map(|k| k.becomes("[time] steps").count()).transpose()?;
+    let start = time.optional("t0", Key::number)?.unwrap_or(0.0);
+    let end = time.optional("tend", Key::number)?;
+    let step = time.optional("dt", Key::positive)?;
+    let count = time.optional("time_steps", Key::count)?;
     let (steps, step) = match (end, step, count) {
         // the last step may be shorter in our count, never in theirs
         (Some(end), Some(step), None) => (((end - start) / step - 1e-9).ceil(), step),
@@ -183,13 +171,10 @@ fn clock(root: &Key, planar: bool) -> Result<Clock> {
 fn time(root: &Key, clock: &Clock, text: &mut Text) -> Result<()> {
     let (Some(time), Some(end)) = (root.get("time"), clock.ends.last()) else { return Ok(()) };
     text.table("[time]").number("end", *end).key("steps", &clock.ends.len().to_string());
-    let quasistatic = time.get("quasistatic").map(|k| k.becomes("[time] method").flag());
     let mut method = "implicit-euler".to_owned();
     if let Some(integrator) = time.get("integrator") {
         let kind = integrator.get("type").unwrap_or_else(|| integrator.clone());
-        let kind = kind.becomes("[time] method");
-        let steps = integrator.get("steps").map(|k| k.becomes("[time] method").count());
-        let steps = steps.transpose()?.unwrap_or(1);
+        let steps = integrator.optional("steps", Key::count)?.unwrap_or(1);
         method = match (kind.text()?, steps) {
             ("ImplicitEuler" | "BDF" | "BDF1", 1) => method,
             ("BDF", 2) | ("BDF2", _) => "bdf2".to_owned(),
@@ -202,7 +187,7 @@ fn time(root: &Key, clock: &Clock, text: &mut Text) -> Result<()> {
             }
         };
     }
-    if quasistatic.transpose()? == Some(true) {
+    if time.optional("quasistatic", Key::flag)? == Some(true) {
         method = "quasistatic".to_owned();
     }
     text.name("method", &method);
@@ -218,7 +203,7 @@ fn contact(
 ) -> Result<()> {
     let solver = root.get("solver").and_then(|s| s.get("contact"));
     let contact = root.get("contact");
-    let enabled = contact.as_ref().and_then(|c| c.get("enabled")).map(|k| k.flag()).transpose()?;
+    let enabled = contact.as_ref().map_or(Ok(None), |c| c.optional("enabled", Key::flag))?;
     let Some(contact) = contact.filter(|_| enabled == Some(true)) else {
         for key in root.get("contact").into_iter().chain(solver) {
             key.leave("contact is off");
@@ -228,15 +213,12 @@ fn contact(
         }
         return Ok(());
     };
-    let _ = contact.get("enabled").map(|k| k.becomes("[contact]"));
-    let activation = contact.need("dhat", "where the barrier begins [m]")?;
-    let activation = activation.becomes("[contact] activation").positive()?;
-    let written =
-        contact.get("use_convergent_formulation").map(|k| k.becomes("[contact] form").flag());
-    let form = form(written.transpose()?.unwrap_or(false), optimised, wanted, notes);
+    let activation = contact.need("dhat", "where the barrier begins [m]")?.positive()?;
+    let written = contact.optional("use_convergent_formulation", Key::flag)?;
+    let form = form(written.unwrap_or(false), optimised, wanted, notes);
     let stiffness = solver.as_ref().and_then(|s| s.get("barrier_stiffness"));
     let stiffness = match stiffness.filter(|k| k.value != "adaptive") {
-        Some(key) => key.becomes("[contact] stiffness").positive()?,
+        Some(key) => key.positive()?,
         None => {
             notes.push(format!(
                 "the stiffness of the barrier adapts itself there and is fixed here: stiffness = \
@@ -245,26 +227,19 @@ fn contact(
             STIFFNESS
         }
     };
-    if let Some(key) = solver.as_ref().and_then(|s| s.get("barrier_stiffness")) {
-        let _ = key.becomes("[contact] stiffness");
-    }
     text.table("[contact]").name("form", name_of(form)).name("pairs", "all");
     text.number("activation", activation).number("stiffness", stiffness);
-    if let Some(key) = contact.get("friction_coefficient") {
-        let friction = key.becomes("[contact] friction").number()?;
-        let speed = contact.get("epsv").map(|k| k.becomes("[contact] friction_speed").positive());
+    if let Some(friction) = contact.optional("friction_coefficient", Key::number)? {
+        let speed = contact.get("epsv");
         if friction > 0.0 {
-            text.number("friction", friction);
-            text.number("friction_speed", speed.transpose()?.unwrap_or(FRICTION_SPEED));
+            let speed = speed.as_ref().map_or(Ok(FRICTION_SPEED), Key::positive)?;
+            text.number("friction", friction).number("friction_speed", speed);
         }
     }
-    if let Some(key) = solver.and_then(|s| s.get("friction_iterations")) {
-        let lagged = key.count()?;
-        if lagged == 1 {
-            let _ = key.becomes("nothing: friction is lagged once per step here, too");
-        } else {
-            key.leave("friction is lagged once per step here");
-        }
+    if let Some(key) = solver.and_then(|s| s.get("friction_iterations"))
+        && key.count()? != 1
+    {
+        key.leave("friction is lagged once per step here");
     }
     Ok(())
 }

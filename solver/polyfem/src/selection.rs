@@ -14,9 +14,6 @@ use super::document::Key;
 /// The id of facets that no rule selects, as PolyFEM numbers them.
 pub const UNSELECTED: i64 = i32::MAX as i64;
 
-/// What selections become.
-const TAGS: &str = "tags of the mesh";
-
 /// A part of the boundary.
 #[derive(Clone, Debug)]
 pub struct Facet {
@@ -78,18 +75,16 @@ pub fn select(
 
 fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)) -> Result<Rule> {
     if key.value.is_i64() {
-        return Ok(Rule::Everything(key.clone().becomes(TAGS).id()?));
+        return Ok(Rule::Everything(key.id()?));
     }
     if key.value.is_string() {
-        return listed(&key.clone().becomes(TAGS), facets, dimension);
+        return listed(key, facets, dimension);
     }
     if !key.value.is_object() {
         return Err(key.wrong("expected an id, a file of facets, or a list of selections"));
     }
-    let get = |name: &str| key.get(name).map(|k| k.becomes(TAGS));
-    let need = |name: &str, what: &str| key.need(name, what).map(|k| k.becomes(TAGS));
-    let id = need("id", "the id of the selection")?.id()?;
-    let relative = get("relative").map(|r| r.flag()).transpose()?.unwrap_or(false);
+    let id = key.need("id", "the id of the selection")?.id()?;
+    let relative = key.optional("relative", Key::flag)?.unwrap_or(false);
     // beyond the dimensions of the body, everything is inside
     let point = |key: &Key, beyond: f64| -> Result<Vec3> {
         let given = key.numbers(dimension)?;
@@ -99,22 +94,22 @@ fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)
             Some(x) => *x,
         }))
     };
-    if let Some(corners) = get("box") {
+    if let Some(corners) = key.get("box") {
         let items = corners.items();
         let [a, b] = &items[..] else {
             return Err(corners.wrong("expected two corners"));
         };
         return Ok(Rule::Box(id, [point(a, f64::NEG_INFINITY)?, point(b, f64::INFINITY)?]));
     }
-    if let Some(name) = get("axis") {
+    if let Some(name) = key.get("axis") {
         let (axis, sign) = axis(&name, dimension)?;
-        let given = need("position", "where along the axis the selection begins")?.number()?;
+        let given = key.need("position", "where along the axis the selection begins")?.number()?;
         let along = low[axis] + given * (high[axis] - low[axis]);
         let position = if relative { along } else { given };
         return Ok(Rule::Axis { id, axis, sign, position });
     }
-    if let Some(center) = get("center") {
-        let radius = need("radius", "the radius of the sphere")?.positive()?;
+    if let Some(center) = key.get("center") {
+        let radius = key.need("radius", "the radius of the sphere")?.positive()?;
         let scale = if relative { (high - low).norm() } else { 1.0 };
         return Ok(Rule::Sphere(id, point(&center, 0.0)?, scale * radius));
     }

@@ -51,6 +51,15 @@ pub fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
+/// A name that is not among `names`, with a number where it has to differ.
+pub fn unused(name: &str, between: char, names: &mut Vec<String>) -> String {
+    let numbered = (2..).map(|number| format!("{name}{between}{number}"));
+    let mut all = std::iter::once(name.to_owned()).chain(numbered);
+    let name = all.find(|name| !names.contains(name)).expect("numbers do not end");
+    names.push(name.clone());
+    name
+}
+
 /// A list of values in TOML.
 pub fn list(values: impl IntoIterator<Item = String>) -> String {
     format!("[{}]", values.into_iter().collect::<Vec<_>>().join(", "))

@@ -148,34 +148,24 @@ pub fn amounts(
 /// An expression in our words.
 fn expression(key: &Key, text: &str, clock: &Clock) -> Result<String> {
     let wrong = |what: String| key.wrong(&format!("\"{text}\": {what}"));
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut ours = String::new();
-    let mut rest = text;
-    let mut before = '(';
-    let mut minus = false;
-    while let Some(c) = rest.chars().next() {
-        let is_word = |c: char| c.is_alphanumeric() || c == '_';
-        if c.is_ascii_digit() || c == '.' {
-            let end = end_of_number(rest);
-            ours += &rest[..end];
-            rest = &rest[end..];
-            before = '0';
-            continue;
+    for piece in text.split_inclusive(|c| !is_word(c)) {
+        let (name, after) = piece.split_at(piece.find(|c| !is_word(c)).unwrap_or(piece.len()));
+        // the exponent may follow a point
+        let is_number = name.starts_with(|c: char| c.is_ascii_digit()) || ours.ends_with('.');
+        match is_number || name.is_empty() {
+            true => ours += name,
+            false => ours += &word(name, clock).map_err(wrong)?,
         }
-        if is_word(c) {
-            let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
-            ours += &word(&rest[..end], clock).map_err(wrong)?;
-            rest = &rest[end..];
-            before = 'a';
-            continue;
-        }
-        minus |= c == '-' && matches!(before, '(' | ',' | '+' | '-' | '*' | '/' | '^');
-        if !c.is_whitespace() {
-            before = c;
-        }
-        ours.push(c);
-        rest = &rest[c.len_utf8()..];
+        ours += after;
     }
-    if minus && text.contains('^') || text.matches('^').count() > 1 {
+    let is_sign = |(at, _): (usize, &str)| {
+        let before = text[..at].trim_end().chars().next_back();
+        before.is_none_or(|c| "(,+-*/^".contains(c))
+    };
+    let has_sign = text.match_indices('-').any(is_sign);
+    if has_sign && text.contains('^') || text.matches('^').count() > 1 {
         return Err(wrong(
             "powers beside a sign or another power group differently there and here; write them \
              as products"
@@ -184,16 +174,6 @@ fn expression(key: &Key, text: &str, clock: &Clock) -> Result<String> {
     }
     Expression::parse(&ours).map_err(|e| anyhow!("{}", wrong(e.to_string())))?;
     Ok(ours)
-}
-
-/// Where a number ends, its exponent included.
-fn end_of_number(text: &str) -> usize {
-    let plain = |s: &str| s.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(s.len());
-    let end = plain(text);
-    let Some(exponent) = text[end..].strip_prefix(['e', 'E']) else { return end };
-    let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
-    let length = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
-    if length == 0 { end } else { text.len() - digits.len() + length }
 }
 
 /// A name in our words.
@@ -231,7 +211,7 @@ mod tests {
         for (theirs, ours) in [
             ("-60000 * half_smoothstep(t)", "60000 * half_smoothstep(t)"),
             ("-28000 * (-1 * cos(6.28 * t) + 1)", "28000 * (-1 * cos(6.28 * t) + 1)"),
-            ("-1e-5*t", "1e-5*t"),
+            ("-1.e-5*t", "1.e-5*t"),
             ("-2*-t", "2*-t"),
             ("-t + 1", "-(-t + 1)"),
             ("-t - 1", "-(-t - 1)"),

@@ -7,8 +7,9 @@ use anyhow::Result;
 use mesh::io::{write_atomic, write_surface, write_tets};
 use serde_json::{Value, json};
 
+use super::document::Document;
 use super::geometry::Solid;
-use super::{Fate, Imported};
+use super::{Imported, Reasons};
 
 /// The names of what is written, and of what an earlier import may have left.
 const SCENE: &str = "sim.toml";
@@ -21,10 +22,8 @@ impl Imported {
         let mut left: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for (document, reasons) in &self.documents {
             let file = document.path.file_name().unwrap_or_default().to_string_lossy();
-            for (pointer, fate) in document.fates(reasons) {
-                if let Fate::Left(why) = fate {
-                    left.entry(format!("{file}: {why}")).or_default().push(pointer);
-                }
+            for (pointer, why) in document.left(reasons) {
+                left.entry(format!("{file}: {why}")).or_default().push(pointer);
             }
         }
         left
@@ -60,22 +59,14 @@ impl Imported {
     }
 
     fn report(&self) -> Value {
-        let mut files = Vec::new();
-        for (document, reasons) in &self.documents {
-            let (mut translated, mut left) = (BTreeMap::new(), BTreeMap::new());
-            for (pointer, fate) in document.fates(reasons) {
-                match fate {
-                    Fate::Translated(what) => translated.insert(pointer, what),
-                    Fate::Left(why) => left.insert(pointer, why),
-                };
-            }
-            files.push(json!({
+        let file = |(document, reasons): &(Document, Reasons)| {
+            json!({
                 "path": document.path,
                 "sha256": document.sha256,
-                "translated": translated,
-                "left": left,
-            }));
-        }
+                "left": document.left(reasons),
+            })
+        };
+        let files: Vec<Value> = self.documents.iter().map(file).collect();
         let bodies: Vec<Value> = self.scene.geometry.solids.iter().map(facts).collect();
         json!({
             "program": ::scene::PROGRAM,

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::plot::{Axes, Series, Style, draw};
 use crate::study::calibration::least_squares::{Failure, Minimum, minimise};
-use crate::study::calibration::{Calibration, Experiment, Sought};
+use crate::study::calibration::{Calibration, Experiment, Point, Sought};
 
 /// Find numbers of your scenes from measurements on your own device
 ///
@@ -95,16 +95,22 @@ fn standard_error(found: &Minimum, k: usize) -> f64 {
     found.covariance[(k, k)].sqrt()
 }
 
+/// Each experiment with the index of its first residual.
+fn experiments(calibration: &Calibration) -> impl Iterator<Item = (&Experiment, usize)> {
+    calibration.experiments.iter().scan(0, |next, e| {
+        let first = *next;
+        *next += e.points.len();
+        Some((e, first))
+    })
+}
+
 /// The part of what is known of each number that each experiment tells, all others known.
 fn shares(calibration: &Calibration, found: &Minimum, k: usize) -> Vec<f64> {
     let column = found.residuals.jacobian.column(k);
-    let mut first = 0;
-    let of = |e: &Experiment| {
-        let rows = column.rows(first, e.points.len());
-        first += e.points.len();
-        rows.norm_squared() / column.norm_squared()
+    let of = |(e, first): (&Experiment, usize)| {
+        column.rows(first, e.points.len()).norm_squared() / column.norm_squared()
     };
-    calibration.experiments.iter().map(of).collect()
+    experiments(calibration).map(of).collect()
 }
 
 fn degrees_of_freedom(found: &Minimum) -> usize {
@@ -165,33 +171,27 @@ fn correlation(found: &Minimum, i: usize, j: usize) -> f64 {
 
 /// Measured and simulated points of each experiment, in the units of its column.
 fn points(calibration: &Calibration, found: &Minimum, before: &[f64]) -> Vec<Value> {
-    let mut i = 0;
-    let mut of = |e: &Experiment| {
-        let points: Vec<Value> = e
-            .points
-            .iter()
-            .map(|point| {
-                let simulated = |r: f64| point.measured / e.unit.1 + r * e.config.uncertainty;
-                let (r, before) = (found.residuals.r[i], simulated(before[i]));
-                i += 1;
-                json!({
-                    "t": point.t,
-                    "measured": point.measured / e.unit.1,
-                    "before": before,
-                    "after": simulated(r),
-                    "residual": r,
-                })
+    let of = |(e, first): (&Experiment, usize)| {
+        let one = |(i, point): (usize, &Point)| {
+            let simulated = |r: f64| point.measured / e.unit.1 + r * e.config.uncertainty;
+            let r = found.residuals.r[i];
+            json!({
+                "t": point.t,
+                "measured": point.measured / e.unit.1,
+                "before": simulated(before[i]),
+                "after": simulated(r),
+                "residual": r,
             })
-            .collect();
+        };
         json!({
             "name": e.config.name,
             "probe": e.config.probe,
             "columns": e.config.columns,
             "uncertainty": e.config.uncertainty,
-            "points": points,
+            "points": (first..).zip(&e.points).map(one).collect::<Vec<_>>(),
         })
     };
-    calibration.experiments.iter().map(&mut of).collect()
+    experiments(calibration).map(of).collect()
 }
 
 fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value {
@@ -226,15 +226,12 @@ fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value
 
 /// Residuals over their standard uncertainties, experiment by experiment.
 fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()> {
-    let mut i = 0;
-    let mut series = Vec::new();
-    for (turn, e) in calibration.experiments.iter().enumerate() {
-        let residuals = found.residuals.r.as_slice()[i..i + e.points.len()].iter();
-        i += e.points.len();
-        let points = e.points.iter().map(|p| p.t).zip(residuals.copied()).collect();
-        let (label, style) = (Some(e.config.name.clone()), Style::Dotted(1));
-        series.push(Series { label, points, style, turn });
-    }
+    let of = |(turn, (e, first)): (usize, (&Experiment, usize))| {
+        let residuals = found.residuals.r.as_slice()[first..].iter().copied();
+        let points = e.points.iter().map(|p| p.t).zip(residuals).collect();
+        Series { label: Some(e.config.name.clone()), points, style: Style::Dotted(1), turn }
+    };
+    let series: Vec<Series> = experiments(calibration).enumerate().map(of).collect();
     let y = "(simulated − measured) / standard uncertainty".to_owned();
     draw(path, &Axes { x: "t".to_owned(), y, ..Axes::default() }, &series)
 }
@@ -282,15 +279,13 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         let title = if law.volume.is_some() { "[[material]]" } else { "[material]" };
         writeln!(text, "{title}\n{keys}")?;
     }
-    let relaxation = &scene.config.relaxation;
+    let mut lists = Vec::new();
+    let (relaxation, mullins) = (&scene.config.relaxation, &scene.config.mullins);
     if !relaxation.is_empty() {
-        text += &toml::to_string(&BTreeMap::from([("relaxation", relaxation)]))?;
-        text.push('\n');
+        lists.push(toml::to_string(&BTreeMap::from([("relaxation", relaxation)]))?);
     }
-    let mullins = &scene.config.mullins;
     if !mullins.is_empty() {
-        text += &toml::to_string(&BTreeMap::from([("mullins", mullins)]))?;
-        text.push('\n');
+        lists.push(toml::to_string(&BTreeMap::from([("mullins", mullins)]))?);
     }
     let as_found = |membrane: &SceneMembrane| MembraneConfig {
         thickness: membrane.thickness,
@@ -298,7 +293,7 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
     };
     let membranes: Vec<MembraneConfig> = scene.membranes.iter().map(as_found).collect();
     if !membranes.is_empty() {
-        text += &toml::to_string(&BTreeMap::from([("membrane", membranes)]))?;
+        lists.push(toml::to_string(&BTreeMap::from([("membrane", membranes)]))?);
     }
-    Ok(text)
+    Ok(text + &lists.join("\n"))
 }

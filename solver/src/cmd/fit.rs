@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, bail, ensure};
 use mechanics::material::BULK_RATIO;
@@ -84,7 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     program::write_json(&folder.join("fit.json"), &report(&tests, &fits, chosen)?)?;
     let material = folder.join("material.toml");
     if chosen.quality.r2 < USABLE {
-        remove(&material)?;
+        // one of an earlier run must not remain beside a fit that failed
+        mesh::io::remove_output(&material)?;
         return Err(Unusable(format!(
             "{}: the best law has R² {:.4}, expected at least {USABLE}; look at {}",
             arguments.data.display(),
@@ -96,11 +97,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let text = snippet(&tests, chosen, &remarks)?;
     mesh::io::write_atomic(&material, |out| out.write_all(text.as_bytes()))?;
     Ok(())
-}
-
-/// A material of an earlier run must not remain beside a fit that failed.
-fn remove(path: &Path) -> Result<()> {
-    Ok(mesh::io::remove_output(path)?)
 }
 
 fn read(arguments: &Arguments) -> Result<Vec<Test>> {
@@ -193,29 +189,26 @@ fn remarks(tests: &[Test], fits: &[Fitted], fit: &Fitted) -> Result<Vec<String>>
         "{}: its stress falls from the start, so it has no range of use",
         fit.candidate.name
     );
-    let mut lines = Vec::new();
-    for test in tests {
-        lines.push(format!(
-            "{}, fitted to {} points of {} ({})",
-            fit.candidate.name,
-            test.points.len(),
-            test.path.display(),
-            test.mode.name()
-        ));
-    }
+    let fitted = |test: &Test| {
+        let (name, count) = (fit.candidate.name, test.points.len());
+        let (path, mode) = (test.path.display(), test.mode.name());
+        format!("{name}, fitted to {count} points of {path} ({mode})")
+    };
+    let mut lines: Vec<String> = tests.iter().map(fitted).collect();
+    let [low, high] = q.fitted;
     lines.push(format!(
-        "R² {:.6}, rms error {:.1} Pa, data at stretch {:.4} to {:.4}",
-        q.r2, q.rms, q.fitted[0], q.fitted[1]
+        "R² {:.6}, rms error {:.1} Pa, data at stretch {low:.4} to {high:.4}",
+        q.r2, q.rms
     ));
-    if let Some(part) = q.left_out {
+    lines.extend(q.left_out.map(|part| {
         let percent = 100.0 * part;
-        lines.push(format!(
+        format!(
             "Each mode predicted from the others: {percent:.1} % off (root of the mean square)."
-        ));
-    }
+        )
+    }));
+    let ratio = q.moduli.bulk / q.moduli.shear;
     lines.push(format!(
-        "The bulk modulus is chosen, not measured ({:.1} times the shear modulus); in this range it",
-        q.moduli.bulk / q.moduli.shear
+        "The bulk modulus is chosen, not measured ({ratio:.1} times the shear modulus); in this range it"
     ));
     let percent = 100.0 * q.compressibility;
     lines

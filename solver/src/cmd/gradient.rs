@@ -6,12 +6,11 @@ use anyhow::Result;
 use mechanics::element::FunctionSpace;
 use mechanics::math::linear::sum;
 use mesh::io::vtu;
-use program::{Changes, FolderLock, Unusable};
-use scene::ObjectiveBuilder;
+use program::{Changes, FolderLock};
 use serde_json::json;
 
-use super::optimize::{Problem, read};
-use crate::optimize::{Derivative, Level, Start};
+use super::optimize::Problem;
+use crate::optimize::Derivative;
 use crate::report::results;
 
 /// Write the gradient of a design problem for ParaView
@@ -35,18 +34,11 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Problem { file, design, scene } =
-        read(&arguments.design, &arguments.mesh, &arguments.changes)?;
-    let objectives =
-        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
-    let settings = design.levels()[0].clone();
-    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
-        .map_err(|error| file.place(error))?;
+    let problem = Problem::read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let (design, scene) = (&problem.design, &problem.scene);
+    let objectives = problem.objectives()?;
+    let (mut level, at) = problem.start(&objectives, &design.levels()[0])?;
     let theta = vec![0.0; level.variables()];
-    let at = level
-        .evaluate(&theta, Start::Rest)
-        .map_err(|e| Unusable(format!("{}: {e}", arguments.design.display())))?;
-    let at = level.weigh(&design.objective, at).map_err(|error| file.place(error))?;
     let swept = level.sweep(&at, None)?;
     let by_rest = sum(swept.iter().map(|by| &by.rest));
     let on_boundary = level.map().on_boundary(&by_rest);
@@ -70,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "objective": at.objective,
         "terms": at.terms,
         "shape": {"derivative": by_shape, "unit": "1/m"},
-        "numbers": Derivative::of(&scene, &level, &design, &swept),
+        "numbers": Derivative::of(scene, &level, design, &swept),
     });
     program::write_json(&folder.join("gradient.json"), &report)
 }

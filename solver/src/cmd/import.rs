@@ -18,32 +18,27 @@ pub struct Arguments {
     /// Folder for sim.toml and the tagged meshes
     #[arg(short)]
     output: PathBuf,
-    /// Form of the contact potential, whatever the file says
-    #[arg(long, value_enum)]
-    form: Option<Form>,
+    /// Form of the contact potential, whatever the file says: convergent (weighted by areas), even (by areas, nearly all of
+    /// it by vertices and triangles) or plain (every pair alike)
+    #[arg(long, value_parser = form)]
+    form: Option<ContactForm>,
     /// Thickness of the slabs that a plane scene becomes [m]; a tenth of the mean
     /// edge of its finest body if not given
     #[arg(long)]
     thickness: Option<f64>,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Form {
-    /// Weighted by areas
-    Convergent,
-    /// By areas, nearly all of it by vertices and triangles
-    Even,
-    /// Every pair alike
-    Plain,
+fn form(text: &str) -> Result<ContactForm, String> {
+    match text {
+        "convergent" => Ok(ContactForm::Convergent),
+        "even" => Ok(ContactForm::Even),
+        "plain" => Ok(ContactForm::Plain),
+        _ => Err("expected convergent, even or plain".to_owned()),
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let form = arguments.form.map(|form| match form {
-        Form::Convergent => ContactForm::Convergent,
-        Form::Even => ContactForm::Even,
-        Form::Plain => ContactForm::Plain,
-    });
-    let options = Options { form, thickness: arguments.thickness };
+    let options = Options { form: arguments.form, thickness: arguments.thickness };
     let imported = polyfem::read(&arguments.scene, &options)?;
     for warning in imported.warnings() {
         log::warn!("{warning}");

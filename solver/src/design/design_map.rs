@@ -13,12 +13,12 @@ use mechanics::element::at;
 use mesh::Vec3;
 use program::{KeyPath, misfit};
 use scene::Scene;
-use scene::config::{DesignConfig, Interior, LevelConfig, ShapeConfig, SymmetricConfig};
+use scene::config::{DesignConfig, LevelConfig, ShapeConfig, SymmetricConfig};
 
-use super::Patch;
 use super::held::{Flat, Held};
 use super::isometry::Isometry;
 use super::load_map::{LoadMap, LoadVariable};
+use super::patch::Patch;
 use mechanics::extension::Extension;
 
 /// The map of one level.
@@ -28,7 +28,6 @@ pub struct DesignMap {
     patches: Patches,
     /// None where nothing moves.
     extension: Option<Extension>,
-    interior: Interior,
     loads: LoadMap,
     mean_edge: f64,
 }
@@ -71,7 +70,7 @@ impl Patches {
             } else {
                 let own =
                     shape.symmetry_of(on).map_or_else(Vec::new, |(one, _)| Isometry::own(one));
-                let patch = Patch::new(rest, &facets, held, moves, shape.spread, &own)?;
+                let patch = Patch::new(rest, &facets, held, moves, &own)?;
                 let start = made.variables;
                 made.variables += patch.variables();
                 (patch, start)
@@ -156,10 +155,9 @@ impl DesignMap {
         let edges = if moving.is_empty() { body.boundary() } else { moving };
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
         let extension = if moving.is_empty() { None } else { Some(Extension::new(body)?) };
-        let interior = design.shape.as_ref().map_or(Interior::default(), |shape| shape.interior);
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(scene, chambers, parameters, mean_edge)?;
-        Ok(Self { rest, patches, extension, interior, loads, mean_edge })
+        Ok(Self { rest, patches, extension, loads, mean_edge })
     }
 
     /// Number of design variables.
@@ -277,7 +275,7 @@ impl DesignMap {
         let mut gradient = Vec::with_capacity(self.variables());
         gradient.resize(self.shape_variables(), 0.0);
         let mut bar: Vec<Vec3> = (0..self.rest.len()).map(|v| at(by_rest, v)).collect();
-        if let (Some(extension), Interior::Extended) = (&self.extension, self.interior) {
+        if let Some(extension) = &self.extension {
             extension.vjp(&mut bar);
         }
         for (patch, start, own) in self.each_patch(theta) {

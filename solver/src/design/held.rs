@@ -8,8 +8,8 @@ use mesh::{SurfaceMesh, Vec3};
 use program::{KeyPath, Misfit};
 use scene::config::KeepConfig;
 
-use super::Geodesics;
-use super::sampling::open_rim;
+use super::geodesic::Geodesics;
+use super::sampling::rim;
 
 /// Sine of the angle up to which two planes count as parallel [1].
 const PARALLEL: f64 = 1e-9;
@@ -136,7 +136,10 @@ impl Held<'_> {
     /// The vertices of a patch that do not move at all, ascending; `ids` are its vertices in the
     /// body.
     pub fn rim(&self, surface: &SurfaceMesh, ids: &[usize]) -> Vec<usize> {
-        let rim = open_rim(surface, ids, self.planes);
+        // what lies in a plane of symmetry is open
+        let in_one =
+            |edge: &[usize; 2], plane: &Plane| edge.iter().all(|&v| plane.contains(ids[v]));
+        let rim = rim(surface, |edge| self.planes.iter().any(|plane| in_one(edge, plane)));
         if self.margin == 0.0 || rim.is_empty() {
             return rim;
         }
@@ -158,10 +161,10 @@ pub(super) fn off(directions: &[Vec3], vector: &Vec3) -> Vec3 {
 mod tests {
     use mechanics::math::random::Random;
     use mechanics::testing::{check_gradient, cube};
-    use scene::config::{HandleMotion, Moves, Spread};
+    use scene::config::{HandleMotion, Moves};
 
     use super::*;
-    use crate::design::Patch;
+    use crate::design::patch::Patch;
 
     fn flat(normal: [f64; 3], vertices: &[usize]) -> Flat {
         Flat { normal: Vec3::from(normal).normalize(), vertices: vertices.to_vec() }
@@ -213,8 +216,7 @@ mod tests {
         });
         let held = Held { flats: &flats, ..Held::default() };
         for moves in [Moves::Vertices, Moves::Handles(5, HandleMotion::Rigid)] {
-            let patch =
-                Patch::new(rest, &facets, held, moves, Spread::RePick, &[]).expect("a patch");
+            let patch = Patch::new(rest, &facets, held, moves, &[]).expect("a patch");
             let theta: Vec<f64> =
                 Random::new(3).numbers(patch.variables()).iter().map(|t| 0.1 * t).collect();
             let moved = patch.apply(&theta, rest);

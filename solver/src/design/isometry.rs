@@ -102,12 +102,13 @@ impl Isometry {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use mechanics::math::random::Random;
-    use mechanics::testing::{cap, check_gradient, sphere};
+    use mechanics::testing::{cap, sphere};
     use mesh::SurfaceMesh;
-    use scene::config::{HandleMotion, Moves, Spread};
+    use scene::config::{HandleMotion, Moves};
 
     use super::*;
-    use crate::design::{Held, Patch};
+    use crate::design::held::Held;
+    use crate::design::patch::Patch;
 
     /// Weights of quadratic programs are exact to 1e-8, and the shape moves by about 1.
     const EXACT: f64 = 1e-6;
@@ -147,7 +148,7 @@ mod tests {
             let (rest, [first, other]) = pair(&cap(2), &by);
             for moves in motions() {
                 let held = Held::default();
-                let patch = Patch::new(&rest, &first, held, moves, Spread::RePick, &[]).unwrap();
+                let patch = Patch::new(&rest, &first, held, moves, &[]).unwrap();
                 let image = patch.image(&by, &rest, &other, held).unwrap();
                 let theta = Random::new(5).numbers(patch.variables());
                 assert_eq!(image.variables(), theta.len());
@@ -168,7 +169,7 @@ mod tests {
             assert_eq!(own.len(), if how == quarter { 3 } else { 1 });
             for moves in motions() {
                 let held = Held::default();
-                let patch = Patch::new(x, &ball.triangles, held, moves, Spread::RePick, &own);
+                let patch = Patch::new(x, &ball.triangles, held, moves, &own);
                 let patch = patch.unwrap();
                 let theta = Random::new(6).numbers(patch.variables());
                 let theta: Vec<f64> = theta.iter().map(|t| 0.3 * t).collect();
@@ -193,39 +194,11 @@ mod tests {
         let variables = |motion| {
             let moves = Moves::Handles(1, motion);
             let held = Held::default();
-            let patch =
-                Patch::new(&ball.vertices, &ball.triangles, held, moves, Spread::RePick, &own);
+            let patch = Patch::new(&ball.vertices, &ball.triangles, held, moves, &own);
             patch.unwrap().variables()
         };
         assert_eq!(variables(HandleMotion::Rigid), 3);
         assert_eq!(variables(HandleMotion::Translation), 2);
         assert_eq!(variables(HandleMotion::RigidAndOffset), 4);
-    }
-
-    #[test]
-    fn gradients_are_those_of_first_and_image() {
-        let by = Isometry::of(&symmetric("[\"a\", \"b\"]", MIRROR), 1);
-        let (rest, [first, other]) = pair(&sphere(2), &by);
-        let own = Isometry::own(&symmetric("\"a\"", "turn = { axis = \"z\", angle = 180 }"));
-        let held = Held::default();
-        for moves in motions() {
-            let patch = Patch::new(&rest, &first, held, moves, Spread::RePick, &own).unwrap();
-            let patches = [patch.image(&by, &rest, &other, held).unwrap(), patch];
-            let moved = |theta: &[f64]| patches.each_ref().map(|patch| patch.apply(theta, &rest));
-            let factor = |i: usize| Vec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 0.3);
-            let value = |theta: &[f64]| -> f64 {
-                let all = moved(theta).concat();
-                all.iter().enumerate().map(|(i, x)| factor(i).dot(x) + 0.5 * x.norm_squared()).sum()
-            };
-            let theta = Random::new(7).numbers(patches[0].variables());
-            let [a, b] = moved(&theta);
-            let bar: Vec<Vec3> =
-                a.iter().chain(&b).enumerate().map(|(i, x)| factor(i) + x).collect();
-            let (of_image, of_first) = bar.split_at(a.len());
-            let parts =
-                [patches[0].vjp(&theta, &rest, of_image), patches[1].vjp(&theta, &rest, of_first)];
-            let gradient: Vec<f64> = parts[0].iter().zip(&parts[1]).map(|(a, b)| a + b).collect();
-            check_gradient(&theta, &gradient, 1e-2, value);
-        }
     }
 }

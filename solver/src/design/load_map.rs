@@ -15,7 +15,8 @@ use program::{KeyPath, misfit};
 use scene::Scene;
 use scene::config::{ChamberConfig, ChamberDesign, GasConfig, ParameterDesign};
 
-use super::{PressureCurve, Scalar};
+use super::pressure_curve::PressureCurve;
+use super::scalar::Scalar;
 use scene::number::{Number, Swept};
 
 /// What a design does to the loads.

@@ -1,31 +1,56 @@
 //! A part of the boundary that a design moves.
 
+use anyhow::{Result, ensure};
 use mesh::{Vec3, topology};
-use scene::config::{Moves, Spread};
+use scene::config::Moves;
 
-use super::handles::{HandleError, Handles, sample_handles};
+use super::handles::{Handles, sample_handles};
 use super::held::Held;
 use super::isometry::Isometry;
-use super::swelling::Swelling;
+use super::swelling;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
 pub enum Patch {
     /// Rigid motions of handles.
     Handles(Handles),
-    /// The displacement of every vertex off the rim, but none across planes in which it lies.
-    Vertices(FreeVertices),
-    /// How far all of it moves along its normals.
-    Offset(Swelling),
+    /// Motions in proportion to the variables.
+    Linear(Linear),
 }
 
-/// Vertices of a patch that move freely.
+/// v' = v + Σ θ_k d over the ways of a vertex
 #[derive(Clone, Debug)]
-pub struct FreeVertices {
-    /// Vertex ids off the rim, ascending.
+pub struct Linear {
+    /// Vertex ids that move, ascending.
     vertices: Vec<usize>,
-    /// Index of the vertex and direction of each variable.
-    ways: Vec<(usize, Vec3)>,
+    variables: usize,
+    /// Index of the vertex, that of the variable, and d.
+    ways: Vec<(usize, usize, Vec3)>,
+    /// It is one distance along the normals.
+    is_offset: bool,
+}
+
+impl Linear {
+    /// The displacement of every vertex off the rim, but none across planes in which it lies.
+    fn free(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
+        let (surface, ids) = topology::submesh(rest, facets);
+        let rim = held.rim(&surface, &ids);
+        let free = (0..ids.len()).filter(|v| rim.binary_search(v).is_err());
+        let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
+        let directions =
+            |(i, &v): (usize, &usize)| held.directions(v).1.into_iter().map(move |d| (i, d));
+        let ways = vertices.iter().enumerate().flat_map(directions).enumerate();
+        let ways: Vec<_> = ways.map(|(variable, (i, d))| (i, variable, d)).collect();
+        Self { vertices, variables: ways.len(), ways, is_offset: false }
+    }
+
+    /// How far all of it moves along its normals.
+    fn offset(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
+        let (vertices, moves): (Vec<usize>, Vec<Vec3>) =
+            swelling::moves(rest, facets, held).unzip();
+        let ways = moves.into_iter().enumerate().map(|(i, d)| (i, 0, d)).collect();
+        Self { vertices, variables: 1, ways, is_offset: true }
+    }
 }
 
 impl Patch {
@@ -35,26 +60,15 @@ impl Patch {
         facets: &[[usize; 3]],
         held: Held,
         moves: Moves,
-        spread: Spread,
         own: &[Isometry],
-    ) -> Result<Self, HandleError> {
-        if let Moves::Handles(count, motion) = moves {
-            let handles = sample_handles(rest, facets, held, count, spread, own)?;
-            return Ok(Self::Handles(handles.with(motion)));
-        }
-        if moves == Moves::Offset {
-            return Ok(Self::Offset(Swelling::new(rest, facets, held)));
-        }
-        let (surface, ids) = topology::submesh(rest, facets);
-        let rim = held.rim(&surface, &ids);
-        let free = (0..ids.len()).filter(|v| rim.binary_search(v).is_err());
-        let vertices: Vec<usize> = free.map(|v| ids[v]).collect();
-        let of_vertex = |(i, &v): (usize, &usize)| {
-            let (_, free) = held.directions(v);
-            free.into_iter().map(move |direction| (i, direction))
-        };
-        let ways = vertices.iter().enumerate().flat_map(of_vertex).collect();
-        Ok(Self::Vertices(FreeVertices { vertices, ways }))
+    ) -> Result<Self> {
+        Ok(match moves {
+            Moves::Handles(count, motion) => {
+                Self::Handles(sample_handles(rest, facets, held, count, own)?.with(motion))
+            }
+            Moves::Offset => Self::Linear(Linear::offset(rest, facets, held)),
+            Moves::Vertices => Self::Linear(Linear::free(rest, facets, held)),
+        })
     }
 
     /// The image of this patch by an isometry, with the same variables; `rest`, `facets` and `held` are those of the image.
@@ -64,11 +78,16 @@ impl Patch {
         rest: &[Vec3],
         facets: &[[usize; 3]],
         held: Held,
-    ) -> Result<Self, HandleError> {
+    ) -> Result<Self> {
         match self {
             Self::Handles(handles) => Ok(Self::Handles(handles.image(by, rest, facets, held)?)),
-            Self::Offset(_) => Ok(Self::Offset(Swelling::new(rest, facets, held))),
-            Self::Vertices(_) => Err(HandleError::Free),
+            Self::Linear(linear) => {
+                ensure!(
+                    linear.is_offset,
+                    "vertices that move freely have no images; expected handles or an offset"
+                );
+                Ok(Self::Linear(Linear::offset(rest, facets, held)))
+            }
         }
     }
 
@@ -76,8 +95,7 @@ impl Patch {
     pub fn variables(&self) -> usize {
         match self {
             Self::Handles(handles) => handles.variables(),
-            Self::Vertices(free) => free.ways.len(),
-            Self::Offset(_) => 1,
+            Self::Linear(linear) => linear.variables,
         }
     }
 
@@ -85,8 +103,7 @@ impl Patch {
     pub fn vertices(&self) -> &[usize] {
         match self {
             Self::Handles(handles) => handles.vertices(),
-            Self::Vertices(free) => &free.vertices,
-            Self::Offset(swelling) => &swelling.vertices,
+            Self::Linear(linear) => &linear.vertices,
         }
     }
 
@@ -95,10 +112,9 @@ impl Patch {
     pub fn apply(&self, theta: &[f64], rest: &[Vec3]) -> Vec<Vec3> {
         match self {
             Self::Handles(handles) => handles.apply(theta, rest),
-            Self::Offset(swelling) => swelling.apply(theta[0], rest),
-            Self::Vertices(free) => {
-                let mut moved: Vec<Vec3> = free.vertices.iter().map(|&v| rest[v]).collect();
-                free.ways.iter().zip(theta).for_each(|((i, way), d)| moved[*i] += *d * way);
+            Self::Linear(Linear { vertices, ways, .. }) => {
+                let mut moved: Vec<Vec3> = vertices.iter().map(|&v| rest[v]).collect();
+                ways.iter().for_each(|(i, k, d)| moved[*i] += theta[*k] * d);
                 moved
             }
         }
@@ -108,8 +124,11 @@ impl Patch {
     pub fn vjp(&self, theta: &[f64], rest: &[Vec3], bar: &[Vec3]) -> Vec<f64> {
         match self {
             Self::Handles(handles) => handles.vjp(theta, rest, bar),
-            Self::Offset(swelling) => vec![swelling.vjp(bar)],
-            Self::Vertices(free) => free.ways.iter().map(|(i, way)| way.dot(&bar[*i])).collect(),
+            Self::Linear(linear) => {
+                let mut by = vec![0.0; linear.variables];
+                linear.ways.iter().for_each(|(i, k, d)| by[*k] += d.dot(&bar[*i]));
+                by
+            }
         }
     }
 }
@@ -119,10 +138,10 @@ impl Patch {
 mod tests {
     use mechanics::math::random::Random;
     use mechanics::testing::{cap, check_gradient, sphere};
-    use scene::config::HandleMotion;
+    use scene::config::{HandleMotion, SymmetricConfig};
 
     use super::*;
-    use crate::design::Geodesics;
+    use crate::design::geodesic::Geodesics;
     use crate::design::sampling::rim;
 
     #[test]
@@ -130,7 +149,7 @@ mod tests {
         let surface = cap(3);
         let x = &surface.vertices;
         let margin = 0.3;
-        let distances = Geodesics::new(&surface).distances(&rim(&surface));
+        let distances = Geodesics::new(&surface).distances(&rim(&surface, |_| false));
         let handles = |motion| Moves::Handles(4, motion);
         for moves in [
             Moves::Vertices,
@@ -140,7 +159,7 @@ mod tests {
         ] {
             let facets = &surface.triangles;
             let held = Held { margin, ..Held::default() };
-            let patch = Patch::new(x, facets, held, moves, Spread::RePick, &[]).unwrap();
+            let patch = Patch::new(x, facets, held, moves, &[]).unwrap();
             let theta = Random::new(5).numbers(patch.variables());
             let moved = patch.apply(&theta, x);
             let way: Vec<f64> =
@@ -153,39 +172,76 @@ mod tests {
         }
     }
 
+    /// J = Σ (a·x + ½ |x|²) over the vertices of patches with the same variables.
+    fn check_vjp(patches: &[Patch], rest: &[Vec3]) {
+        let moved = |theta: &[f64]| -> Vec<Vec<Vec3>> {
+            patches.iter().map(|patch| patch.apply(theta, rest)).collect()
+        };
+        let theta = Random::new(32).numbers(patches[0].variables());
+        let theta: Vec<f64> = theta.iter().map(|t| 0.4 * t).collect();
+        let mut random = Random::new(33);
+        let along: Vec<Vec3> = moved(&theta).concat().iter().map(|_| random.vector()).collect();
+        let value = |theta: &[f64]| -> f64 {
+            let all = moved(theta).concat();
+            all.iter().zip(&along).map(|(x, a)| a.dot(x) + 0.5 * x.norm_squared()).sum()
+        };
+        let mut gradient = vec![0.0; theta.len()];
+        let mut rest_of_along = &along[..];
+        for (patch, moved) in patches.iter().zip(moved(&theta)) {
+            let (own, others) = rest_of_along.split_at(moved.len());
+            let bar: Vec<Vec3> = moved.iter().zip(own).map(|(x, a)| a + x).collect();
+            let by = patch.vjp(&theta, rest, &bar);
+            gradient.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+            rest_of_along = others;
+        }
+        check_gradient(&theta, &gradient, 1e-2, value);
+    }
+
+    /// Of all kinds, alone and with an image beside them.
+    #[test]
+    fn gradients_are_exact() {
+        let n = 3;
+        let by: SymmetricConfig =
+            toml::from_str("of = ['a', 'b']\nmirror = { axis = 'x', at = 2 }").unwrap();
+        let by = Isometry::of(&by, 1);
+        let own: SymmetricConfig =
+            toml::from_str("of = 'a'\nturn = { axis = 'z', angle = 180 }").unwrap();
+        let (first, held) = (sphere(2), Held::default());
+        let count = first.vertices.len();
+        let image = first.vertices.iter().map(|x| by.image(x));
+        let rest: Vec<Vec3> = first.vertices.iter().copied().chain(image).collect();
+        let other: Vec<_> =
+            first.triangles.iter().map(|&[a, b, c]| [a, c, b].map(|v| v + count)).collect();
+        let handles = |motion| Moves::Handles(n, motion);
+        for (moves, variables) in [
+            (Moves::Vertices, 3 * count),
+            (Moves::Offset, 1),
+            (handles(HandleMotion::Rigid), 6 * n),
+            (handles(HandleMotion::Translation), 3 * n),
+            (handles(HandleMotion::RigidAndOffset), 7 * n),
+        ] {
+            let patch = Patch::new(&rest, &first.triangles, held, moves, &[]).unwrap();
+            assert_eq!(patch.variables(), variables, "{moves:?}");
+            check_vjp(&[patch], &rest);
+            if moves == Moves::Vertices {
+                continue;
+            }
+            let own = Isometry::own(&own);
+            let patch = Patch::new(&rest, &first.triangles, held, moves, &own).unwrap();
+            let image = patch.image(&by, &rest, &other, held).unwrap();
+            check_vjp(&[patch, image], &rest);
+        }
+    }
+
     #[test]
     fn free_vertices_move_all_but_the_rim() {
         let surface = cap(2);
         let x = &surface.vertices;
-        let patch = Patch::new(
-            x,
-            &surface.triangles,
-            Held::default(),
-            Moves::Vertices,
-            Spread::RePick,
-            &[],
-        )
-        .unwrap();
-        let on_rim = rim(&surface);
+        let patch =
+            Patch::new(x, &surface.triangles, Held::default(), Moves::Vertices, &[]).unwrap();
+        let on_rim = rim(&surface, |_| false);
         assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
         assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));
-        let theta = Random::new(3).numbers(patch.variables());
-        let a = Random::new(4).numbers(patch.variables());
-        let value = |theta: &[f64]| -> f64 {
-            let moved = patch.apply(theta, x);
-            let sum = moved
-                .iter()
-                .zip(a.chunks_exact(3))
-                .map(|(v, a)| Vec3::from_column_slice(a).dot(v) + 0.5 * v.norm_squared());
-            sum.sum()
-        };
-        let moved = patch.apply(&theta, x);
-        let bar: Vec<Vec3> = moved
-            .iter()
-            .zip(a.chunks_exact(3))
-            .map(|(v, a)| Vec3::from_column_slice(a) + v)
-            .collect();
-        check_gradient(&theta, &patch.vjp(&theta, x, &bar), 1e-2, value);
     }
 
     /// A ball of radius 1 grows by the distance; facets in chords lie a little deeper.
@@ -193,19 +249,10 @@ mod tests {
     fn a_ball_that_is_offset_is_another_ball() {
         let ball = sphere(3);
         let x = &ball.vertices;
-        let held = Held::default();
-        let patch =
-            Patch::new(x, &ball.triangles, held, Moves::Offset, Spread::RePick, &[]).unwrap();
+        let patch = Patch::new(x, &ball.triangles, Held::default(), Moves::Offset, &[]).unwrap();
         assert_eq!((patch.variables(), patch.vertices().len()), (1, x.len()));
         for moved in patch.apply(&[0.2], x) {
             assert!((moved.norm() - 1.2).abs() < 4e-3, "{}", moved.norm());
         }
-        let bar = Random::new(8).numbers(3 * x.len());
-        let bar: Vec<Vec3> = bar.chunks_exact(3).map(Vec3::from_column_slice).collect();
-        let value = |theta: f64| -> f64 {
-            patch.apply(&[theta], x).iter().zip(&bar).map(|(x, b)| x.dot(b)).sum()
-        };
-        let slope = patch.vjp(&[0.1], x, &bar)[0];
-        assert!((value(1.0) - value(0.0) - slope).abs() < 1e-12);
     }
 }

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use mechanics::material::Lame;
 
-use super::{Converted, Deck, Format, Held, Volume, no_law, tell};
+use super::{Deck, Format, Held, Volume, ids, no_law};
 
 const PROGRAM: &str = "CalculiX";
 
@@ -33,6 +33,10 @@ const OGDEN_TERMS: usize = 3;
 /// What the volumetric terms have in common and in which they differ.
 const QUADRATIC: &str = "(K/2) (J - 1)^2 in place of (K/2) ln^2 J, with the same bulk modulus K: at the same J its \
     pressure is 1 + 3/2 (J - 1) times ours, to first order";
+const ARRUDA_BOYCE: &str = "(K/2) ((J^2 - 1)/2 - ln J) in place of (K/2) ln^2 J, with the same bulk modulus K: at the \
+    same J its pressure is 1 + (J - 1) times ours, to first order";
+const NEO_HOOKEAN: &str = "(mu/2) (J^(-2/3) I1 - 3) + (K/2) (J - 1)^2 in place of (mu/2) (I1 - 3 - 2 ln J) + \
+    (lambda/2) ln^2 J, with the same moduli at rest: the same where J = 1";
 
 fn write(deck: &Deck) -> Result<String> {
     let mut out = String::new();
@@ -54,17 +58,13 @@ fn write(deck: &Deck) -> Result<String> {
         write_ids(&held.nodes, &mut out)?;
     }
     for (volume, set) in deck.volumes.iter().zip(&volumes) {
-        let Converted { text, differs } = law(volume)?;
-        let law = volume.material.law;
-        writeln!(
-            out,
-            "** {}: {} of Puffer, {}",
-            in_one_line(&volume.name),
-            law.key,
-            ascii(law.formula)
-        )?;
+        let (text, differs) = law(volume)?;
+        let (name, law) = (in_one_line(&volume.name), volume.material.law);
+        writeln!(out, "** {name}: {} of Puffer, {}", law.key, ascii(law.formula))?;
         if let Some(differs) = differs {
-            writeln!(out, "** {}", in_one_line(&tell(volume, PROGRAM, &differs)))?;
+            let text = format!("{}: {PROGRAM} has another energy: {differs}", volume.name);
+            log::warn!("{text}");
+            writeln!(out, "** {}", in_one_line(&text))?;
         }
         writeln!(
             out,
@@ -85,9 +85,7 @@ fn write_mesh(deck: &Deck, volumes: &[String], out: &mut String) -> Result<()> {
         writeln!(out, "*ELEMENT, TYPE={kind}, ELSET={set}")?;
         for element in volume.elements.clone() {
             // our order of nodes, VTK's, is that of CalculiX
-            let nodes: Vec<String> =
-                deck.elements[element].iter().map(|node| (node + 1).to_string()).collect();
-            writeln!(out, "{}, {}", element + 1, nodes.join(", "))?;
+            writeln!(out, "{}, {}", element + 1, ids(&deck.elements[element], ", "))?;
         }
     }
     Ok(())
@@ -105,12 +103,8 @@ fn write_step(deck: &Deck, out: &mut String) -> Result<()> {
     }
     for &(tag, pressure) in &deck.pressures {
         let tag = &deck.tags[tag];
-        writeln!(
-            out,
-            "** {} Pa in \"{}\", following the wall\n*DLOAD",
-            pressure,
-            in_one_line(&tag.name)
-        )?;
+        let name = in_one_line(&tag.name);
+        writeln!(out, "** {pressure} Pa in \"{name}\", following the wall\n*DLOAD")?;
         for facet in &tag.facets {
             let face = FACES[facet.opposite];
             writeln!(out, "{}, P{face}, {}", facet.element + 1, number(pressure))?;
@@ -144,46 +138,32 @@ fn write_support(held: &Held, out: &mut String) -> Result<()> {
     Ok(())
 }
 
-/// The law in CalculiX' words.
-fn law(volume: &Volume) -> Result<Converted> {
+/// The law in CalculiX' words, and its energy, where that is another one than ours.
+fn law(volume: &Volume) -> Result<(String, Option<&'static str>)> {
     let p = &volume.material.values;
-    let quadratic = || Some(QUADRATIC.to_owned());
     // its D is 2/K
-    let bulk = volume.material.moduli().bulk;
-    let d = number(2.0 / bulk);
-    let (text, differs) = match volume.material.law.key {
-        "mooney-rivlin" => (mooney_rivlin(p), quadratic()),
+    let d = number(2.0 / volume.material.moduli().bulk);
+    let n = |k: usize| number(p[k]);
+    Ok(match volume.material.law.key {
+        "mooney-rivlin" => (mooney_rivlin(p), Some(QUADRATIC)),
         "mooney-rivlin-quadratic" => (mooney_rivlin(p), None),
         "yeoh" => {
-            let c: Vec<String> = p[..3].iter().map(|c| number(*c)).collect();
-            (
-                format!("*HYPERELASTIC, YEOH\n{}, {d}, {NO_TERM}, {NO_TERM}\n", c.join(", ")),
-                quadratic(),
-            )
+            let terms = format!("{}, {}, {}, {d}, {NO_TERM}, {NO_TERM}", n(0), n(1), n(2));
+            (format!("*HYPERELASTIC, YEOH\n{terms}\n"), Some(QUADRATIC))
         }
-        "ogden" => (ogden(volume)?, quadratic()),
+        "ogden" => (ogden(volume)?, Some(QUADRATIC)),
         "arruda-boyce" => {
-            let differs = "(K/2) ((J^2 - 1)/2 - ln J) in place of (K/2) ln^2 J, with the same bulk modulus K: at the \
-                           same J its pressure is 1 + (J - 1) times ours, to first order";
-            let law =
-                format!("*HYPERELASTIC, ARRUDA-BOYCE\n{}, {}, {d}\n", number(p[0]), number(p[1]));
-            (law, Some(differs.to_owned()))
+            let text = format!("*HYPERELASTIC, ARRUDA-BOYCE\n{}, {}, {d}\n", n(0), n(1));
+            (text, Some(ARRUDA_BOYCE))
         }
         "neo-hookean" => {
             let Lame { mu, .. } = Lame::new(p[0], p[1]);
-            let differs = "(mu/2) (J^(-2/3) I1 - 3) + (K/2) (J - 1)^2 in place of (mu/2) (I1 - 3 - 2 ln J) + \
-                           (lambda/2) ln^2 J, with the same moduli at rest: the same where J = 1";
-            (
-                format!("*HYPERELASTIC, NEO HOOKE\n{}, {d}\n", number(0.5 * mu)),
-                Some(differs.to_owned()),
-            )
+            let text = format!("*HYPERELASTIC, NEO HOOKE\n{}, {d}\n", number(0.5 * mu));
+            (text, Some(NEO_HOOKEAN))
         }
-        "saint-venant-kirchhoff" => {
-            (format!("*ELASTIC\n{}, {}\n", number(p[0]), number(p[1])), None)
-        }
+        "saint-venant-kirchhoff" => (format!("*ELASTIC\n{}, {}\n", n(0), n(1)), None),
         _ => return no_law(volume, PROGRAM, ""),
-    };
-    Ok(Converted { text, differs })
+    })
 }
 
 /// Σ C_ij (Ī₁ − 3)^i (Ī₂ − 3)^j + (J − 1)²/D₁, of c₁, c₂, c₃ = C₁₁ and d₁ = 1/D₁.
@@ -212,11 +192,7 @@ fn ogden(volume: &Volume) -> Result<String> {
 }
 
 fn write_ids(nodes: &[usize], out: &mut String) -> Result<()> {
-    for line in nodes.chunks(IN_LINE) {
-        let ids: Vec<String> = line.iter().map(|node| (node + 1).to_string()).collect();
-        writeln!(out, "{},", ids.join(", "))?;
-    }
-    Ok(())
+    Ok(nodes.chunks(IN_LINE).try_for_each(|line| writeln!(out, "{},", ids(line, ", ")))?)
 }
 
 /// A number in the 20 letters that CalculiX reads of one.

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use mesh::Vec3;
 
-use super::{Converted, Deck, Format, Held, Volume, no_law};
+use super::{Deck, Format, Held, Volume, ids, no_law};
 
 const PROGRAM: &str = "FEBio";
 
@@ -76,15 +76,9 @@ fn write(deck: &Deck) -> Result<String> {
     out += CONTROL;
     writeln!(out, "  <Material>")?;
     for (i, (volume, set)) in deck.volumes.iter().zip(&volumes).enumerate() {
-        let Converted { text, .. } = law(volume)?;
-        let law = volume.material.law;
-        writeln!(
-            out,
-            "    <!-- {}: {} of Puffer, {} -->",
-            comment(&volume.name),
-            law.key,
-            comment(law.formula)
-        )?;
+        let (text, law) = (law(volume)?, volume.material.law);
+        let (name, formula) = (comment(&volume.name), comment(law.formula));
+        writeln!(out, "    <!-- {name}: {} of Puffer, {formula} -->", law.key)?;
         writeln!(out, "    <material id=\"{}\" name=\"M{set}\" {text}    </material>", i + 1)?;
     }
     writeln!(out, "  </Material>\n  <Mesh>")?;
@@ -132,12 +126,8 @@ fn write_mesh(deck: &Deck, volumes: &[String], out: &mut String) -> Result<()> {
         writeln!(out, "    <Elements type=\"{kind}\" name=\"{set}\">")?;
         for element in volume.elements.clone() {
             // our order of nodes, VTK's, is that of FEBio
-            writeln!(
-                out,
-                "      <elem id=\"{}\">{}</elem>",
-                element + 1,
-                ids(&deck.elements[element])
-            )?;
+            let nodes = ids(&deck.elements[element], ",");
+            writeln!(out, "      <elem id=\"{}\">{nodes}</elem>", element + 1)?;
         }
         writeln!(out, "    </Elements>")?;
     }
@@ -146,27 +136,22 @@ fn write_mesh(deck: &Deck, volumes: &[String], out: &mut String) -> Result<()> {
 
 fn write_sets(deck: &Deck, tags: &[String], out: &mut String) -> Result<()> {
     for (tag, name) in deck.tags.iter().zip(tags) {
-        writeln!(
-            out,
-            "    <!-- tag \"{}\" -->\n    <Surface name=\"{name}\">",
-            comment(&tag.name)
-        )?;
+        let title = comment(&tag.name);
+        writeln!(out, "    <!-- tag \"{title}\" -->\n    <Surface name=\"{name}\">")?;
         for (i, facet) in tag.facets.iter().enumerate() {
             let kind = if deck.degree == 1 { "tri3" } else { "tri6" };
-            writeln!(out, "      <{kind} id=\"{}\">{}</{kind}>", i + 1, ids(&facet.nodes))?;
+            writeln!(out, "      <{kind} id=\"{}\">{}</{kind}>", i + 1, ids(&facet.nodes, ","))?;
         }
-        writeln!(
-            out,
-            "    </Surface>\n    <NodeSet name=\"N{name}\">{}</NodeSet>",
-            ids(&tag.nodes)
-        )?;
+        let nodes = ids(&tag.nodes, ",");
+        writeln!(out, "    </Surface>\n    <NodeSet name=\"N{name}\">{nodes}</NodeSet>")?;
     }
     for held in &deck.held {
-        writeln!(out, "    <NodeSet name=\"{}\">{}</NodeSet>", held.name, ids(&held.nodes))?;
+        let nodes = ids(&held.nodes, ",");
+        writeln!(out, "    <NodeSet name=\"{}\">{nodes}</NodeSet>", held.name)?;
     }
     if !deck.forces.is_empty() {
         let nodes: Vec<usize> = deck.forces.iter().map(|(node, _)| *node).collect();
-        writeln!(out, "    <NodeSet name=\"NFORCES\">{}</NodeSet>", ids(&nodes))?;
+        writeln!(out, "    <NodeSet name=\"NFORCES\">{}</NodeSet>", ids(&nodes, ","))?;
     }
     Ok(())
 }
@@ -212,11 +197,8 @@ fn write_support(held: &Held, out: &mut String) -> Result<()> {
     if !still.is_empty() {
         writeln!(out, "    <bc name=\"{set}\" node_set=\"{set}\" type=\"zero displacement\">")?;
         for (axis, letter) in AXES.iter().enumerate() {
-            writeln!(
-                out,
-                "      <{letter}_dof>{}</{letter}_dof>",
-                u8::from(still.contains(&axis))
-            )?;
+            let held = u8::from(still.contains(&axis));
+            writeln!(out, "      <{letter}_dof>{held}</{letter}_dof>")?;
         }
         writeln!(out, "    </bc>")?;
     }
@@ -246,9 +228,9 @@ fn map_name(held: &Held, axis: usize) -> String {
 }
 
 /// The law in FEBio's words: the rest of a tag, and what is in it.
-fn law(volume: &Volume) -> Result<Converted> {
+fn law(volume: &Volume) -> Result<String> {
     let p = &volume.material.values;
-    let text = match volume.material.law.key {
+    Ok(match volume.material.law.key {
         "mooney-rivlin" if p[2] == 0.0 => {
             values("Mooney-Rivlin", &[("c1", p[0]), ("c2", p[1]), ("k", 2.0 * p[3])])
         }
@@ -266,8 +248,7 @@ fn law(volume: &Volume) -> Result<Converted> {
         "ogden" => ogden(volume)?,
         "saint-venant-kirchhoff" => values("isotropic elastic", &[("E", p[0]), ("v", p[1])]),
         _ => return no_law(volume, PROGRAM, ""),
-    };
-    Ok(Converted { text, differs: None })
+    })
 }
 
 fn values(kind: &str, values: &[(&str, f64)]) -> String {
@@ -305,10 +286,6 @@ fn ogden(volume: &Volume) -> Result<String> {
     }
     writeln!(text, "      <k>{:e}</k>", p[2 * terms])?;
     Ok(text)
-}
-
-fn ids(nodes: &[usize]) -> String {
-    nodes.iter().map(|node| (node + 1).to_string()).collect::<Vec<_>>().join(",")
 }
 
 fn vector(v: &Vec3) -> String {

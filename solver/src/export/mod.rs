@@ -89,14 +89,6 @@ struct Held {
     displacement: Vec<Vec3>,
 }
 
-/// What a foreign law is, and how it differs from ours.
-struct Converted {
-    /// The words of the other program.
-    text: String,
-    /// The other program's energy, where it is another one than ours; nothing where both are the same.
-    differs: Option<String>,
-}
-
 /// The program whose decks end as a path does.
 pub fn format_of(path: &Path) -> Result<&'static Format> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
@@ -162,11 +154,9 @@ impl Deck {
     }
 }
 
-/// Says in the log where energies differ; the result is the comment of a deck.
-fn tell(volume: &Volume, program: &str, differs: &str) -> String {
-    let text = format!("{}: {program} has another energy: {differs}", volume.name);
-    log::warn!("{text}");
-    text
+/// Numbers of nodes, counted from 1.
+fn ids(nodes: &[usize], between: &str) -> String {
+    nodes.iter().map(|node| (node + 1).to_string()).collect::<Vec<_>>().join(between)
 }
 
 /// A law that a program does not have.

@@ -10,7 +10,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use csv::StringRecord;
 use mechanics::material::response::Mode;
 
@@ -168,8 +168,7 @@ fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<
         stress + 1,
         &header[stress]
     );
-    let stress_unit = one_unit("stress", titles[stress].1.as_ref(), units.stress.as_ref())?;
-    let stress = (stress, stress_factor(stress_unit.as_deref())?);
+    let stress = (stress, STRESS.factor(titles[stress].1.as_ref(), units.stress.as_ref())?);
     if let Some(stretch) = find("stretch")? {
         let unit = titles[stretch].1.as_deref();
         let plain = unit.is_none_or(|u| ["1", "-", "", "mm/mm", "m/m"].contains(&u));
@@ -188,47 +187,53 @@ fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<
         strain + 1,
         &header[strain]
     );
-    let unit = one_unit("strain", titles[strain].1.as_ref(), units.strain.as_ref())?;
-    Ok(Layout { stretch: (strain, strain_factor(unit.as_deref())?, 1.0), stress })
+    let factor = STRAIN.factor(titles[strain].1.as_ref(), units.strain.as_ref())?;
+    Ok(Layout { stretch: (strain, factor, 1.0), stress })
 }
 
-/// The unit of the header or the one given apart, which must not differ.
-fn one_unit(name: &str, header: Option<&String>, apart: Option<&String>) -> Result<Option<String>> {
-    if let (Some(header), Some(apart)) = (header, apart) {
-        ensure!(
-            header == apart,
-            "the header gives {name} in \"{header}\", but --{name}-unit is \"{apart}\""
-        );
-    }
-    Ok(header.or(apart).cloned())
+/// A quantity with its units: their names, and how much one is in SI.
+struct Quantity {
+    name: &'static str,
+    units: &'static [(&'static [&'static str], f64)],
+    /// What a header may say.
+    example: &'static str,
 }
 
-fn strain_factor(unit: Option<&str>) -> Result<f64> {
-    match unit {
-        Some("1" | "-" | "mm/mm" | "m/m") => Ok(1.0),
-        Some("%" | "percent") => Ok(0.01),
-        Some(other) => bail!("strain in \"{other}\": known units are 1 and %"),
-        None => bail!(
-            "no unit of strain: write it in the header, as in strain [%], or give \
-                       --strain-unit 1 or --strain-unit %"
-        ),
-    }
-}
+const STRAIN: Quantity = Quantity {
+    name: "strain",
+    units: &[(&["1", "-", "mm/mm", "m/m"], 1.0), (&["%", "percent"], 0.01)],
+    example: "strain [%], or give --strain-unit 1 or --strain-unit %",
+};
 
-fn stress_factor(unit: Option<&str>) -> Result<f64> {
-    match unit {
-        Some("Pa" | "N/m2" | "N/m²") => Ok(1.0),
-        Some("kPa") => Ok(1e3),
-        Some("MPa" | "N/mm2" | "N/mm²" | "N/mm^2") => Ok(1e6),
+const STRESS: Quantity = Quantity {
+    name: "stress",
+    units: &[
+        (&["Pa", "N/m2", "N/m²"], 1.0),
+        (&["kPa"], 1e3),
+        (&["MPa", "N/mm2", "N/mm²", "N/mm^2"], 1e6),
         // pound-force 4.448 221 615 260 5 N on a square of 25.4 mm
-        Some("psi") => Ok(4.448_221_615_260_5 / (0.0254 * 0.0254)),
-        Some(other) => {
-            bail!("stress in \"{other}\": known units are Pa, kPa, MPa, N/mm2 and psi")
+        (&["psi"], 4.448_221_615_260_5 / (0.0254 * 0.0254)),
+    ],
+    example: "stress [kPa], or give --stress-unit kPa",
+};
+
+impl Quantity {
+    /// The factor to SI of the unit in the header or the one given apart, which must not differ.
+    fn factor(&self, header: Option<&String>, apart: Option<&String>) -> Result<f64> {
+        let Self { name, units, example } = self;
+        if let (Some(header), Some(apart)) = (header, apart) {
+            ensure!(
+                header == apart,
+                "the header gives {name} in \"{header}\", but --{name}-unit is \"{apart}\""
+            );
         }
-        None => bail!(
-            "no unit of stress: write it in the header, as in stress [kPa], or give \
-                       --stress-unit kPa"
-        ),
+        let unit = header.or(apart);
+        let unit = unit.with_context(|| {
+            format!("no unit of {name}: write it in the header, as in {example}")
+        })?;
+        let found = units.iter().find(|(names, _)| names.contains(&unit.as_str()));
+        let known = || units.iter().map(|(names, _)| names[0]).collect::<Vec<_>>().join(", ");
+        Ok(found.with_context(|| format!("{name} in \"{unit}\": known units are {}", known()))?.1)
     }
 }
 

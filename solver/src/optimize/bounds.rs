@@ -43,20 +43,19 @@ impl Level {
         self.scenarios[0].bounds()
     }
 
-    /// Each bound at the run of each scenario, with the derivatives, where the level is linearised.
+    /// Each bound at the run of each scenario, with the derivatives, of a linearised evaluation.
     pub fn bound_rows(
         &mut self,
         theta: &[f64],
         at: &Evaluation,
     ) -> Result<Vec<BoundRow>, Rejected> {
-        let body = self.body.clone();
-        let names: Vec<String> = self.bounds().iter().map(|bound| bound.name.clone()).collect();
         let loads = self.map.load_variables(theta);
         let mut rows = Vec::new();
-        for (scenario, run) in self.scenarios.iter_mut().zip(&at.runs) {
-            for (bound, name) in names.iter().enumerate() {
+        let all = self.scenarios.iter().zip(&mut self.workspaces).zip(&at.runs);
+        for ((scenario, workspaces), run) in all {
+            for (bound, Bound { name, .. }) in scenario.bounds().iter().enumerate() {
                 let of = (Some(name.as_str()), 1.0);
-                let by = scenario.sweep(run, &at.rest, &body, Wanted::All, of)?;
+                let by = scenario.sweep(workspaces, run, &at.rest, Wanted::All, of)?;
                 let mut a = self.map.vjp(theta, &by.rest);
                 a.extend(scenario.by_loads(loads, &by));
                 rows.push(BoundRow { bound, c: run.kept[bound], a });

@@ -10,15 +10,15 @@ use mesh::io::npy;
 use reports::{Castable, Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
+use super::Run;
 use super::bounds::BoundRow;
 use super::ending::{Rejections, at_the_last};
-use super::progress::LevelProgress;
+use super::lbfgs::Lbfgs;
 use super::trust_region::TrustRegion;
-use super::{Lbfgs, Run};
 
 /// The state after an accepted iteration. Numbers are written so that they are
 /// read back bit for bit.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Hash of the program's inputs; another hash is another problem.
     pub inputs: String,
@@ -28,10 +28,8 @@ pub struct Checkpoint {
     pub iteration: usize,
     /// The iteration at which the mesh was made: 0, that of the level, or one that flat elements
     /// have held back.
-    #[serde(default)]
     pub meshed_at: usize,
     /// Flat elements hold back the iterations: a new mesh is to follow.
-    #[serde(default)]
     pub flat: bool,
     /// Design variables of the level; empty before the level's first solve.
     pub theta: Vec<f64>,
@@ -41,22 +39,16 @@ pub struct Checkpoint {
     /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::design::DesignMap::loads) has them; none in the
     /// first.
     pub loads: Vec<f64>,
-    /// Objective at θ.
-    pub objective: f64,
     /// Weighted terms at θ.
     pub terms: BTreeMap<String, f64>,
     /// Weighted terms at the start of the level.
-    #[serde(default)]
     pub first_terms: BTreeMap<String, f64>,
     /// Weights of the terms in all levels; none before the first solve.
-    #[serde(default)]
     pub weights: Vec<f64>,
     /// Gradient at θ.
     pub gradient: Vec<f64>,
     /// Norm of the gradient at the start of the level.
     pub first_gradient: f64,
-    /// What the level has gained so far.
-    pub progress: LevelProgress,
     /// Computing time of the level so far [s].
     pub spent_s: f64,
     /// Computing time of all levels so far [s].
@@ -64,7 +56,6 @@ pub struct Checkpoint {
     /// Memory of the optimiser.
     pub lbfgs: Lbfgs,
     /// Model of the objective, and how far it is trusted.
-    #[serde(default)]
     pub region: TrustRegion,
     /// Lines that history.jsonl has at this point, ...
     pub history: usize,
@@ -73,90 +64,43 @@ pub struct Checkpoint {
     /// SHA-256 of the files that the level reads and of the meshes of those before, by their names.
     pub files: BTreeMap<String, String>,
     /// How the level ended before its iterations did, and why.
-    #[serde(default)]
     pub ending: Option<(Ended, String)>,
     /// How the levels before this one ended.
-    #[serde(default)]
     pub endings_before: Vec<LevelEnd>,
     /// Iterations that gained little, one after the other, up to now.
-    #[serde(default)]
     pub quiet: usize,
     /// Trials that were rejected in these.
-    #[serde(default)]
     pub quiet_rejections: usize,
     /// Part by which the last iteration lowered the objective [1].
-    #[serde(default)]
     pub last_fall: f64,
     /// What was tried in the level and not taken.
-    #[serde(default)]
     pub rejections: Rejections,
     /// What a unit of each constraint is worth, by their order: what the objective would fall by.
-    #[serde(default)]
     pub multipliers: Vec<f64>,
     /// The bounds of the runs at θ.
-    #[serde(default)]
     pub bounds: Vec<BoundRow>,
     /// What a violation of each bound costs, in the unit of the objective over that of the bound.
-    #[serde(default)]
     pub penalties: Vec<f64>,
     /// φ at the start of the design: what is far below it is nothing.
-    #[serde(default)]
     pub first_merit: f64,
     /// Whether the start of the design did not keep its bounds.
-    #[serde(default)]
     pub began_outside: bool,
+    /// φ at the start of the level.
+    pub merit_of_level: f64,
     /// φ at θ.
-    #[serde(default)]
     pub merit: f64,
     /// What `fab plan` says of the shape at θ, where it is asked.
-    #[serde(default)]
     pub mold: Option<Castable>,
 }
 
 impl Checkpoint {
     /// Before the first solve of the first level.
-    pub fn new(inputs: String, lbfgs: Lbfgs) -> Self {
-        Self {
-            inputs,
-            level: 0,
-            iteration: 0,
-            meshed_at: 0,
-            flat: false,
-            theta: Vec::new(),
-            start: Vec::new(),
-            loads: Vec::new(),
-            objective: f64::MAX,
-            terms: BTreeMap::new(),
-            first_terms: BTreeMap::new(),
-            weights: Vec::new(),
-            gradient: Vec::new(),
-            first_gradient: 0.0,
-            progress: LevelProgress::default(),
-            spent_s: 0.0,
-            total_s: 0.0,
-            lbfgs,
-            region: TrustRegion::default(),
-            history: 0,
-            lines: String::new(),
-            files: BTreeMap::new(),
-            ending: None,
-            endings_before: Vec::new(),
-            quiet: 0,
-            quiet_rejections: 0,
-            last_fall: 0.0,
-            rejections: Rejections::default(),
-            multipliers: Vec::new(),
-            bounds: Vec::new(),
-            penalties: Vec::new(),
-            first_merit: 0.0,
-            began_outside: false,
-            merit: f64::MAX,
-            mold: None,
-        }
+    pub fn new(inputs: String) -> Self {
+        Self { inputs, merit: f64::MAX, ..Self::default() }
     }
 
     /// Before the first solve of the level after this one.
-    pub fn next_level(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
+    pub fn next_level(mut self, loads: Vec<f64>) -> Self {
         let endings_before = self.all_endings();
         // The meshes of the levels before stay in the folder, as a part of the result.
         self.files.retain(|name, _| !is_run(name));
@@ -174,12 +118,12 @@ impl Checkpoint {
             first_merit: self.first_merit,
             began_outside: self.began_outside,
             region: self.region.without_model(),
-            ..Self::new(self.inputs, lbfgs)
+            ..Self::new(self.inputs)
         }
     }
 
     /// Before the first solve of the same level on a new mesh of the same shape.
-    pub fn on_new_mesh(mut self, loads: Vec<f64>, lbfgs: Lbfgs) -> Self {
+    pub fn on_new_mesh(mut self, loads: Vec<f64>) -> Self {
         self.files.retain(|name, _| !is_run(name));
         Self {
             meshed_at: self.iteration,
@@ -187,7 +131,7 @@ impl Checkpoint {
             theta: Vec::new(),
             start: Vec::new(),
             loads,
-            lbfgs,
+            lbfgs: Lbfgs::default(),
             region: self.region.without_model(),
             ..self
         }
@@ -235,19 +179,6 @@ impl Checkpoint {
         program::read_checkpoint(&path, scene::PROGRAM).map(Some)
     }
 
-    /// Makes sure that its vectors have the sizes of its level.
-    pub fn check_sizes(&self, folder: &Path, variables: usize) -> Result<()> {
-        let found = [self.theta.len(), self.gradient.len()];
-        ensure!(
-            found == [variables, variables],
-            "{}: theta and gradient have {found:?} numbers, expected {:?}; start over with \
-             --restart",
-            Self::path(folder).display(),
-            [variables, variables]
-        );
-        Ok(())
-    }
-
     fn states_path(&self, folder: &Path, of: impl Display) -> PathBuf {
         let Self { level, meshed_at, .. } = self;
         let mesh = if *meshed_at == 0 { String::new() } else { format!("-{meshed_at}") };
@@ -274,16 +205,8 @@ impl Checkpoint {
 
     /// Displacements at the ends of the time steps of the accepted runs, one scenario after
     /// the other [m].
-    pub fn read_runs(&self, folder: &Path, shape: [usize; 2]) -> Result<npy::Rows> {
-        let path = self.run_path(folder);
-        let rows = npy::read_rows(&path)?;
-        ensure!(
-            rows.shape == shape,
-            "{}: an array of shape {:?}, expected {shape:?}; start over with --restart",
-            path.display(),
-            rows.shape
-        );
-        Ok(rows)
+    pub fn read_runs(&self, folder: &Path) -> Result<npy::Rows> {
+        Ok(npy::read_rows(&self.run_path(folder))?)
     }
 
     /// Writes the checkpoint of a folder with the runs that it belongs to, and then

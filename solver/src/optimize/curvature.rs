@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::scenario::{Run, Scenario};
+use super::vectors::along;
 use super::{Evaluation, Level, Rejected};
 
 /// Motion of the surface by which runs are varied, over its mean edge [1]. Forces are differences of residuals, whose second
@@ -29,7 +30,7 @@ pub struct Curvature {
 }
 
 impl Level {
-    /// Curvature of the objective along first-order changes of the runs with θ, where the level is linearised. None
+    /// Curvature of the objective along first-order changes of the runs with θ, of a linearised evaluation. None
     /// where a run has no usable tangent.
     pub fn curvature(
         &mut self,
@@ -43,13 +44,16 @@ impl Level {
         let by = self.robust.derivatives(&objectives);
         let mut sum = DMatrix::zeros(theta.len(), theta.len());
         let mut states = Vec::new();
-        let Self { map, scenarios, .. } = self;
-        for ((scenario, run), by) in scenarios.iter_mut().zip(&at.runs).zip(by) {
+        let Self { map, scenarios, workspaces, .. } = self;
+        let all = scenarios.iter().zip(workspaces).zip(&at.runs).zip(by);
+        for (((scenario, workspaces), run), by) in all {
             let vary = |(theta, shape): (&Vec<f64>, &Vec<_>)| {
                 scenario.varied(map.load_variables(theta), shape)
             };
             let varied: Vec<_> = varied.iter().zip(&shapes).map(vary).collect::<Result<_, _>>()?;
-            let Some((matrix, of)) = scenario.curvature(run, &varied) else { return Ok(None) };
+            let Some((matrix, of)) = scenario.curvature(workspaces, run, &varied) else {
+                return Ok(None);
+            };
             sum += by * matrix;
             states.push(of);
         }
@@ -77,7 +81,7 @@ impl Level {
         at: &Evaluation,
         curvature: &Curvature,
     ) -> Result<Vec<Arc<Trajectory>>> {
-        let there: Vec<f64> = theta.iter().zip(d).map(|(t, d)| t + d).collect();
+        let there = along(theta, d, 1.0);
         let (shape, loads) = (self.map.shape(&there), self.map.load_variables(&there));
         let parts: Vec<f64> = d.iter().zip(&curvature.sizes).map(|(d, size)| d / size).collect();
         let one = |((scenario, run), states): ((&Scenario, &Run), &Vec<Arc<Trajectory>>)| {

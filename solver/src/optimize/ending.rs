@@ -8,6 +8,11 @@ use super::Rejected;
 /// A fall of the objective in the last iteration above which it still falls [1].
 const STILL_FALLING: f64 = 1e-3;
 
+/// Length of a trial over that of the one before, at most ...
+const LONGEST_RETRIAL: f64 = 0.5;
+/// ... and at least.
+const SHORTEST_RETRIAL: f64 = 0.1;
+
 /// The end of a level in words.
 pub fn in_words(end: &LevelEnd) -> String {
     format!("level {} {}: {}", end.level, end.ending.in_words(), end.why)
@@ -39,15 +44,37 @@ impl End {
     }
 }
 
-/// What a rejected trial had.
-#[derive(Clone, Copy)]
-pub enum Had {
-    /// An equilibrium and a value of the objective.
-    Value,
-    /// A value, and no way to cast it.
-    NoMold,
-    /// No equilibrium, or none that is usable.
-    NoRun,
+/// A trial that was not taken.
+pub struct Refused {
+    /// Why.
+    pub reason: String,
+    /// What it came to, where it had a value.
+    pub objective: Option<f64>,
+    /// It cannot be cast.
+    pub is_mold: bool,
+}
+
+impl From<Rejected> for Refused {
+    fn from(Rejected { why, .. }: Rejected) -> Self {
+        Self { reason: why, objective: None, is_mold: false }
+    }
+}
+
+impl Refused {
+    /// A shape that `fab plan` refuses.
+    pub fn mold(refused: &str) -> Self {
+        let reason = format!("fab plan: it cannot be cast: {refused}");
+        Self { reason, objective: None, is_mold: true }
+    }
+
+    /// Length of the next trial over that of this one, along which the objective had a slope at its start: where a
+    /// parabola through what is known has its minimum, or a half (Nocedal and Wright, section 3.5).
+    pub fn shorter(&self, before: f64, slope: f64) -> f64 {
+        let objective = self.objective.filter(|objective| objective.is_finite());
+        let Some(objective) = objective else { return LONGEST_RETRIAL };
+        let part = -0.5 * slope / (objective - before - slope);
+        part.clamp(SHORTEST_RETRIAL, LONGEST_RETRIAL)
+    }
 }
 
 /// What was tried and not taken, by its reason.
@@ -69,19 +96,19 @@ pub struct Rejections {
 }
 
 impl Rejections {
-    /// Counts a trial that had a value, a run, or a shape that cannot be cast.
-    pub fn add(&mut self, had: Had, why: &str) {
-        let count = match had {
-            Had::Value => &mut self.high,
-            Had::NoMold => &mut self.mold,
-            Had::NoRun => &mut self.run,
+    /// Counts a trial that was not taken.
+    pub fn add(&mut self, refused: &Refused) {
+        let count = match refused {
+            Refused { is_mold: true, .. } => &mut self.mold,
+            Refused { objective: Some(_), .. } => &mut self.high,
+            Refused { objective: None, .. } => &mut self.run,
         };
         *count += 1;
-        why.clone_into(&mut self.last);
+        self.last.clone_from(&refused.reason);
     }
 
     /// Counts a shape that was not simulated.
-    pub fn add_shape(&mut self, flat: bool, Rejected(why): &Rejected) {
+    pub fn add_shape(&mut self, flat: bool, Rejected { why, .. }: &Rejected) {
         *if flat { &mut self.flat } else { &mut self.shape } += 1;
         self.last.clone_from(why);
         log::debug!("a shape is not tried: {why}");
@@ -115,5 +142,21 @@ impl Rejections {
             .map(|(count, what)| format!("{count} {what}"))
             .collect();
         (all > 0).then(|| format!("rejected trials: {}", said.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// J = −α + 5 α²/2 has its minimum at α = 1/5; after 1 ≤ α, J − J₀ = 3/2.
+    #[test]
+    fn the_next_trial_is_where_the_parabola_has_its_minimum() {
+        let refused = |objective| Refused { reason: String::new(), objective, is_mold: false };
+        assert!((refused(Some(8.5)).shorter(7.0, -1.0) - 0.2).abs() < 1e-15);
+        assert_eq!(refused(Some(1e9)).shorter(7.0, -1.0), SHORTEST_RETRIAL);
+        for without_a_minimum in [None, Some(f64::NAN), Some(f64::NEG_INFINITY), Some(7.0)] {
+            assert_eq!(refused(without_a_minimum).shorter(7.0, -1.0), LONGEST_RETRIAL);
+        }
     }
 }

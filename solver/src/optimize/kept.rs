@@ -11,6 +11,7 @@ use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::quadratic::Row;
+use super::vectors::along;
 use super::{Level, Rejected};
 
 /// Part of a gap by which it may close in a step, to first order.
@@ -53,7 +54,7 @@ impl Level {
         if self.map().moving().is_empty() {
             return Vec::new();
         }
-        let mut gaps = self.path().gaps(&self.map().surface(theta), motion);
+        let mut gaps = self.path.gaps(&self.map().surface(theta), motion);
         gaps.iter_mut().for_each(|gap| gap.value *= MOST_CLOSED);
         self.as_rows(theta, None, gaps)
     }
@@ -110,7 +111,7 @@ impl Level {
         };
         let said: Vec<String> =
             self.constraints.iter().zip(self.worst(rest)).filter_map(one).collect();
-        if said.is_empty() { Ok(()) } else { Err(Rejected(said.join("; "))) }
+        if said.is_empty() { Ok(()) } else { Err(Rejected::new(said.join("; "))) }
     }
 
     /// The variables next to these at which all constraints are kept.
@@ -133,12 +134,12 @@ impl Level {
                 rows.iter().map(|kept| AIM * tolerance(kept) - kept.row.c).collect();
             let inverse = inverse.get_or_insert_with(|| self.inverse_metric(&theta));
             let Some(d) = least_motion(&rows, &lacks, inverse.as_ref(), theta.len()) else { break };
-            let motion = self.map().motion(&theta, &added(&theta, &d, 1.0));
+            let motion = self.map().motion(&theta, &along(&theta, &d, 1.0));
             let part = (LONGEST * self.map().mean_edge() / motion).min(1.0);
-            theta = added(&theta, &d, part);
+            theta = along(&theta, &d, part);
         }
-        self.check_kept(&self.map().surface(&theta)).map_err(|Rejected(said)| {
-            Rejected(format!("no shape was found next to this one that keeps all constraints: the last one has {said}"))
+        self.check_kept(&self.map().surface(&theta)).map_err(|rejected| {
+            Rejected::new(format!("no shape was found next to this one that keeps all constraints: the last one has {rejected}"))
         })?;
         Ok(theta)
     }
@@ -153,10 +154,6 @@ impl Level {
         let least = 1e-9 * metric.trace() / n as f64;
         (metric + least * DMatrix::identity(n, n)).try_inverse()
     }
-}
-
-fn added(theta: &[f64], d: &[f64], part: f64) -> Vec<f64> {
-    theta.iter().zip(d).map(|(t, d)| t + part * d).collect()
 }
 
 /// The shortest step along which rows gain what they lack, to first order.

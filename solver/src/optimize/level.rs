@@ -21,7 +21,8 @@ use scene::{ObjectiveBuilder, Scene};
 use super::costs::Costs;
 use super::rest_path::RestPath;
 use super::robust::Robust;
-use super::scenario::{Near, Rejected, Run, Scenario};
+use super::scenario::{Near, Rejected, Run, Scenario, Workspaces};
+use super::vectors::along;
 use super::{shares, validity};
 use crate::design::DesignMap;
 use crate::report::crossing::Crossing;
@@ -47,6 +48,13 @@ pub struct Evaluation {
     pub forward_s: f64,
 }
 
+impl Evaluation {
+    /// Gives up the tangents of its runs, so that there is memory for those of others.
+    pub fn forget_tangents(&mut self) {
+        self.runs.iter_mut().for_each(|run| run.tangents = Arc::default());
+    }
+}
+
 /// Where runs are looked for.
 #[derive(Clone, Copy)]
 pub enum Start<'a> {
@@ -56,8 +64,8 @@ pub enum Start<'a> {
     Next(&'a [Vec<f64>]),
     /// From rest through time, next to the runs of another evaluation.
     Guided(&'a [Run]),
-    /// From rest through time, next to runs that were foreseen.
-    Foreseen(&'a [Arc<Trajectory>]),
+    /// From rest through time, next to states that were foreseen from the runs of another evaluation.
+    Foreseen(&'a [Arc<Trajectory>], &'a [Run]),
     /// Next to runs that were carried over from another mesh.
     Carried(&'a [Arc<Trajectory>]),
 }
@@ -67,8 +75,8 @@ impl<'a> Start<'a> {
         match self {
             Self::Rest => Near::Rest,
             Self::Next(displacements) => Near::Displacement(&displacements[scenario]),
-            Self::Guided(runs) => Near::Run(&runs[scenario].states),
-            Self::Foreseen(runs) => Near::Run(&runs[scenario]),
+            Self::Guided(runs) => Near::Run(&runs[scenario].states, &runs[scenario].tangents),
+            Self::Foreseen(all, runs) => Near::Run(&all[scenario], &runs[scenario].tangents),
             Self::Carried(runs) => Near::Carried(&runs[scenario]),
         }
     }
@@ -79,8 +87,11 @@ pub struct Level {
     /// The body at θ = 0.
     pub body: Body,
     pub(super) map: DesignMap,
-    path: RestPath,
+    /// The surface on the way to another shape.
+    pub(super) path: RestPath,
     pub(super) scenarios: Vec<Scenario>,
+    /// Of each scenario.
+    pub(super) workspaces: Vec<Workspaces>,
     pub(super) robust: Robust,
     pub(super) constraints: Vec<Constraint>,
     pub(super) costs: Costs,
@@ -105,8 +116,9 @@ impl Level {
                 Some(title) => error.context(title),
             })
         });
-        let scenarios: Vec<Scenario> = scenarios.collect::<Result<_>>()?;
+        let scenarios: Vec<(Scenario, Workspaces)> = scenarios.collect::<Result<_>>()?;
         check_memory(&scenarios)?;
+        let (scenarios, workspaces) = scenarios.into_iter().unzip();
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         let constraints = design.constraint.iter().map(|kept| kept.build(&body));
@@ -114,7 +126,7 @@ impl Level {
         let constraints = constraints.into_iter().flatten().collect();
         let robust = Robust::new(&configs, design.robust);
         let costs = Costs::new(&design.parameter, &map);
-        Ok(Self { body, map, path, robust, scenarios, constraints, costs })
+        Ok(Self { body, map, path, robust, scenarios, workspaces, constraints, costs })
     }
 
     /// Number of design variables.
@@ -125,11 +137,6 @@ impl Level {
     /// What the rest shape keeps to.
     pub fn constraints(&self) -> &[Constraint] {
         &self.constraints
-    }
-
-    /// The surface on the way to another shape.
-    pub fn path(&self) -> &RestPath {
-        &self.path
     }
 
     /// From variables to rest shape and loads.
@@ -171,10 +178,13 @@ impl Level {
     /// Does the same for all scenarios, at the same time; the first error counts.
     fn each<T: Send>(
         &mut self,
-        one: impl Fn(usize, &mut Scenario) -> Result<T, Rejected> + Sync,
+        one: impl Fn(usize, &Scenario, &mut Workspaces) -> Result<T, Rejected> + Sync,
     ) -> Result<Vec<T>, Rejected> {
-        let all = self.scenarios.par_iter_mut().enumerate();
-        let done: Vec<Result<T, Rejected>> = all.map(|(i, scenario)| one(i, scenario)).collect();
+        let all = self.scenarios.par_iter().zip(&mut self.workspaces).enumerate();
+        let one = |(i, (scenario, workspaces))| {
+            one(i, scenario, workspaces).map_err(|rejected| rejected.by(i))
+        };
+        let done: Vec<Result<T, Rejected>> = all.map(one).collect();
         done.into_iter().collect()
     }
 
@@ -183,10 +193,10 @@ impl Level {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
         self.admit(&rest)?;
-        let loads = self.map.load_variables(theta);
-        let runs = self.each(|i, scenario| scenario.run(loads, &rest, start.of(i)))?;
+        let loads = self.map.load_variables(theta).to_vec();
+        let runs = self
+            .each(|i, scenario, workspaces| scenario.run(workspaces, &loads, &rest, start.of(i)))?;
         let forward_s = clock.elapsed().as_secs_f64();
-        let loads = loads.to_vec();
         Ok(Evaluation { forward_s, ..self.evaluated(rest, runs, loads) })
     }
 
@@ -198,13 +208,12 @@ impl Level {
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Evaluation> {
         let rest = self.map.shape(theta);
-        let (loads, steps) = (self.map.load_variables(theta), self.steps());
+        let (loads, steps) = (self.map.load_variables(theta).to_vec(), self.steps());
         let mut runs = Vec::new();
-        for scenario in &mut self.scenarios {
+        for (scenario, workspaces) in self.scenarios.iter().zip(&mut self.workspaces) {
             let states: Vec<_> = displacements.by_ref().take(steps).collect();
-            runs.push(scenario.recall(loads, &rest, states.into_iter())?);
+            runs.push(scenario.recall(workspaces, &loads, &rest, states.into_iter())?);
         }
-        let loads = loads.to_vec();
         Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs, loads) })
     }
 
@@ -226,15 +235,14 @@ impl Level {
             return Ok(at);
         }
         let mut means = vec![0.0; wanted.len()];
-        for ((scenario, run), part) in
-            self.scenarios.iter_mut().zip(&at.runs).zip(self.robust.weights())
-        {
-            let values = scenario.values(run);
+        let parts = self.robust.weights().to_vec();
+        let all =
+            self.each(|i, own, workspaces| Ok(own.values(workspaces, &at.runs[i], |_| true)))?;
+        for (values, part) in all.into_iter().zip(parts) {
             means.iter_mut().zip(values).for_each(|(mean, value)| *mean += part * value);
         }
         self.set_weights(&shares::weights(&wanted, &means)?);
-        let rated = self.scenarios.iter_mut().zip(&at.runs);
-        let runs = rated.map(|(scenario, run)| scenario.rated(run)).collect();
+        let runs = self.each(|i, own, workspaces| Ok(own.rated(workspaces, &at.runs[i])))?;
         let Evaluation { rest, newton_iterations, forward_s, loads, .. } = at;
         Ok(Evaluation { newton_iterations, forward_s, ..self.evaluated(rest, runs, loads) })
     }
@@ -265,29 +273,25 @@ impl Level {
         if self.is_transient() { Start::Guided(&at.runs) } else { Start::Next(predicted) }
     }
 
-    /// Explains why the body at θ = 0 has no equilibrium, after
-    /// [`Self::evaluate`] has sought it from rest in vain.
-    pub fn diagnose(&mut self) -> Option<Diagnosis> {
-        let Self { scenarios, body, .. } = self;
-        scenarios.iter_mut().find_map(|scenario| scenario.diagnose(body))
+    /// Explains why the body at θ = 0 was rejected, if it has no equilibrium.
+    pub fn diagnose(&mut self, rejected: &Rejected) -> Option<Diagnosis> {
+        rejected.diagnose(&self.scenarios, &mut self.workspaces)
     }
 
-    /// Makes ready for [`Self::gradient`], [`Self::predict`] and trials at or
-    /// next to an evaluation of a scene without time. What follows depends on the
-    /// evaluation alone, not on how it was reached: an interrupted search continues
-    /// with the same bits.
-    pub fn linearize(&mut self, at: &Evaluation) {
-        let pairs = self.scenarios.par_iter_mut().zip(&at.runs);
-        pairs.for_each(|(scenario, run)| scenario.linearize(run));
+    /// Makes an evaluation ready for [`Self::gradient`], [`Self::predict`] and trials at or
+    /// next to it. What follows depends on the evaluation alone, not on how it was reached: an interrupted search
+    /// continues with the same bits.
+    pub fn linearize(&mut self, at: &mut Evaluation) {
+        let all = self.scenarios.par_iter().zip(&mut self.workspaces).zip(&mut at.runs);
+        all.for_each(|((scenario, workspaces), run)| scenario.linearize(workspaces, run));
     }
 
-    /// First-order change of the equilibria from `at`, where the level is
-    /// linearised, to the shape X(θ): a start for [`Self::evaluate`] along this step. None
-    /// where an equilibrium is not stable, or of a run through time.
+    /// First-order change of the equilibria of a linearised evaluation to the shape X(θ): a start for
+    /// [`Self::evaluate`] along this step. None where an equilibrium is not stable, or of a run through time.
     pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<Vec<f64>>> {
         let shape = self.map.shape(theta);
-        let pairs = self.scenarios.par_iter_mut().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.predict(run, &shape)).collect()
+        let all = self.scenarios.par_iter().zip(&mut self.workspaces).zip(&at.runs);
+        all.map(|((scenario, workspaces), run)| scenario.predict(workspaces, run, &shape)).collect()
     }
 
     /// The body with the rest shape of an evaluation.
@@ -310,7 +314,7 @@ impl Level {
     /// Runs with the shape at θ that have been carried over to the mesh of this level
     /// ([`Self::carry`]).
     pub fn carried<E: Into<anyhow::Error>>(
-        &mut self,
+        &self,
         theta: &[f64],
         times: &[f64],
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
@@ -318,15 +322,14 @@ impl Level {
         let rest = self.map.shape(theta);
         let loads = self.map.load_variables(theta);
         let each = times.len() / self.scenarios.len();
-        let mut one = |(scenario, times): (&mut Scenario, &[f64])| {
+        let mut one = |(scenario, times): (&Scenario, &[f64])| {
             let states = times.iter().copied().zip(displacements.by_ref());
             scenario.states(loads, &rest, states).map(Arc::new)
         };
-        self.scenarios.iter_mut().zip(times.chunks(each)).map(&mut one).collect()
+        self.scenarios.iter().zip(times.chunks(each)).map(&mut one).collect()
     }
 
-    /// dJ/dθ at an evaluation made with the same θ, where the level is
-    /// linearised.
+    /// dJ/dθ at an evaluation made with the same θ, which is linearised.
     pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
         let shape = self.map.shape_variables();
         let wanted = match theta.len() - shape {
@@ -343,8 +346,7 @@ impl Level {
     }
 
     /// dJ of the objective, or of its terms of a name, by all that the run of each scenario
-    /// depends on; their sum counts. Where the level is linearised at the evaluation, that
-    /// saves factorisations.
+    /// depends on; their sum counts. Where the evaluation is linearised, that saves factorisations.
     pub fn sweep(&mut self, at: &Evaluation, of: Option<&str>) -> Result<Vec<Gradient>, Rejected> {
         self.sweep_for(at, Wanted::All, of)
     }
@@ -357,14 +359,13 @@ impl Level {
     ) -> Result<Vec<Gradient>, Rejected> {
         let objectives: Vec<f64> = at.runs.iter().map(|run| run.objective).collect();
         let (by, means) = (self.robust.derivatives(&objectives), self.robust.weights().to_vec());
-        let body = self.body.clone();
-        self.each(|i, scenario| {
+        self.each(|i, scenario, workspaces| {
             let (of, factor) = match of {
                 None => (None, by[i]),
                 Some(EXCESS) => (None, by[i] - means[i]),
                 Some(_) => (of, means[i]),
             };
-            scenario.sweep(&at.runs[i], &at.rest, &body, wanted, (of, factor))
+            scenario.sweep(workspaces, &at.runs[i], &at.rest, wanted, (of, factor))
         })
     }
 
@@ -381,13 +382,13 @@ impl Level {
     /// Mean displacement of each tag over its rest area in each scenario [m].
     pub fn mean_displacements(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
         let pairs = self.scenarios.iter().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.mean_displacements(run, &self.body)).collect()
+        pairs.map(|(scenario, run)| scenario.mean_displacements(run)).collect()
     }
 
     /// The probes of the scene in each scenario, in the units of their kinds.
     pub fn measured(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
         let pairs = self.scenarios.iter().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.measured(run, &self.body)).collect()
+        pairs.map(|(scenario, run)| scenario.measured(run)).collect()
     }
 
     /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
@@ -396,15 +397,14 @@ impl Level {
         if self.map.moving().is_empty() {
             return 1.0;
         }
-        let at = |t: f64| -> Vec<f64> { theta.iter().zip(d).map(|(x, d)| x + t * d).collect() };
-        self.path.free(|t| self.map.surface(&at(t)))
+        self.path.free(|t| self.map.surface(&along(theta, d, t)))
     }
 
     /// Whether a rest shape is valid in all scenarios and every term admits it; cheap beside
     /// the equilibria.
     pub fn admit(&self, rest: &[Vec3]) -> Result<(), Rejected> {
         let moving = self.map.moving();
-        self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, &self.body, moving))
+        self.scenarios.iter().try_for_each(|scenario| scenario.admit(rest, moving))
     }
 
     /// Whether the rest shape at θ has no elements that are too flat for a trial.
@@ -412,24 +412,19 @@ impl Level {
         let tets = &self.body.mesh.tets;
         let least = validity::smallest_of_trials(&self.body.mesh.vertices, tets);
         let found = validity::check_volumes(&self.map.shape(theta), tets, least);
-        found.map_err(|flat| Rejected(flat.to_string()))
-    }
-
-    /// The solution's grid of the first scenario for ParaView.
-    pub fn grid(&self, at: &Evaluation) -> mesh::io::vtu::Grid {
-        self.first().grid(&at.runs[0])
+        found.map_err(Rejected::new)
     }
 
     /// Surfaces that have passed through each other at the end of a scenario.
     pub fn crossing(&self, at: &Evaluation) -> Option<Crossing> {
         let mut all = self.scenarios.iter().zip(&at.runs);
-        all.find_map(|(scenario, run)| scenario.crossing(run, &self.body))
+        all.find_map(|(scenario, run)| scenario.crossing(run))
     }
 }
 
 /// Each has been checked alone; the factors of all are kept at the same time.
-fn check_memory(scenarios: &[Scenario]) -> Result<()> {
-    let need: Need = scenarios.iter().map(Scenario::memory).sum();
+fn check_memory(scenarios: &[(Scenario, Workspaces)]) -> Result<()> {
+    let need: Need = scenarios.iter().map(|(own, workspaces)| own.memory(workspaces)).sum();
     let count = scenarios.len();
     memory::require(need).with_context(|| format!("{count} scenarios at the same time"))
 }

@@ -8,7 +8,7 @@ use scene::config::{DesignConfig, LevelConfig, VerticesConfig};
 use scene::{ObjectiveBuilder, Scene};
 use serde::Serialize;
 
-use super::{Evaluation, Level, Rejected, Scenario};
+use super::{Evaluation, Level, Scenario};
 use scene::number::{KINDS, Number, Swept};
 
 /// A group of numbers.
@@ -211,7 +211,7 @@ impl Perturbed<'_> {
         let mut other = Level::new(&changed, self.objectives, body, self.design, &settings)?;
         other.set_weights(&level.weights());
         let theta = vec![0.0; other.variables()];
-        other.evaluate(&theta, near).map_err(|Rejected(why)| anyhow::anyhow!(why))
+        Ok(other.evaluate(&theta, near)?)
     }
 
     /// The scene with numbers changed by parts of themselves, or of what is large of their kind.

@@ -1,29 +1,11 @@
-//! Meshes of a cascade: on disk, and with their elements made better.
-
-use std::path::Path;
+//! Meshes of a cascade with their elements made better.
 
 use anyhow::Result;
 use mechanics::body::Body;
 use mesh::improve::{SurfaceReport, improve_tagged, improve_with_surface, usual_tolerance};
-use scene::Scene;
 
 /// Passes of the interior re-meshing.
 const REMESH_PASSES: usize = 10;
-
-/// Writes a mesh file for each body of a scene, placed as the scene reads them.
-pub fn write_bodies(folder: &Path, what: &str, scene: &Scene, body: &Body) -> Result<()> {
-    for (part, (name, mut mesh, tags)) in scene.parts.iter().zip(body.separate()) {
-        let shift = mesh::Vec3::from(part.config.translate);
-        mesh.vertices.iter_mut().for_each(|v| *v -= shift);
-        mesh::io::write_tets(&folder.join(mesh_file(what, name.as_deref())), &mesh, &tags)?;
-    }
-    Ok(())
-}
-
-/// Name of a mesh file, of one body of several if it has a name.
-pub fn mesh_file(what: &str, body: Option<&str>) -> String {
-    body.map_or_else(|| format!("{what}.msh"), |name| format!("{what}.{name}.msh"))
-}
 
 /// Improves the bodies that have facets `moving`: their interior, and those facets within a
 /// `tolerance` [m] of where they are, [`usual_tolerance`] by default. Tags keep their

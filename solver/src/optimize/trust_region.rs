@@ -4,7 +4,7 @@
 //! d = argmin g·d + ½ dᵀ B d   with   a_k·d ≥ −c_k,   motion(d) ≤ Δ
 //!
 //! B is the curvature along first-order changes of the runs ([`Level::curvature`](super::Level::curvature)), updated
-//! between two of these by y = g₊ − g (BFGS, damped), or that of [`Lbfgs`](super::Lbfgs). The region is kept by B + λ M in
+//! between two of these by y = g₊ − g (BFGS, damped), or that of [`Lbfgs`](super::lbfgs::Lbfgs). The region is kept by B + λ M in
 //! place of B ([`quadratic`](super::quadratic)): what moves the surface far and gains little is held back first.
 //!
 //! Source: Nocedal and Wright 2006, "Numerical Optimization", chapters 4 and 10.3, procedure 18.2.

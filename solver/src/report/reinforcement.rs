@@ -5,26 +5,22 @@
 //! | `fibre_NAME_direction` | mean of a₀ at rest, zero where the family is not | 1 |
 //! | `fibre_NAME_stretch` | mean of √I₄, 1 where the family is not | 1 |
 //! | `fibre_NAME_stress` | mean of the force of the fibres per rest area across them | Pa |
-//!
-//! `windings.csv` has a row for each segment of each thread, in its order: both of its ends at rest, where
-//! they are, and the mean force along it.
 
 use std::path::Path;
 
 use anyhow::Result;
 use mechanics::energy::{
-    self, Axis, Energies, Energy, FibreMean, FibreSummary, Fibres, Helix, Iterate, WindingSummary,
+    self, Axis, Energies, Energy, FibreMean, FibreSummary, Fibres, Helix, Iterate, Strand,
+    WindingSummary,
 };
 use mesh::Vec3;
 use mesh::io::vtu::Field;
-use reports::{Fibre, Winding};
+use reports::{Fibre, Segment, SegmentEnd, WINDINGS, Winding};
 use scene::Scene;
 use scene::config::WindingConfig;
 
 use super::table;
 
-/// Forces along the threads.
-pub const THREADS: &str = "windings.csv";
 /// A force across a section that is rounding beside that of a thread [1].
 const NO_FORCE: f64 = 1e-6;
 
@@ -126,23 +122,25 @@ pub fn write_threads(
     if scene.config.winding.is_empty() {
         return Ok(());
     }
-    let places = ["start", "end"].into_iter().flat_map(|end| {
-        ["at rest", "now"].into_iter().flat_map(move |when| {
-            ["x", "y", "z"].map(move |axis| format!("{end} {when} {axis} [m]"))
-        })
-    });
-    let title = ["winding".to_owned()].into_iter().chain(places);
-    let mut rows = vec![title.chain(["force [N]".to_owned()]).collect()];
+    let mut rows = vec![Segment::head()];
     for (winding, thread) in scene.config.winding.iter().zip(energies.each::<energy::Winding>()) {
-        rows.extend(thread.strands(at).into_iter().map(|strand| {
-            let ends = strand.rest.into_iter().zip(strand.moved);
-            let places = ends.flat_map(|(rest, moved)| [rest, rest + moved]);
-            let numbers = places.flat_map(<[f64; 3]>::from).chain([strand.force]);
-            let name = [winding.name.clone()].into_iter();
-            name.chain(numbers.map(|number| number.to_string())).collect()
-        }));
+        rows.extend(thread.strands(at).iter().map(|strand| segment(&winding.name, strand).row()));
     }
-    table::write(&folder.join(THREADS), rows)
+    table::write(&folder.join(WINDINGS), rows)
+}
+
+fn segment(winding: &str, strand: &Strand) -> Segment {
+    let end = |k: usize| SegmentEnd {
+        rest: strand.rest[k].into(),
+        now: (strand.rest[k] + strand.moved[k]).into(),
+        weights: strand.weights[k],
+    };
+    Segment {
+        winding: winding.to_owned(),
+        ends: [end(0), end(1)],
+        force: strand.force,
+        vertices: strand.vertices,
+    }
 }
 
 /// Fields of the cells.

@@ -20,14 +20,14 @@ use mesh::io::{npy, vtu};
 use program::{InputFile, Settings};
 use reports::{
     Chamber, Collisions, CutPlane, ForceBalance, Inputs, Membrane, OneOrList, PairForce, RigidPart,
-    Step, Tag, numbers,
+    Step, Tag, WINDINGS, numbers,
 };
 use scene::{Scene, SceneMembrane};
 use serde::Serialize;
 
 use crate::report::fields::fields;
 use crate::report::mullins;
-use crate::report::reinforcement::{THREADS, fibre_fields};
+use crate::report::reinforcement::fibre_fields;
 use crate::report::stability;
 
 /// Name of the file with a line for each step.
@@ -437,7 +437,7 @@ pub fn remove_stale(folder: &Path, done: usize) -> Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", THREADS, FAILED];
+        let ours = ["report.json", "nodes.npy", "displacement.npy", "result.vtu", WINDINGS, FAILED];
         let unless_kept = ["result.pvd", STEPS, CURVE];
         let step = name.starts_with("step_") && name.ends_with(".vtu");
         if ours.contains(&name)

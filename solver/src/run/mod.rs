@@ -21,7 +21,7 @@ use mechanics::adjoint::{self, Gradient, NoGradient, Partials};
 use mechanics::element::FunctionSpace;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Linearizations, LoadStep, Problem, State, Trajectory, Unreached, Watch, Workspace,
+    Linearizations, LoadStep, Problem, Solution, State, Trajectory, Unreached, Watch, Workspace,
     predicted_time,
 };
 use program::FolderLock;
@@ -272,11 +272,14 @@ fn go(
 ) -> Reached {
     let rest = &scene.body.mesh.vertices[..];
     let near = near.filter(|u| u.len() == problem.dofs() && is_free_of_history(scene));
-    if let Some(Ok(step)) = near.map(|u| next_to(scene, (problem, workspace), u)) {
-        let mut states = Trajectory::begin(&scene.integrator(&scene.body, problem), STATE_MEMORY);
-        states.push_displacement(problem, rest, step.time, &step.u);
-        let iterations = step.newton_iterations;
-        return Ok((states, vec![step], iterations));
+    let (start, newton) = (scene.integrator(&scene.body, problem), scene.stepping().newton);
+    let on = (rest, scene.end());
+    let found = near.map(|u| next_to(&start, (problem, workspace), on, u, &newton));
+    if let Some(Ok(Solution { steps, newton_iterations, u })) = found {
+        let mut states = Trajectory::begin(&start, STATE_MEMORY);
+        states.push_displacement(problem, rest, scene.end(), &u);
+        let end = |step| LoadStep { ends_time_step: true, ..step };
+        return Ok((states, steps.into_iter().map(end).collect(), newton_iterations));
     }
     let mut steps = Steps::new(scene, problem).keeping_states();
     let mut load_steps = Vec::new();

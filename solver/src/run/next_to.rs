@@ -1,11 +1,13 @@
-//! The equilibrium of a scene without time next to a known one.
+//! The equilibrium next to a known one.
 
 use std::sync::Arc;
 
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Configuration, Failure, LoadStep, Problem, Workspace, solve_from, solve_multipliers,
+    Configuration, Failure, Integrator, Newton, Problem, Solution, Trajectory, Workspace,
+    solve_from, solve_multipliers,
 };
+use mesh::Vec3;
 use scene::Scene;
 
 /// Whether an equilibrium does not depend on the way to it.
@@ -14,20 +16,17 @@ pub fn is_free_of_history(scene: &Scene) -> bool {
     !rubs && scene.config.time.is_none()
 }
 
-/// The equilibrium under the full load next to a displacement [m], in one load step. It is found to the same
-/// residual as from rest.
+/// The equilibrium at a time next to a displacement [m], in one load step from the start of the bodies.
 pub fn next_to(
-    scene: &Scene,
+    start: &Integrator,
     (problem, workspace): (&Problem, &mut Workspace),
+    (rest, time): (&[Vec3], f64),
     u: &[f64],
-) -> Result<LoadStep, Failure> {
-    let (rest, end) = (&scene.body.mesh.vertices[..], scene.end());
-    let step = Arc::new(scene.integrator(&scene.body, problem).step(0.0, end));
-    let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, end) };
+    newton: &Newton,
+) -> Result<Solution, Failure> {
+    let step = Arc::new(Trajectory::begin(start, 0.0).next_step(problem, rest, (time, u)));
+    let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
     let multipliers = solve_multipliers(problem, workspace, &at);
-    let start = Configuration { rest, time: end, step: Some(&step), u: u.to_vec(), multipliers };
-    let newton = scene.stepping().newton;
-    let mut steps = solve_from(problem, workspace, &start, &newton)?.steps;
-    let found = steps.pop().expect("a solution has the step to it");
-    Ok(LoadStep { ends_time_step: true, ..found })
+    let near = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
+    solve_from(problem, workspace, &near, newton)
 }

@@ -11,13 +11,11 @@ use tests::{block, tag};
 
 /// Bars by their names: cells through the wall, across the chamber, and along the
 /// bar, so that cells are nearly cubes.
-pub const BARS: [(&str, [usize; 3]); 6] = [
+const BARS: [(&str, [usize; 3]); 4] = [
     ("bar20k", [1, 4, 24]),
     ("bar60k", [2, 5, 36]),
     ("bar100k", [2, 7, 48]),
     ("bar250k", [2, 10, 80]),
-    ("bar500k", [3, 12, 88]),
-    ("bar1m", [4, 15, 112]),
 ];
 
 /// Edges of the bars [m].

@@ -1,35 +1,23 @@
 //! Cost of collision detection: candidates (broad phase), the bound on a step (CCD), and
 //! the proof that nothing intersects, on two bumpy sheets that come together.
 
-use std::process::{Command, Stdio};
-use std::time::Instant;
-
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
+use criterion::Throughput;
 use mechanics::contact::candidates::between;
 use mechanics::contact::ccd::max_step;
 use mechanics::contact::certificate::certify;
 use mechanics::contact::pairs::Features;
 use mesh::Vec3;
-use program::peak_rss_mb;
 
-use crate::row::{Row, Seconds, Work, find};
-use crate::scaling::Curve;
+use crate::Bench;
 
 /// Sheets by their names, and squares along an edge: four triangles each, as
 /// there are two sheets.
-const SHEETS: [(&str, usize); 5] = [
-    ("sheets10k", 50),
-    ("sheets30k", 87),
-    ("sheets100k", 158),
-    ("sheets300k", 274),
-    ("sheets1000k", 500),
-];
+const SHEETS: [(&str, usize); 3] = [("sheets10k", 50), ("sheets100k", 158), ("sheets1000k", 500)];
 
-/// What is timed, as the table names it.
+/// What is timed.
 const STEPS: [&str; 4] =
     ["contact candidates", "contact step", "contact proof", "contact, far step"];
-
-const RUNS: usize = 5;
 
 /// Edge of a sheet [m].
 const SIZE: f64 = 0.1;
@@ -67,99 +55,36 @@ impl Sheets {
         });
         Self { facets: facets.collect(), start, end, radius: square / 8.0 }
     }
+}
 
-    /// Times every step in this process.
-    fn rows(&self, body: &str) -> Result<Vec<Row>> {
-        let features = Features::new(&self.facets);
-        let search = |end: &[Vec3]| between(&features, &self.start, end, self.radius, |_| false);
-        let row = |what: &str, seconds, beside| -> Result<Row> {
-            let dofs = 3 * self.start.len();
-            Ok(Row {
-                what: what.to_owned(),
-                body: body.to_owned(),
-                dofs: Some(dofs),
-                seconds,
-                one_thread_s: None,
-                work: Work::Dofs(dofs as f64),
-                peak_mb: Some(peak_rss_mb().context("no VmHWM in /proc/self/status")?),
-                beside,
-            })
-        };
-        let (time, pairs) = timed(|| search(&self.end));
-        let pairs = pairs.context("of these sheets only near pairs meet")?;
-        let found = format!("{} pairs of {} triangles", pairs.len(), self.facets.len());
-        let mut rows = vec![row(STEPS[0], time, found)?];
-        let (time, step) = timed(|| max_step(&pairs, &self.start, &self.end, 0.0));
-        rows.push(row(STEPS[1], time, format!("ends at {step:.3}"))?);
-        let (time, proof) = timed(|| certify(&self.facets, &self.start, |_| true));
-        proof.context("these sheets are apart")?;
-        rows.push(row(STEPS[2], time, String::new())?);
-        // every vertex somewhere else: everything meets everything
-        let len = self.start.len();
-        let far: Vec<Vec3> = (0..len).map(|v| self.start[v * 7919 % len] * 100.0).collect();
-        let (time, refused) = timed(|| search(&far));
-        ensure!(refused.is_err(), "a far step was not refused");
-        let mut last = row(STEPS[3], time, String::new())?;
-        let peaks = [rows[2].peak_mb, last.peak_mb].map(Option::unwrap_or_default);
-        last.beside = format!("refused; peak memory {:.0} MB, {:.0} before", peaks[1], peaks[0]);
-        rows.push(last);
-        Ok(rows)
+/// All sheets.
+pub fn time(bench: &mut Bench) -> Result<()> {
+    for (name, n) in SHEETS {
+        if STEPS.iter().any(|step| bench.wants(step, name)) {
+            Sheets::new(n).time(bench, name)?;
+        }
     }
-}
-
-/// How long some runs take, and what the last returns.
-fn timed<T>(run: impl Fn() -> T) -> (Seconds, T) {
-    let once = || {
-        let clock = Instant::now();
-        let result = run();
-        (clock.elapsed().as_secs_f64(), result)
-    };
-    let mut seconds: Vec<f64> = (1..RUNS).map(|_| once().0).collect();
-    let (last, result) = once();
-    seconds.push(last);
-    (Seconds::new(seconds), result)
-}
-
-/// Measures one case in this process and prints its rows.
-pub fn child(name: &str) -> Result<()> {
-    let Some((_, n)) = SHEETS.into_iter().find(|s| s.0 == name) else { bail!("no {name:?}") };
-    serde_json::to_writer(std::io::stdout(), &Sheets::new(n).rows(name)?)?;
     Ok(())
 }
 
-/// The rows that are wanted, each case in a process of its own for its memory.
-pub fn rows(wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Row>> {
-    let mut all = Vec::new();
-    for (name, _) in SHEETS {
-        let asked = |what: &str| wanted(&format!("{what}/{name}"));
-        if !STEPS.iter().any(|what| asked(what)) {
-            continue;
-        }
-        eprintln!("bringing {name} together");
-        let output = Command::new(std::env::current_exe()?)
-            .args(["--contact", name])
-            .stderr(Stdio::inherit())
-            .output()?;
-        ensure!(output.status.success(), "contact of {name} failed: {}", output.status);
-        let rows: Vec<Row> = serde_json::from_slice(&output.stdout)?;
-        all.extend(rows.into_iter().filter(|row| asked(&row.what)));
+impl Sheets {
+    fn time(&self, bench: &mut Bench, name: &str) -> Result<()> {
+        let features = Features::new(&self.facets);
+        let search = |end: &[Vec3]| between(&features, &self.start, end, self.radius, |_| false);
+        let dofs = || Throughput::Elements(3 * self.start.len() as u64);
+        let [candidates, step, proof, far_step] = STEPS.map(|what| [what, name]);
+        let pairs = search(&self.end).context("of these sheets only near pairs meet")?;
+        bench.time(candidates, dofs(), || search(&self.end));
+        bench.time(step, dofs(), || max_step(&pairs, &self.start, &self.end, 0.0));
+        bench.time(proof, dofs(), || {
+            certify(&self.facets, &self.start, |_| true).expect("these sheets are apart");
+        });
+        // every vertex somewhere else: everything meets everything
+        let len = self.start.len();
+        let far: Vec<Vec3> = (0..len).map(|v| self.start[v * 7919 % len] * 100.0).collect();
+        bench.time(far_step, dofs(), || {
+            assert!(search(&far).is_err(), "a far step was not refused")
+        });
+        Ok(())
     }
-    Ok(all)
-}
-
-/// Cost over the number of triangles.
-pub fn curves(rows: &[Row]) -> Vec<Curve> {
-    let curve = |what: &'static str| {
-        let time = |(name, n): (&str, usize)| {
-            Some(((4 * n * n) as f64, find(rows, what, name)?.seconds.median))
-        };
-        Curve { what, unit: "s", points: SHEETS.into_iter().filter_map(time).collect() }
-    };
-    let memory = |(name, n): (&str, usize)| {
-        Some(((4 * n * n) as f64, find(rows, STEPS[2], name)?.peak_mb? * 1.048_576e-3))
-    };
-    let memory = SHEETS.into_iter().filter_map(memory).collect();
-    let mut curves: Vec<Curve> = STEPS[..3].iter().map(|what| curve(what)).collect();
-    curves.push(Curve { what: "peak memory", unit: "GB", points: memory });
-    curves
 }

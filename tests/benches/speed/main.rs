@@ -1,28 +1,22 @@
-//! Times single steps and whole solves, compares them with the machine's limits,
-//! the last stored run and an independent solver, and prints one table.
+//! Times single steps and whole solves with Criterion.
 //!
-//! `make bench`, or `make bench ONLY="factor gripper"` for the rows whose names
-//! contain all of the words. Only full runs are stored. `make bench-compare` fails where
-//! a row takes more than 10 % longer than in the last stored run of the same machine.
+//! `make bench`, or `make bench ONLY="factor gripper"` for the rows whose names contain all of the words. What a run
+//! finds is kept, and `make bench-compare` fails where a row takes more than 10 % longer than when it was last kept,
+//! both in units of a dense product of their own run, so that the speed of the machine does not count.
 #![allow(missing_docs)]
 
 mod cases;
 mod contact;
 mod dense;
 mod finger;
-mod history;
 mod kernels;
 mod motion;
-mod row;
-mod scaling;
-mod solves;
-mod stored;
-mod table;
 
-use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
 
-use anyhow::{Result, ensure};
-use stored::Stored;
+use anyhow::{Context, Result, ensure};
+use criterion::{BatchSize, BenchmarkGroup, Criterion, SamplingMode, Throughput};
 use tests::workdir::repository;
 
 /// As the program `solver` has it.
@@ -33,117 +27,141 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 const BODIES: [&str; 4] = ["bar20k-p2", "bar60k-p2", "bar250k-p2", "gripper-p2"];
 /// Bodies on which assembly is timed, too.
 const DEGREES: [&str; 2] = ["bar60k-p1", "bar60k-p3"];
-/// Times relative to those of the stored run from which on `make bench-compare` fails.
+/// Bodies that are solved as a whole.
+const SOLVED: [&str; 7] =
+    ["bar20k-p2", "bar60k-p2", "bar100k-p2", "bar250k-p2", "gripper-p1", "gripper-p2", "worm-p2"];
+/// Times relative to those that were kept, from which on `make bench-compare` fails.
 const LIMIT: f64 = 1.1;
-/// Published bodies that are solved as a whole.
-const PUBLISHED: [&str; 3] = ["gripper-p1", "gripper-p2", "worm-p2"];
+/// The samples that are kept.
+const KEPT: &str = "kept";
+
+/// What was timed, and on what.
+type Key = [String; 2];
+
+/// Criterion, and the rows that it has timed.
+pub struct Bench {
+    criterion: Criterion,
+    words: Vec<String>,
+    timed: Vec<Key>,
+}
+
+impl Bench {
+    /// Whether a row is asked for.
+    pub fn wants(&self, what: &str, body: &str) -> bool {
+        let key = format!("{what}/{body}");
+        what == dense::PRODUCT || self.words.iter().all(|word| key.contains(word.as_str()))
+    }
+
+    /// Times `run` on what `prepare` makes; neither the making nor the end of what `run` returns is counted. `work` is
+    /// how much it is.
+    pub fn time_with<T, O>(
+        &mut self,
+        [what, body]: [&str; 2],
+        work: Throughput,
+        mut prepare: impl FnMut() -> T,
+        mut run: impl FnMut(T) -> O,
+    ) {
+        self.group([what, body], work, |group| {
+            group.bench_function(body, |b| {
+                b.iter_batched(&mut prepare, &mut run, BatchSize::PerIteration);
+            });
+        });
+    }
+
+    pub fn time<O>(&mut self, key: [&str; 2], work: Throughput, mut run: impl FnMut() -> O) {
+        self.time_with(key, work, || (), |()| run());
+    }
+
+    /// A row that may be timed in a way of its own.
+    pub fn group(
+        &mut self,
+        [what, body]: [&str; 2],
+        work: Throughput,
+        time: impl FnOnce(&mut BenchmarkGroup<criterion::measurement::WallTime>),
+    ) {
+        if self.wants(what, body) {
+            let mut group = self.criterion.benchmark_group(what);
+            time(group.sampling_mode(SamplingMode::Flat).throughput(work));
+            group.finish();
+            self.timed.push([what.to_owned(), body.to_owned()]);
+        }
+    }
+}
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match &arguments[..] {
-        [flag, name] if flag == "--solve" => return solves::child(name),
-        [flag, name] if flag == "--contact" => return contact::child(name),
-        _ => {}
-    }
     if !arguments.iter().any(|a| a == "--bench") {
         eprintln!("SKIPPED: benchmarks run by `make bench`");
         return Ok(());
     }
     let compare = arguments.iter().any(|a| a == "--compare");
-    run(&arguments.into_iter().filter(|a| !a.starts_with("--")).collect::<Vec<_>>(), compare)
-}
-
-fn run(words: &[String], compare: bool) -> Result<()> {
-    let wanted = |key: &str| words.iter().all(|w| key.contains(w.as_str()));
-    let folder = repository().join("build/bench");
-    std::fs::create_dir_all(&folder)?;
-    // beside the cache of meshes: it survives `make clean`
-    let kept = repository().join(".cache/bench/history.jsonl");
-    let mut history = Stored::history(&kept)?;
-    let mut now = Stored::begin();
-    let before = history.iter().rev().find(|run| run.machine == now.machine);
-    ensure!(
-        before.is_some() || !compare,
-        "{}: no stored run of this machine ({}) to compare with; `make bench` stores one",
-        kept.display(),
-        now.machine
-    );
-
-    let bars = cases::BARS.map(|(name, _)| format!("{name}-p2"));
-    let solved: Vec<&str> = bars.iter().map(String::as_str).chain(PUBLISHED).collect();
-    let solved: Vec<&str> =
-        solved.into_iter().filter(|name| wanted(&format!("static solve/{name}"))).collect();
-    if ["dgemm", "sgemm", "triad"].iter().any(|what| wanted(what)) || !solved.is_empty() {
-        now.rows.extend(dense::limits());
-    }
-    let mut kernels = kernels::Kernels::new(folder.join("criterion"), &wanted);
+    // it survives `make clean`
+    let folder = repository().join(".cache/bench/criterion");
+    let criterion = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(100))
+        .measurement_time(Duration::from_secs(1))
+        .without_plots()
+        .output_directory(&folder);
+    let criterion = match compare {
+        true => criterion.retain_baseline(KEPT.to_owned(), false),
+        false => criterion.save_baseline(KEPT.to_owned()),
+    };
+    let words = arguments.into_iter().filter(|a| !a.starts_with("--")).collect();
+    let mut bench = Bench { criterion, words, timed: Vec::new() };
+    dense::time(&mut bench);
     for body in BODIES {
-        kernels.all(body)?;
-        let rows = kernels.take_rows();
-        // at once, since the speed of shared machines drifts
-        if let Some(row::Work::Flops(flops)) = row::find(&rows, "factor", body).map(|r| r.work) {
-            now.rows.extend(dense::factorisations(body, flops));
-        }
-        now.rows.extend(rows);
+        kernels::all(&mut bench, body)?;
     }
     for body in DEGREES {
-        kernels.assembly_of(body)?;
+        kernels::assembly(&mut bench, body)?;
     }
-    now.rows.extend(kernels.take_rows());
-    now.rows.extend(contact::rows(&wanted)?);
-    let moving = motion::rows(&wanted)?;
-    now.rows.extend(moving.iter().map(|(row, _)| row.clone()));
+    contact::time(&mut bench)?;
+    for body in SOLVED {
+        kernels::solve(&mut bench, body)?;
+    }
+    motion::time(&mut bench)?;
+    if compare { compared(&folder, &bench.timed) } else { Ok(()) }
+}
 
-    for name in solved {
-        if let Some((row, solve)) = solves::repeat(name)? {
-            now.rows.push(row);
-            now.solves.push(solve);
+/// Times now over those that were kept, in units of the dense product; fails where one is above the limit.
+fn compared(folder: &Path, timed: &[Key]) -> Result<()> {
+    let ratio = |[what, body]: &Key| -> Result<Option<f64>> {
+        let row = folder.join(what).join(body);
+        let then = row.join(KEPT).join("sample.json");
+        if !then.exists() {
+            return Ok(None);
+        }
+        Ok(Some(median(&row.join("new/sample.json"))? / median(&then)?))
+    };
+    let product = ratio(&timed[0])?.context("nothing was kept; `make bench` keeps a run")?;
+    eprintln!("\nthe dense product takes {product:.2} times as long as when it was kept");
+    let mut slower = Vec::new();
+    for key in &timed[1..] {
+        let name = key.join("/");
+        match ratio(key)?.map(|ratio| ratio / product) {
+            None => eprintln!("{name}: nothing was kept"),
+            Some(ratio) => {
+                eprintln!("{name}: {ratio:.2} times as long");
+                slower.extend((ratio > LIMIT).then(|| format!("{name}: {ratio:.2}")));
+            }
         }
     }
-    table::compare_dense(&mut now.rows);
-    solves::compare(&mut now.rows, &now.solves);
-
-    let mut text = table::render(&now, before);
-    let dgemm = dense::fastest_product(&now.rows);
-    if !now.solves.is_empty() {
-        text += &format!("\n{}", solves::parts(&now.solves, dgemm));
-    }
-    let timings = now.solves.iter().map(|s| (s.body.clone(), &s.timings));
-    let steps = moving.iter().map(|(row, timings)| (format!("{} {}", row.what, row.body), timings));
-    let timings: Vec<_> = timings.chain(steps).collect();
-    if !timings.is_empty() {
-        text += &format!("\n{}", solves::busy_cores(timings.into_iter()));
-    }
-    let of_bars: Vec<_> = now.solves.iter().filter(|s| bars.contains(&s.body)).cloned().collect();
-    let size = "degrees of freedom";
-    let fits = [
-        scaling::report("bars", size, scaling::of_bars(&of_bars), &folder.join("scaling.svg"))?,
-        scaling::report(
-            "sheets",
-            "triangles",
-            contact::curves(&now.rows),
-            &folder.join("contact.svg"),
-        )?,
-    ];
-    for fit in fits.into_iter().flatten() {
-        text += &format!("\n{fit}");
-    }
-    let targets = solves::targets(&now.rows, &now.solves, dgemm);
-    if !targets.is_empty() {
-        text += &format!("\n{}\n", targets.join("\n"));
-    }
-    write!(std::io::stdout(), "\n{text}")?;
-    let slower = before.map_or(Vec::new(), |before| table::slower(&now, before, LIMIT));
-    if words.is_empty() {
-        now.keep(&kept)?;
-        let machine = now.machine.clone();
-        history.push(now);
-        let picture = history::picture(&history, &machine, &folder.join("history.svg"))?;
-        let picture = picture.unwrap_or_default();
-        write!(std::io::stdout(), "{picture}")?;
-        text += &picture;
-        mesh::io::write_atomic(&folder.join("table.txt"), |out| write!(out, "{text}"))?;
-    }
-    ensure!(!compare || slower.is_empty(), "slower than before:\n  {}", slower.join("\n  "));
+    ensure!(slower.is_empty(), "slower than before:\n  {}", slower.join("\n  "));
     Ok(())
+}
+
+/// Median of the times of an iteration that Criterion has left in a file [ns].
+fn median(path: &Path) -> Result<f64> {
+    #[derive(serde::Deserialize)]
+    struct Samples {
+        iters: Vec<f64>,
+        times: Vec<f64>,
+    }
+    let samples: Samples = serde_json::from_str(&mesh::io::read_text(path)?)
+        .with_context(|| path.display().to_string())?;
+    let mut times: Vec<f64> =
+        samples.times.iter().zip(&samples.iters).map(|(t, n)| t / n).collect();
+    times.sort_by(f64::total_cmp);
+    Ok(times[times.len() / 2])
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fab::files::threemf::{self, Place, Shape};
+use mesh::io::threemf::{self, Place, Shape};
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 use mesh::io::{npy, write_surface, write_tets};
 use mesh::{SurfaceMesh, Vec3};
@@ -79,7 +79,7 @@ pub fn threemf() -> Vec<Vec<u8>> {
         place: Place::at(Vec3::zeros()),
     };
     let write =
-        |path: &Path| threemf::write(path, "two", &[shape("a"), shape("b")]).expect("sound");
+        |path: &Path| threemf::write(path, "fab", "two", &[shape("a"), shape("b")]).expect("sound");
     vec![written("a.3mf", write)]
 }
 

@@ -7,7 +7,6 @@
 mod corpus;
 mod mutation;
 pub mod numbers;
-pub mod sweeps;
 
 use std::path::Path;
 
@@ -55,7 +54,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "geo",
-        read: |b| drop(cad2fem::geo::without_reach(b)),
+        read: |b| drop(cad2fem::mesher::script::without_reach(b)),
         corpus: || corpus::pipelines("model.geo"),
     },
     Target {
@@ -66,7 +65,9 @@ pub const TARGETS: &[Target] = &[
     Target {
         name: "cad2fem.toml",
         read: |b| {
-            read(b, "cad2fem.toml", |p| cad2fem::config::Config::read(Some(p), &[]).map(drop))
+            read(b, "cad2fem.toml", |p| {
+                cad2fem::tetmesh::config::Config::read(Some(p), &[]).map(drop)
+            })
         },
         corpus: || corpus::pipelines("cad2fem.toml"),
     },
@@ -92,7 +93,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "3mf",
-        read: |b| read(b, "a.3mf", |p| fab::files::threemf::read(p).map(drop)),
+        read: |b| read(b, "a.3mf", |p| mesh::io::threemf::read(p).map(drop)),
         corpus: corpus::threemf,
     },
     Target {

@@ -3,7 +3,7 @@
 use crate::SurfaceMesh;
 use crate::inside::WindingNumber;
 use crate::measure::enclosed_volume;
-use crate::topology::{components, directed_edges, edge_facets, submesh};
+use crate::topology::{components, directed_edges, edge_facets};
 
 /// Turns the triangles of closed, disjoint shells so that they bound a solid:
 /// shells at even depth of nesting face outward, those at odd depth, which bound
@@ -12,12 +12,12 @@ pub fn orient_by_nesting(surface: &mut SurfaceMesh) {
     let shells = components(&surface.triangles);
     for shell in &shells {
         align_neighbours(surface, shell);
-        if enclosed_volume(&part(surface, shell)) < 0.0 {
+        if enclosed_volume(&surface.part(shell)) < 0.0 {
             flip(surface, shell);
         }
     }
     let inside: Vec<WindingNumber> =
-        shells.iter().map(|shell| WindingNumber::new(&part(surface, shell))).collect();
+        shells.iter().map(|shell| WindingNumber::new(&surface.part(shell))).collect();
     for (i, shell) in shells.iter().enumerate() {
         let [probe, ..] = surface.corners(shell[0]);
         let others = inside.iter().enumerate().filter(|&(j, _)| j != i);
@@ -26,11 +26,6 @@ pub fn orient_by_nesting(surface: &mut SurfaceMesh) {
             flip(surface, shell);
         }
     }
-}
-
-fn part(surface: &SurfaceMesh, shell: &[usize]) -> SurfaceMesh {
-    let triangles: Vec<_> = shell.iter().map(|&t| surface.triangles[t]).collect();
-    submesh(&surface.vertices, &triangles).0
 }
 
 fn flip(surface: &mut SurfaceMesh, shell: &[usize]) {

@@ -7,11 +7,7 @@ use crate::topology::TET_FACETS;
 
 fn joined(parts: &[SurfaceMesh]) -> SurfaceMesh {
     let mut all = SurfaceMesh::default();
-    for part in parts {
-        let shift = all.vertices.len();
-        all.vertices.extend(&part.vertices);
-        all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + shift)));
-    }
+    parts.iter().for_each(|part| all.append(part));
     all
 }
 

@@ -2,7 +2,7 @@
 
 use super::Parsed;
 
-/// Reads lines, words and little- or big-endian numbers one after another.
+/// Reads lines, words and bytes one after another.
 pub struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,

@@ -25,10 +25,10 @@ use std::path::{Path, PathBuf};
 pub use atomic::write_atomic;
 pub use inputs::{remove_output, remove_output_folder};
 pub use msh::{MshFile, read_tets, read_tets_of_any_unit, tagged_mesh, write_tets};
-pub use open::{create_new, make_results, note_results, open_input, open_own, open_to_append};
+pub use open::{create_new, make_folder, open_input, open_to_append};
 pub use standard::{extension, is_standard, read_standard};
 pub use text::{read_own_text, read_text};
-pub use unfinished::{Unfinished, remove_litter, remove_unfinished, remove_unfinished_files};
+pub use unfinished::{Unfinished, remove_litter, remove_unfinished};
 
 use crate::SurfaceMesh;
 
@@ -103,9 +103,6 @@ pub const FORMATS: &[Format] = &[
 ];
 
 /// The surface format of a file name.
-///
-/// # Errors
-/// If the extension is not in [`FORMATS`]; the message lists those that are.
 fn format_of(path: &Path) -> Result<&'static Format, IoError> {
     is_standard(path)?;
     let extension = extension(path);
@@ -119,10 +116,6 @@ fn format_of(path: &Path) -> Result<&'static Format, IoError> {
 /// Reads a surface; the format follows from the extension, see [`FORMATS`].
 ///
 /// STL repeats the corners of every triangle: bit-equal corners become one vertex.
-///
-/// # Errors
-/// If the file cannot be read, is malformed, has coordinates that are not
-/// finite, indices out of range, or no triangles.
 pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
     let format = format_of(path)?;
     let bytes = read_bytes(path)?;
@@ -132,9 +125,6 @@ pub fn read_surface(path: &Path) -> Result<SurfaceMesh, IoError> {
 }
 
 /// Reads a surface whose lengths are metres, and warns where their size hints at another unit.
-///
-/// # Errors
-/// As [`read_surface`].
 pub fn read_surface_in_metres(path: &Path) -> Result<SurfaceMesh, IoError> {
     let surface = read_surface(path)?;
     if let Some(remark) = crate::measure::unlikely_size(&surface.vertices) {
@@ -144,10 +134,6 @@ pub fn read_surface_in_metres(path: &Path) -> Result<SurfaceMesh, IoError> {
 }
 
 /// Writes a surface; the format follows from the extension, see [`FORMATS`].
-///
-/// # Errors
-/// If the surface is empty or has coordinates that are not finite, if the
-/// extension is unknown or the file cannot be written.
 pub fn write_surface(path: &Path, surface: &SurfaceMesh) -> Result<(), IoError> {
     let format = format_of(path)?;
     require_sound(surface).map_err(|m| IoError::content(path, format!("not written: {m}")))?;
@@ -194,24 +180,14 @@ fn refuse_points(points: &[crate::Vec3], what: &str, is_bad: impl Fn(f64) -> boo
 const LARGEST: u64 = 4 << 30;
 
 /// Reads an input of the program, which is then never overwritten by it.
-///
-/// # Errors
-/// If the file cannot be read or has more than 4 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    let bytes = read_whole(path, open_input)?;
+    let bytes = read_own_bytes(path)?;
     inputs::note_read(path);
     Ok(bytes)
 }
 
 /// Reads a file that a program of ours wrote, in an earlier run perhaps, and that this one may write again.
 fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    read_whole(path, open_own)
-}
-
-fn read_whole(
-    path: &Path,
-    open: fn(&Path) -> Result<std::fs::File, IoError>,
-) -> Result<Vec<u8>, IoError> {
     let fail = |cause| IoError::system(path, "read", cause);
     let too_large = |size: String| {
         IoError::content(path, format!("it has {size} bytes; up to {LARGEST} are read"))
@@ -219,7 +195,7 @@ fn read_whole(
     if is_standard(path)? {
         return Ok(read_standard().map_err(fail)?.to_vec());
     }
-    let file = open(path)?;
+    let file = open_input(path)?;
     let announced = file.metadata().map_err(fail)?.len();
     if announced > LARGEST {
         return Err(too_large(announced.to_string()));

@@ -3,9 +3,7 @@
 use std::io::{self, Write};
 
 use ply_rs_bw::parser::{Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
-};
+use ply_rs_bw::ply::{PropertyAccess, PropertyAccessResult};
 
 use super::Parsed;
 use crate::{SurfaceMesh, Vec3};
@@ -17,11 +15,14 @@ pub fn parse(bytes: &[u8]) -> Parsed<SurfaceMesh> {
         .read_header(&mut reader)
         .map_err(|e| format!("the PLY header is malformed: {e}"))?;
     let mut surface = SurfaceMesh::default();
-    for (_, element) in &header.elements {
-        require_room(element, header.encoding, bytes.len())?;
-    }
     for (name, element) in &header.elements {
-        let fail = |e| format!("PLY element {name:?}, {} announced: {e}", element.count);
+        let (count, size) = (element.count, bytes.len());
+        if count > size {
+            return Err(format!(
+                "PLY element {name:?}: {count} announced, the file has {size} bytes"
+            ));
+        }
+        let fail = |e| format!("PLY element {name:?}, {count} announced: {e}");
         match name.as_str() {
             "vertex" => {
                 let vertices = Parser::<Vertex>::new()
@@ -40,38 +41,6 @@ pub fn parse(bytes: &[u8]) -> Parsed<SurfaceMesh> {
         }
     }
     Ok(surface)
-}
-
-/// Whether a file of `size` bytes can hold the elements that it announces.
-fn require_room(element: &ElementDef, encoding: Encoding, size: usize) -> Parsed<()> {
-    let each: usize = match encoding {
-        // a digit and a blank
-        Encoding::Ascii => 2 * element.properties.len(),
-        _ => element.properties.iter().map(|(_, p)| least_bytes(&p.data_type)).sum(),
-    };
-    let (name, count) = (&element.name, element.count);
-    if each == 0 && count > 0 {
-        return Err(format!("PLY element {name:?}, {count} announced, has no properties"));
-    }
-    // the last blank may be missing
-    if count.checked_mul(each).is_none_or(|needed| needed > size + 1) {
-        return Err(format!(
-            "PLY element {name:?}: {count} of at least {each} bytes announced, the file has {size} \
-             bytes"
-        ));
-    }
-    Ok(())
-}
-
-/// The size of a property, of a list without entries.
-fn least_bytes(kind: &PropertyType) -> usize {
-    let (PropertyType::Scalar(number) | PropertyType::List(number, _)) = kind;
-    match number {
-        ScalarType::Char | ScalarType::UChar => 1,
-        ScalarType::Short | ScalarType::UShort => 2,
-        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
-        ScalarType::Double => 8,
-    }
 }
 
 fn add_fan(surface: &mut SurfaceMesh, face: &Face) -> Parsed<()> {

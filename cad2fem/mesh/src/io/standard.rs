@@ -13,9 +13,6 @@ fn format(path: &Path) -> Option<&str> {
 }
 
 /// Whether a path is standard input or output.
-///
-/// # Errors
-/// If it is `-`, which tells no format.
 pub fn is_standard(path: &Path) -> Result<bool, IoError> {
     if path == Path::new("-") {
         let message = "standard input and output need a format, as in stl:- or jsonl:-";
@@ -31,9 +28,6 @@ pub fn extension(path: &Path) -> String {
 }
 
 /// All of standard input, which is read once.
-///
-/// # Errors
-/// If it cannot be read, or is longer than what is read of a file.
 pub fn read_standard() -> io::Result<&'static [u8]> {
     static INPUT: OnceLock<Vec<u8>> = OnceLock::new();
     if let Some(bytes) = INPUT.get() {

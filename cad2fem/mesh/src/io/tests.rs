@@ -128,13 +128,13 @@ fn bad_content_is_named() {
         (
             "ply",
             "ply\nformat binary_little_endian 1.0\nelement vertex 999999999999\nend_header\n",
-            "\"vertex\", 999999999999 announced, has no properties",
+            "\"vertex\": 999999999999 announced, the file has 75 bytes",
         ),
         (
             "ply",
             "ply\nformat ascii 1.0\nelement face 99999999\nproperty list uchar int v\n\
              end_header\n1 0\n",
-            "99999999 of at least 2 bytes announced, the file has 84 bytes",
+            "99999999 announced, the file has 84 bytes",
         ),
         (
             "ply",
@@ -161,6 +161,76 @@ fn polygons_and_relative_indices_are_understood() {
         property list uchar uint vertex_index\nend_header\n\
         0 0 0 9\n1 0 0 9\n1 1 0 9\n0 1 0 9\n4 0 1 2 3\n";
     assert_eq!(parse(format("ply"), text), Ok(square));
+}
+
+/// What was there stays until the new file is complete, and nothing else is left in the folder.
+#[test]
+fn files_are_written_whole_or_not_at_all_and_inputs_are_never_replaced() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let put = |name: &str, text: &str| write_atomic(&at(name), |out| write!(out, "{text}"));
+    put("deep/result", "old").expect("a fresh file");
+    let full = write_atomic(&at("deep/result"), |out| {
+        write!(out, "half of the new")?;
+        out.flush()?;
+        Err(io::ErrorKind::StorageFull.into())
+    });
+    let message = full.expect_err("the closure failed").to_string();
+    assert!(message.contains("result: cannot write"), "{message}");
+    assert_eq!(read_own_text(&at("deep/result")).expect("the old file"), "old");
+    assert_eq!(std::fs::read_dir(at("deep")).expect("a folder").count(), 1);
+    // what this process has written may be read and written again, an input may not
+    put("deep/result", "new").expect("its own");
+    std::fs::write(at("input"), "precious").expect("writable");
+    assert_eq!(read_text(&at("input")).expect("a text"), "precious");
+    for refused in [put("input", "x"), put("./input", "x"), remove_output(&at("input"))] {
+        let message = refused.expect_err("an input").to_string();
+        assert!(message.contains("give the output another name"), "{message}");
+    }
+    let message = remove_output_folder(folder.path()).expect_err("it has an input").to_string();
+    assert!(message.contains("/input as its input"), "{message}");
+    remove_output(&at("deep/result")).expect("its own");
+    remove_output(&at("deep/result")).expect("it is gone already");
+    // litter of a killed program, but not what is just being written
+    let mine = at(".incomplete-mine");
+    std::fs::write(at(".incomplete-old"), "half").expect("writable");
+    let (_, writing) =
+        Unfinished::new(|| create_new(&mine), |_| mine.clone()).expect("it is not there");
+    remove_litter(folder.path());
+    assert!(!at(".incomplete-old").exists() && at("input").exists() && mine.exists());
+    drop(writing);
+    remove_litter(folder.path());
+    assert!(!mine.exists());
+}
+
+#[test]
+fn what_is_no_file_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("binary"), b"ab\xffc").expect("writable");
+    std::fs::create_dir(at("folder")).expect("a folder");
+    let large = std::fs::File::create(at("large")).expect("writable");
+    large.set_len((4 << 30) + 7).expect("a hole, without blocks on the disk");
+    for (name, words) in [
+        ("binary", "byte 2 is not UTF-8"),
+        ("folder", "it is a folder; a file is needed"),
+        ("nothing", "nothing: cannot read"),
+        ("large", "4294967303 bytes; up to 4294967296"),
+        #[cfg(target_os = "linux")]
+        ("/dev/zero", "it is a pipe or a device; a file is needed"),
+    ] {
+        let message = read_text(&at(name)).expect_err(name).to_string();
+        assert!(message.contains(words), "{words:?} is not in: {message}");
+    }
+    assert!(write_atomic(&at("folder"), |out| write!(out, "x")).is_err());
+    assert!(open_to_append(&at("folder")).is_err() && create_new(&at("binary")).is_err());
+    #[cfg(target_os = "linux")]
+    {
+        // a device is written to and not replaced
+        let full = write_atomic(Path::new("/dev/full"), |out| write!(out, "x"));
+        assert!(full.expect_err("always full").to_string().contains("No space left"));
+        assert!(!std::fs::metadata("/dev/full").expect("there").is_file());
+    }
 }
 
 #[test]

@@ -5,18 +5,12 @@ use std::path::Path;
 use super::{IoError, read_bytes, read_own_bytes};
 
 /// Reads a text file, an input of the program.
-///
-/// # Errors
-/// If the file cannot be read or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, IoError> {
     decoded(path, read_bytes(path)?)
 }
 
 /// Reads a text file that the program itself wrote, in an earlier run perhaps, and may write
 /// again.
-///
-/// # Errors
-/// If the file cannot be read or is not UTF-8.
 pub fn read_own_text(path: &Path) -> Result<String, IoError> {
     decoded(path, read_own_bytes(path)?)
 }
@@ -26,19 +20,4 @@ fn decoded(path: &Path, bytes: Vec<u8>) -> Result<String, IoError> {
         let at = e.utf8_error().valid_up_to();
         IoError::content(path, format!("byte {at} is not UTF-8; a text file is needed"))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn text_must_be_utf8_and_exist() {
-        let file = tempfile::NamedTempFile::new().expect("a temporary file");
-        std::fs::write(file.path(), b"ab\xffc").expect("it is writable");
-        let message = read_text(file.path()).expect_err("not UTF-8").to_string();
-        assert!(message.contains("byte 2"), "{message}");
-        let message = read_text(Path::new("/no/such")).expect_err("missing").to_string();
-        assert!(message.contains("/no/such"), "{message}");
-    }
 }

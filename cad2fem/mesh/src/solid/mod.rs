@@ -64,10 +64,6 @@ pub struct Origin {
 
 impl Solid {
     /// The solid bounded by a closed surface.
-    ///
-    /// # Errors
-    /// [`SolidError`] if the surface is not closed, manifold, oriented and
-    /// finite, or if it faces inward. An empty surface bounds the empty solid.
     pub fn from_surface(surface: &SurfaceMesh) -> Result<Self, SolidError> {
         Self::import(surface, Vec::new())
     }
@@ -75,9 +71,6 @@ impl Solid {
     /// As [`Self::from_surface`], with a label for each triangle that Booleans
     /// and planar cuts carry along; simplification keeps triangles of different
     /// labels apart.
-    ///
-    /// # Errors
-    /// As [`Self::from_surface`], and if `labels` does not fit the surface.
     pub fn from_labelled_surface(
         surface: &SurfaceMesh,
         labels: &[u32],

@@ -8,12 +8,11 @@ use anyhow::{Context as _, Result, bail, ensure};
 use mesh::io::read_surface;
 use mesh::measure::triangle_normal;
 use mesh::topology::edge_facets;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::{SurfaceMesh, Vec3, triangle_key};
 use serde_json::{Value, json};
 
 use super::MM;
 use crate::read_json;
-use crate::solid::place;
 use crate::store::Store;
 
 /// Faces of triangles meet smoothly if these enclose less on average [deg]: half of the angle at
@@ -84,7 +83,7 @@ impl Body {
         let model = read_surface(&folder.join("model.stl"))?;
         let mut of_place = HashMap::with_capacity(model.triangles.len());
         for t in 0..model.triangles.len() {
-            of_place.insert(place(&model.corners(t)), t);
+            of_place.insert(triangle_key(&model.corners(t)), t);
         }
         let mut groups = Groups { owner: vec![None; model.triangles.len()], named: Vec::new() };
         for region in regions(&report, "regions") {
@@ -137,9 +136,8 @@ impl Body {
     }
 
     fn add_sheet(&mut self, name: String, kind: Option<String>, patch: &SurfaceMesh) {
-        let (offset, begin) = (self.surface.vertices.len(), self.surface.triangles.len());
-        self.surface.vertices.extend(&patch.vertices);
-        self.surface.triangles.extend(patch.triangles.iter().map(|t| t.map(|v| v + offset)));
+        let begin = self.surface.triangles.len();
+        self.surface.append(patch);
         let face =
             Face { inside: true, ..self.face(name, kind, begin..begin + patch.triangles.len()) };
         self.faces.push(face);
@@ -225,7 +223,7 @@ impl Groups {
     ) -> Result<()> {
         let index = self.named.len();
         for t in 0..patch.triangles.len() {
-            match of_place.get(&place(&patch.corners(t))) {
+            match of_place.get(&triangle_key(&patch.corners(t))) {
                 Some(&own) => self.owner[own] = Some(index),
                 None => bail!("its triangle {t} is not there"),
             }

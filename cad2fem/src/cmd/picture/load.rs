@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use mesh::io::vtu::{Field, Grid, read_vtu};
+use mesh::io::vtu::{Field, Grid, TET_FACETS, outer_facets, read_vtu};
 use mesh::io::{extension, read_surface, read_tets};
 use mesh::{SurfaceMesh, Vec3, topology};
 
@@ -200,30 +200,14 @@ struct Face {
     values: Vec<f64>,
 }
 
-/// Corners of the faces of a tetrahedron seen from outside, then the nodes on
-/// their sides where it has them (VTK order).
-const FACES: [[usize; 6]; 4] =
-    [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [0, 3, 2, 7, 9, 6], [1, 2, 3, 5, 9, 8]];
-
 /// The faces of tetrahedra that only one of them has, in order of cells.
 fn outer_faces(cells: &[&[usize]], values: &[Vec<f64>]) -> Vec<Face> {
-    let mut keys: Vec<([usize; 3], usize, usize)> = Vec::with_capacity(4 * cells.len());
-    for (c, cell) in cells.iter().enumerate() {
-        for (f, face) in FACES.iter().enumerate() {
-            keys.push((mesh::facet_key([cell[face[0]], cell[face[1]], cell[face[2]]]), c, f));
-        }
-    }
-    keys.sort_unstable();
-    let groups = keys.chunk_by(|a, b| a.0 == b.0);
-    let mut outer: Vec<(usize, usize)> =
-        groups.filter(|g| g.len() == 1).map(|g| (g[0].1, g[0].2)).collect();
-    outer.sort_unstable();
     let count = if cells.first().is_some_and(|c| c.len() == 10) { 6 } else { 3 };
     let pick = |(c, f): (usize, usize)| Face {
-        nodes: FACES[f][..count].iter().map(|&i| cells[c][i]).collect(),
-        values: FACES[f][..count].iter().map(|&i| values[c][i]).collect(),
+        nodes: TET_FACETS[f][..count].iter().map(|&i| cells[c][i]).collect(),
+        values: TET_FACETS[f][..count].iter().map(|&i| values[c][i]).collect(),
     };
-    outer.into_iter().map(pick).collect()
+    outer_facets(cells).into_iter().map(pick).collect()
 }
 
 fn triangulate(points: &[Vec3], faces: &[Face], color: Rgb) -> (Vec<Vec3>, Vec<Triangle>) {

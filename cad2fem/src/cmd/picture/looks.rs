@@ -3,7 +3,7 @@
 use anyhow::{Result, bail, ensure};
 use render::annotate::Key;
 use render::camera::Projection;
-use render::color::{Map, Rgb, Scale};
+use render::color::{Rgb, Scale};
 use render::cut::Plane;
 use render::panel::Look;
 use render::raster::Lines;
@@ -40,9 +40,6 @@ pub struct Looks {
     /// Values at the ends of the colour scale [default: those of all files]
     #[arg(long, allow_hyphen_values = true)]
     pub range: Option<Pair<',', f64>>,
-    /// Colours of the scale
-    #[arg(long, value_enum, default_value_t = Map::Viridis)]
-    pub map: Map,
     /// Point field of a .vtu that moves its points; none keeps them
     /// [default: displacement, where there is one]
     #[arg(long)]
@@ -93,15 +90,12 @@ impl Looks {
         let Some(field) = &self.color else { return Ok(None) };
         if let Some(Pair(min, max)) = self.range {
             ensure!(min < max, "--range {min},{max}: the first must be smaller");
-            return Ok(Some(Scale { min, max, map: self.map }));
+            return Ok(Some(Scale { min, max }));
         }
-        let Some((mut min, mut max)) = range else {
+        let Some((min, max)) = range else {
             bail!("--color {field}: no finite value is left to draw");
         };
-        if self.map == Map::Diverging {
-            (min, max) = (-min.abs().max(max.abs()), min.abs().max(max.abs()));
-        }
-        Ok(Some(Scale { min, max, map: self.map }))
+        Ok(Some(Scale { min, max }))
     }
 
     /// What explains the colours of a field, if there is one.

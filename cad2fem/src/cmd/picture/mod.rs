@@ -44,9 +44,6 @@ pub struct Args {
     /// Move files apart from their common centre, relative to their distance; the walls of chambers out to the side
     #[arg(long, default_value_t = 0.0)]
     spread: f64,
-    /// Stand all files on the ground in a row, from left to right
-    #[arg(long, conflicts_with = "spread")]
-    row: bool,
     /// One per file, separated by commas; names in the legend with --together
     /// [default with --label: names of the files]
     #[arg(long, value_delimiter = ',')]
@@ -61,8 +58,8 @@ pub fn run(args: &Args) -> Result<()> {
     args.looks.check()?;
     let args = &of_model(args)?;
     ensure!(
-        args.together || (args.spread == 0.0 && !args.row && !args.label),
-        "--spread, --row and --label are for --together, or for the folder of a model"
+        args.together || (args.spread == 0.0 && !args.label),
+        "--spread and --label are for --together, or for the folder of a model"
     );
     ensure!(
         args.captions.is_empty() || args.captions.len() == args.files.len(),
@@ -73,9 +70,6 @@ pub fn run(args: &Args) -> Result<()> {
     let mut loaded = load_all(args)?;
     if args.spread != 0.0 {
         spread(&mut loaded, args.spread, &args.looks.view.frame());
-    }
-    if args.row {
-        line_up(&mut loaded, &args.looks.view.frame()[0]);
     }
     let panels = panels(args, &loaded);
     ensure!(
@@ -194,21 +188,6 @@ fn center(shape: &Shape) -> Vec3 {
     let points: Vec<Vec3> = shape.facets.iter().flat_map(|f| f.points).collect();
     let (min, max) = mesh::measure::bounds(&points);
     0.5 * (min + max)
-}
-
-/// Puts shapes on z = 0 one after the other along the horizontal direction
-/// `right`, with a fifth of their mean width between them.
-fn line_up(loaded: &mut [Loaded], right: &Vec3) {
-    let spans: Vec<(f64, f64)> = loaded.iter().map(|l| span(&l.shape, right)).collect();
-    let gap = 0.2 * spans.iter().map(|(a, b)| b - a).sum::<f64>() / spans.len() as f64;
-    let mut next = 0.0;
-    for (file, (left, end)) in loaded.iter_mut().zip(spans) {
-        let c = center(&file.shape);
-        let level = Vec3::new(c.x, c.y, span(&file.shape, &Vec3::z()).0);
-        let across = level - right.dot(&level) * right;
-        file.shape.translate(&((next - left) * right - across));
-        next += end - left + gap;
-    }
 }
 
 fn panels(args: &Args, loaded: &[Loaded]) -> Vec<Panel> {

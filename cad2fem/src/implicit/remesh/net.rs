@@ -1,7 +1,7 @@
 //! A surface whose triangles and vertices change, one change at a time.
 
 use mesh::Vec3;
-use mesh::measure::{triangle_area, triangle_normal};
+use mesh::measure::{triangle_area, triangle_normal, triangle_shape};
 
 use super::super::refine::FINEST;
 use super::super::sides::Sides;
@@ -158,9 +158,7 @@ impl<'a> Net<'a> {
     }
 
     fn shape(&self, t: usize) -> f64 {
-        let [a, b, c] = self.corners[t].map(|v| self.places[v]);
-        let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
-        4.0 * 3.0_f64.sqrt() * triangle_area(a, b, c) / squares
+        triangle_shape(self.corners[t].map(|v| self.places[v]))
     }
 
     /// Distance of the middle of a triangle from its side [m].

@@ -187,6 +187,46 @@ impl std::fmt::Debug for Method {
     }
 }
 
+/// The method that is asked for; none for `"auto"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MethodChoice(pub Option<Method>);
+
+/// The word for none.
+const AUTO: &str = "auto";
+
+impl Serialize for MethodChoice {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.map_or(AUTO, Method::name))
+    }
+}
+
+impl JsonSchema for MethodChoice {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "MethodChoice".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        one_of_these([AUTO].into_iter().chain(METHODS.iter().map(|row| row.name)))
+    }
+}
+
+impl<'de> Deserialize<'de> for MethodChoice {
+    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
+        static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| {
+            [AUTO].into_iter().chain(METHODS.iter().map(|row| row.name)).collect()
+        });
+        let name = Cow::<str>::deserialize(input)?;
+        match Method::named(&name) {
+            None if name != AUTO => Err(D::Error::unknown_variant(&name, &NAMES)),
+            found => Ok(Self(found)),
+        }
+    }
+}
+
 impl Serialize for Method {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name)

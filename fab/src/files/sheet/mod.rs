@@ -1,4 +1,4 @@
-//! `cast.json` and `cast.md`: what to weigh, and what to do in which order.
+//! `cast.json`: what to weigh for a mold, and what to do in which order.
 //!
 //! A mold of volume V is filled with V (1 + w) of silicone, w the share that stays in
 //! the cup; its mass is that times the density, and is divided by the mix ratio.
@@ -9,21 +9,17 @@ use std::path::Path;
 
 use library::{Chemistry, Printer, PrinterKind, Silicone, kilopascals, printers, silicones};
 use mesh::io::{IoError, write_atomic};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::body::weight::Weight;
 use crate::files::report::MoldReport;
 use crate::geometry::overhang::needs_supports;
-use crate::plan::report as plan;
 
-/// The sheet for programs.
-pub const JSON: &str = "cast.json";
-
-/// The sheet for people.
-pub const MARKDOWN: &str = "cast.md";
+/// Its file, beside mold.json.
+pub const FILE: &str = "cast.json";
 
 /// Everything a person needs to cast a body.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Sheet {
     /// Program and version.
     pub program: String,
@@ -53,12 +49,14 @@ pub struct Sheet {
     pub warnings: Vec<String>,
     /// What to do, in order.
     pub steps: Vec<String>,
+    /// What to do once the whole body is there, where the casting is a part of it: tubes and the leak test.
+    pub finish: Vec<String>,
     /// Where the numbers come from.
     pub sources: Vec<String>,
 }
 
 /// A silicone by weight and time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Pour {
     /// Name on the bottle.
     pub name: String,
@@ -81,7 +79,7 @@ pub struct Pour {
 }
 
 /// A part to print.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Printed {
     /// The name.
     pub name: String,
@@ -96,7 +94,7 @@ pub struct Printed {
 }
 
 /// Something to have.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Item {
     /// How many.
     pub count: usize,
@@ -145,6 +143,7 @@ impl Sheet {
             leak_test_kpa: casting.leak_test.map(|pressure| pressure * 1e-3),
             warnings: warnings(report, silicone, printer),
             steps: Vec::new(),
+            finish: Vec::new(),
             sources: silicone_sources
                 .into_iter()
                 .chain(printer.map(|p| p.citation().into()))
@@ -153,39 +152,29 @@ impl Sheet {
         };
         sheet.materials = steps::materials(&sheet, report, plastic);
         sheet.steps = steps::steps(&sheet, report);
+        if steps::is_half(report) && !report.chambers.is_empty() {
+            sheet.finish = steps::finish(sheet.leak_test_kpa, report);
+        }
         Ok(sheet)
     }
 
-    /// The sheet in Markdown.
-    pub fn markdown(&self) -> String {
-        let mut text = String::from("# Casting\n\n");
-        if !self.warnings.is_empty() {
-            text += &list(self.warnings.iter().map(|w| format!("- **{w}**")));
-        }
-        text += "## What to pour\n\n| | |\n|-|-|\n";
-        text += &list(self.silicone_rows().into_iter().map(|(a, b)| format!("| {a} | {b} |")));
-        if let Some(pour) = &self.silicone {
-            text += &format!("## Pressure\n\n{}\n\n", pour.pressure_in_words());
-        }
-        text += "## Parts to print\n\n| part | file | volume | mass, if solid | supports |\n|-|-|-|-|-|\n";
-        text += &list(self.printed.iter().map(|part| {
-            let Printed { name, file, volume_ml, mass_g, supports } = part;
-            let supports = if *supports { "yes" } else { "no" };
-            format!("| {name} | `{file}` [mm] | {volume_ml:.1} mL | {mass_g:.0} g | {supports} |")
-        }));
-        text += "## Have ready\n\n";
-        text +=
-            &list(self.materials.iter().map(|item| format!("- {} × {}", item.count, item.what)));
-        text += "## Do\n\n";
-        text += &list(self.steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
-        if !self.sources.is_empty() {
-            text += "## Sources\n\n";
-            text += &list(self.sources.iter().map(|source| format!("- {source}")));
-        }
-        text.trim_end().to_owned() + "\n"
+    /// What `fab mold` wrote into `folder`.
+    pub fn read(folder: &Path) -> Result<Self, IoError> {
+        let path = folder.join(FILE);
+        let text = mesh::io::read_own_text(&path)?;
+        serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))
     }
 
-    fn silicone_rows(&self) -> Vec<(&str, String)> {
+    /// Writes it into `folder`.
+    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
+        write_atomic(&folder.join(FILE), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+
+    /// What to pour, in rows of a word and a value.
+    pub fn rows(&self) -> Vec<(&str, String)> {
         let mut rows = Vec::new();
         if let Some(pour) = &self.silicone {
             rows.push(("silicone", format!("{}, {}", pour.name, pour.vendor)));
@@ -223,60 +212,6 @@ impl Sheet {
         rows.extend(pour.cure_h.map(|t| ("demold after", format!("{t} h at 23 °C"))));
         rows
     }
-
-    /// Writes both sheets into `folder`.
-    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
-        write_atomic(&folder.join(JSON), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })?;
-        write_atomic(&folder.join(MARKDOWN), |out| out.write_all(self.markdown().as_bytes()))
-    }
-}
-
-/// The sheet of a body that takes several molds, which have sheets of their own.
-pub fn write_whole(folder: &Path, plan: &plan::PlanReport) -> Result<(), IoError> {
-    let mut text =
-        format!("# Casting\n\nMethod: {}; {}.\n\n## Molds\n\n", plan.method, plan.reason);
-    let mut silicone = 0.0;
-    let mut casts = Vec::new();
-    for entry in &plan.molds {
-        let below = folder.join(&entry.folder);
-        let report = MoldReport::read(&below)?;
-        let sheet = Sheet::new(&report);
-        let sheet = sheet.map_err(|message| IoError::content(&below, message))?;
-        let what = match entry.casts {
-            plan::Material::Silicone => "silicone",
-            plan::Material::Wax => "wax",
-        };
-        silicone += if what == "silicone" { sheet.mix_ml } else { 0.0 };
-        text += &format!(
-            "- {}: {:.1} mL of {what}, see [{below}/{MARKDOWN}]({below}/{MARKDOWN})\n",
-            entry.name,
-            sheet.mix_ml,
-            below = entry.folder
-        );
-        casts.push((report, sheet));
-    }
-    let steps = steps_of_whole(plan, casts.iter().map(|(report, sheet)| (report, sheet)));
-    text += &format!("\n{silicone:.1} mL of silicone in all.");
-    if let Some(weight) = &plan.weight {
-        text += &format!(" The finished cast weighs {}, without glue.", weight.in_words());
-    }
-    text += "\n\n## Do\n\n";
-    text += &list(steps.iter().enumerate().map(|(i, step)| format!("{}. {step}", i + 1)));
-    let text = text.trim_end().to_owned() + "\n";
-    write_atomic(&folder.join(MARKDOWN), |out| out.write_all(text.as_bytes()))
-}
-
-/// What to do with all castings of a plan, in order; tubes and the leak test of a body that is glued come last.
-pub fn steps_of_whole<'a>(
-    plan: &plan::PlanReport,
-    mut casts: impl Iterator<Item = (&'a MoldReport, &'a Sheet)>,
-) -> Vec<String> {
-    let opened = casts.find(|(report, _)| steps::is_half(report) && !report.chambers.is_empty());
-    let finish = opened.map(|(report, sheet)| steps::finish(sheet.leak_test_kpa, report));
-    plan.steps.iter().cloned().chain(finish.unwrap_or_default()).collect()
 }
 
 impl Pour {
@@ -285,7 +220,7 @@ impl Pour {
     /// In equilibrium the elastic energy U and the volume V of the chamber balance: δU = p δV.
     /// U is in proportion to the moduli. With all of them s times as large, p is s times as
     /// large for the same shape, however large its strains; weight would not grow along.
-    fn pressure_in_words(&self) -> String {
+    pub fn pressure_in_words(&self) -> String {
         let [low, high] = self.shear_modulus_range_kpa;
         let kpa = |modulus: f64| kilopascals(1e3 * modulus);
         let proportion = "Without weight, the same shape needs a pressure in proportion to the \
@@ -357,9 +292,4 @@ fn warnings(
         warnings.push("No latex gloves, sulphur or tin near platinum-cured silicone.".into());
     }
     warnings
-}
-
-/// Lines and an empty one.
-fn list(lines: impl Iterator<Item = String>) -> String {
-    lines.map(|line| line + "\n").collect::<String>() + "\n"
 }

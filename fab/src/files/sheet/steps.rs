@@ -140,14 +140,12 @@ fn into_second_mold(report: &MoldReport, cores: &[&str]) -> String {
 fn keep_clean(report: &MoldReport) -> &'static str {
     match (report.method.castings, &report.input.part) {
         (Castings::ChamberAndSheet, CastPart::Below(_)) => {
-            "Keep the upper face of the sheet clean: the chamber is glued onto it, as `cast.md` in the folder above says."
+            "Keep the upper face of the sheet clean: the chamber is glued onto it, as the last steps say."
         }
         (Castings::ChamberAndSheet, _) => {
-            "Keep the cut face clean: the sheet is glued to it, as `cast.md` in the folder above says."
+            "Keep the cut face clean: the sheet is glued to it, as the last steps say."
         }
-        _ => {
-            "Keep the cut face clean: the other half is glued to it, as `cast.md` in the folder above says."
-        }
+        _ => "Keep the cut face clean: the other half is glued to it, as the last steps say.",
     }
 }
 
@@ -194,7 +192,9 @@ fn try_out(report: &MoldReport, cores: &[&str]) -> String {
     let once = "Put the mold together once while it is empty; ";
     let ways = match (report.one_way, cores.len()) {
         (true, 0 | 1) => "it fits one way only.",
-        (true, _) => "it fits one way only, and each core into its own socket only.",
+        (true, _) => {
+            "its cores can be mixed up: mark how they stand in exploded.png with a pen on cores and sockets."
+        }
         (false, 1) => {
             "its core can be turned in its socket: mark how it stands in assembled.png with a pen on both."
         }
@@ -262,18 +262,7 @@ fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
     if is_wax(report) {
         return words + ".";
     }
-    let numbers = match numbered(report, cores) {
-        true => format!(
-            " Numbers in dots are on the flat of each stub, and below {holder} beside each socket."
-        ),
-        false => String::new(),
-    };
-    spray + &words + "." + &numbers
-}
-
-/// Whether cores and sockets carry numbers.
-fn numbered(report: &MoldReport, cores: &[&str]) -> bool {
-    cores.len() > 1 && report.numbered
+    spray + &words + "."
 }
 
 /// How a tube is put into its collar.
@@ -304,9 +293,6 @@ fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
             "Let it become hard all through.".into(),
         ];
     }
-    let funnels = names(report, Role::Funnel);
-    let stand = format!("Stand {} in the sprue and keep it filled while you pour.", and(&funnels));
-    let stand = (!funnels.is_empty()).then_some(stand);
     let vents = with(report, Purpose::Vent).count();
     let pour = match vents {
         _ if !report.layers.is_empty() => lay_in(sheet, report),
@@ -327,7 +313,7 @@ fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let degas = "Degas the mix in a cup three times as high as the liquid, until it has risen, \
                  fallen back and only few bubbles come."
         .into();
-    [mixing(sheet), degas].into_iter().chain(stand).chain([pour, cure]).collect()
+    vec![mixing(sheet), degas, pour, cure]
 }
 
 /// Pouring in turns with the sheets that are laid in.

@@ -7,13 +7,16 @@
 use mesh::Vec3;
 use mesh::solid::Solid;
 
-use super::keying::{self, Code};
-use super::label::Face;
 use crate::config::{Config, CoreConfig, STUB_FLAT};
 use crate::geometry::frustum::Frustum;
+use crate::mold::cast_body::Opening;
 
-/// A number on a stub keeps this far from its end and from the inlet [m].
-const EDGE: f64 = 3e-4;
+/// A turn by less than this is seen as none.
+const TURN: f64 = std::f64::consts::FRAC_PI_6;
+
+/// A corner that stands out by less gives way: `fab verify` lets parts share 0.01 mm³, which is a
+/// corner of 0.02 mm on a stub of 8 mm [m].
+const CATCH: f64 = 5e-5;
 
 /// Tries to root the stub in the core, each half as deep as the one before.
 const TRIES: usize = 10;
@@ -27,10 +30,6 @@ pub struct Print {
     pub socket: Frustum,
     /// Gap between the flats [m].
     clearance: f64,
-    /// Height of the inlet [m].
-    inlet: f64,
-    /// What tells it from the stubs of other cores, if there are any.
-    code: Option<Code>,
 }
 
 /// Why an inlet cannot hold a stub.
@@ -49,17 +48,15 @@ pub enum PrintError {
 }
 
 impl Print {
-    /// A stub from the inlet at `centre` [m] with the inscribed `radius` [m], at least
-    /// [`Config::least_inlet`], down to just above `floor` [m], rooted in the core without
-    /// touching `cast`; with a `code` if there are several cores.
+    /// A stub from an inlet, whose radius is at least [`Config::least_inlet`], down to just above `floor` [m], rooted in
+    /// the core without touching `cast`.
     pub fn new(
-        centre: Vec3,
-        radius: f64,
+        inlet: &Opening,
         floor: f64,
         cast: &Solid,
-        code: Option<Code>,
         config: &Config,
     ) -> Result<Self, PrintError> {
+        let Opening { centre, radius } = *inlet;
         let clearance = config.stub_clearance();
         let narrow = config.stub_radius(radius);
         for k in 0..TRIES {
@@ -75,8 +72,6 @@ impl Print {
                 stub: column(narrow, floor + clearance),
                 socket: column(narrow + clearance, floor - clearance),
                 clearance,
-                inlet: centre.z,
-                code,
             };
             if cast.intersection(&print.socket.solid()).is_empty() {
                 return Ok(print);
@@ -97,35 +92,20 @@ impl Print {
 
     /// Distance of the flat in front from the stub's axis [m].
     fn flat(&self) -> f64 {
-        self.code.map_or(STUB_FLAT * self.stub.base_radius, |code| code.flat)
+        STUB_FLAT * self.stub.base_radius
     }
 
-    /// Whether its flat keeps the stub from turning in its socket.
+    /// Whether the stub does not enter its socket when it is turned, wherever it lies within its clearance: its corner
+    /// beside the flat stands out, by more than what gives way.
     pub fn keeps_from_turning(&self) -> bool {
-        keying::keeps_from_turning(self.stub.base_radius, self.flat(), self.clearance)
-    }
-
-    /// The face of the flat below the inlet, as it stands on the printer.
-    pub fn front(&self) -> Face {
-        let [top, end] = [self.inlet - EDGE, self.stub.base.z + self.stub.axis.z + EDGE];
-        let flat = self.flat();
-        // Half of its chord; a flat at the side leaves less.
-        let half = (self.stub.base_radius.powi(2) - flat * flat).sqrt().min(flat);
-        let middle = self.stub.base + Vec3::x() * flat;
-        Face {
-            middle: Vec3::new(middle.x, middle.y, (top + end) / 2.0),
-            along: Vec3::y(),
-            up: Vec3::z(),
-            size: [2.0 * half, top - end],
-            down: -Vec3::z(),
-        }
+        let (radius, flat) = (self.stub.base_radius, self.flat());
+        let corner = ((flat / radius).acos() - TURN).max(0.0);
+        radius * corner.cos() > flat + 2.0 * self.clearance + CATCH
     }
 
     fn flattened(&self, frustum: &Frustum, gap: f64) -> Solid {
         let flat = self.stub.base.x + self.flat() + gap;
-        let front = frustum.solid().trim_by_plane(&-Vec3::x(), -flat);
-        let cuts = self.code.map(|code| code.cuts(frustum, self.inlet, gap));
-        cuts.into_iter().flatten().fold(front, |stub, cut| stub.difference(&cut))
+        frustum.solid().trim_by_plane(&-Vec3::x(), -flat)
     }
 }
 

@@ -3,11 +3,8 @@
 pub mod block;
 pub mod core;
 pub mod flange;
-pub mod funnel;
 pub mod key;
-pub mod keying;
 pub mod label;
-pub mod number;
 pub mod outside;
 pub mod pin;
 pub mod support;

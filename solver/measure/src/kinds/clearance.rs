@@ -10,8 +10,7 @@
 //!
 //! J is in m⁴: with d̂ = 5·10⁻⁵ m and weight one, as in the published scenes, it
 //! is about 10⁻¹⁷ and only its becoming infinite matters. Facets that have
-//! already passed through each other are not detected here, see
-//! [`validity`](crate::optimize::validity).
+//! already passed through each other are not detected here: a design checks its shapes for that.
 //!
 //! Where planes of symmetry cut the body, the surface is that of the whole, and J is the
 //! body's share of it.

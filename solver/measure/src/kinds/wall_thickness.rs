@@ -179,7 +179,6 @@ mod tests {
     use mechanics::testing::{check_gradient, flat, points, sphere, square};
 
     use super::*;
-    use crate::quantity::tests::Case;
 
     /// Two bumpy squares at a distance of about `gap`.
     fn plates(gap: f64) -> (Vec<Vec3>, Vec<[usize; 3]>, Vec<[usize; 3]>) {
@@ -263,23 +262,6 @@ mod tests {
         let (inner, outer) = surface.triangles.split_at(2);
         let error = rest(inner, outer, QUADRATIC).err().unwrap();
         assert_eq!(error, SidesTouch { count: 3, first: 1 });
-    }
-
-    /// Opposite sides of a cube are walls one edge thick.
-    #[test]
-    fn derivatives_by_displacement_belong_to_the_value() {
-        for (degree, scale) in [(1, 1.0), (2, 1e-3)] {
-            let case = Case::cube(degree, scale);
-            let side = |z: f64| case.facets_where(|x| (x.z - z).abs() < 1e-9);
-            let sides = [side(0.0), side(1.0)];
-            for (density, minimum) in [(Density::Quadratic, 0.0), (Density::Log, 0.8)] {
-                let limits =
-                    Repulsion { density, minimum: minimum * scale, activation: 1.3 * scale };
-                for measure in [Measure::Rest, Measure::Deformed] {
-                    case.check(&WallThickness::new(&[], &sides, limits, measure).unwrap());
-                }
-            }
-        }
     }
 
     #[test]

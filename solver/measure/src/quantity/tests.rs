@@ -81,13 +81,8 @@ impl Case {
         lists
     }
 
-    /// Taylor tests of all derivatives; those that vanish must do so exactly, and
-    /// the value must not change there.
-    pub fn check(&self, quantity: &dyn Quantity) {
-        self.check_near(quantity, 1e-4);
-    }
-
-    /// Tests of [`Self::check`] within a distance `near` of the state, in sizes of the body.
+    /// Taylor tests of all derivatives within a distance `near` of the state, in sizes of the body; those that vanish
+    /// must do so exactly, and the value must not change there.
     pub fn check_near(&self, quantity: &dyn Quantity, near: f64) {
         let (at, mut by) = (self.at(), self.partials(quantity, 1.5));
         let value = |at: Equilibrium| 1.5 * quantity.value(&at);

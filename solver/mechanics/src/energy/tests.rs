@@ -7,6 +7,7 @@ use mesh::{TetMesh, Vec3};
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
+use crate::material::{Material, MooneyRivlin, OgdenRoxburgh};
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::math::sparse::Pattern;
@@ -109,6 +110,9 @@ impl Sample {
     }
 }
 
+/// A term on a space by its numbers.
+type Build = Box<dyn Fn(&FunctionSpace, &[f64]) -> Box<dyn Energy>>;
+
 /// One sample or more of every term; contact and friction have bodies of their own.
 fn samples() -> Vec<Sample> {
     let mut all = elastic::tests::samples();
@@ -117,7 +121,44 @@ fn samples() -> Vec<Sample> {
     all.extend(winding::tests::samples());
     all.extend(rigid::tests::samples());
     all.extend(loads());
+    all.extend(remembering());
     all
+}
+
+/// Overstress, and softening of points that were stretched further before, and that were not.
+fn remembering() -> Vec<Sample> {
+    let mut random = Random::new(45);
+    let mut sample = |name: &str, numbers: &[f64], past: fn(f64) -> f64, term: Build| {
+        let mut case = Case::new(cube(2, 0.2), 2, &mut random, 0.03);
+        let own = term(&case.space, numbers);
+        let count = own.internal_variables().expect("it remembers").count(&case.space);
+        let internal = random.numbers(count).into_iter().map(past).collect();
+        case.step = Some(TimeStep { internal_h: 0.02, internal, ..TimeStep::default() });
+        let case = Arc::new(case);
+        let (name, numbers, sizes) = (name.to_owned(), numbers.to_vec(), [3e-4; 2]);
+        let space = Arc::clone(&case);
+        let term = Box::new(move |numbers: &[f64]| term(&space.space, numbers));
+        Sample { name, case, sizes, numbers, term }
+    };
+    let law = |n: &[f64]| MooneyRivlin { c1: n[0], c2: n[1], c3: n[2], d1: n[3] };
+    let viscous: Build = Box::new(move |space, n| {
+        let branches = n[4..].chunks(2).map(|b| Branch { overstress: b[0], time: b[1] });
+        let law = law(n).isochoric().expect("in invariants");
+        Box::new(Viscous::new(law, branches.collect(), 0..space.tets().len(), 0))
+    });
+    let mullins = || -> Build {
+        Box::new(move |space, n| {
+            let softening = OgdenRoxburgh { r: n[4], m: n[5], beta: n[6] };
+            let law = law(n).isochoric().expect("in invariants");
+            Box::new(Mullins::new(law, softening, 0..space.tets().len(), 0))
+        })
+    };
+    let softening = [55e3, 5e3, 1.7e3, 1e6, 1.5, 5.0, 0.3];
+    vec![
+        sample("viscous", &[55e3, 5e3, 1.7e3, 1e6, 0.6, 0.03, 0.3, 0.4], |x| 1e3 * x, viscous),
+        sample("softened", &softening, |x| 5e4 * (2.0 + x), mullins()),
+        sample("stretched further", &softening, |_| 1e-3, mullins()),
+    ]
 }
 
 /// Loads, gas around the body, and inertia, on a cube.
@@ -234,7 +275,45 @@ fn derivatives_by_the_numbers_of_a_term_are_those_of_its_forces() {
             };
             let (slope, by) = ((value(1e-5) - value(-1e-5)) / 2e-5, by * unit);
             let scale = by.abs() + value(0.0).abs();
-            assert!((slope - by).abs() < 1e-7 * scale, "{name} {i}: {slope} {by}");
+            assert!((slope - by).abs() <= 1e-7 * scale, "{name} {i}: {slope} {by}");
         }
     }
+}
+
+/// Of terms that remember: the forces by Z°, and Z by all that it depends on.
+#[test]
+fn internal_variables_have_their_derivatives() {
+    let mut seen = 0;
+    for Sample { name, case, sizes, numbers, term } in samples() {
+        let (own, weights, at) = (term(&numbers), case.weights(), case.here());
+        let (Some(variables), Some(step)) = (own.internal_variables(), at.step) else { continue };
+        let past = &step.internal;
+        let size = 1e-3 * past.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
+        let with_past = |z: &[f64]| TimeStep { internal: z.to_vec(), ..step.clone() };
+        let mut by = PastCotangent::zeros(case.u.len());
+        own.add_past_vjp(&at, &weights, &mut by);
+        check(&name, past, &by.internal, size, |z| {
+            let mut forces = vec![0.0; case.u.len()];
+            own.add_gradient(&Iterate { step: Some(&with_past(z)), ..at }, &mut forces);
+            dot(&weights, &forces)
+        });
+        let bars = Random::new(8).numbers(past.len());
+        let (mut by_u, mut by_rest) = (vec![0.0; case.u.len()], vec![0.0; 3 * case.rest.len()]);
+        let by = variables.add_vjp(&at, &bars, &mut by_u, &mut by_rest);
+        let values = |at: &Iterate| dot(&bars, &variables.values(at));
+        check(&name, &case.u, &by_u, sizes[1], |u| values(&Iterate { u, ..at }));
+        check(&name, &flat(&case.rest), &by_rest, sizes[1], |x| {
+            values(&Iterate { rest: &points(x), ..at })
+        });
+        check(&name, past, &by.past, size, |z| {
+            values(&Iterate { step: Some(&with_past(z)), ..at })
+        });
+        let scaled: Vec<f64> = by.parameters.iter().zip(&numbers).map(|(b, n)| b * n).collect();
+        check(&name, &vec![1.0; numbers.len()], &scaled, 1e-3, |x| {
+            let numbers: Vec<f64> = x.iter().zip(&numbers).map(|(x, n)| x * n).collect();
+            dot(&bars, &term(&numbers).internal_variables().expect("as before").values(&at))
+        });
+        seen += 1;
+    }
+    assert_eq!(seen, 3);
 }

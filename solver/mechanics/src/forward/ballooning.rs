@@ -93,50 +93,22 @@ fn volumes(problem: &Problem, at: &Iterate) -> impl Iterator<Item = (f64, f64)> 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::element::FunctionSpace;
-    use crate::energy::{Chamber, Energies, Isobaric, Wall};
+    use crate::energy::{Chamber, Energies, Isobaric};
     use crate::forward::{Configuration, Failure, Newton, Workspace};
     use crate::material::{Lame, NeoHookean};
-    use crate::symmetry::Plane;
-    use crate::testing::eighth_shell;
+    use crate::testing::{BALLOON, balloon_limit, eighth_shell, shell_problem, shell_wall};
 
-    /// Inner radius of a sphere, whose outer one is 1.
-    const INNER: f64 = 0.6;
-
-    /// Limit of the pressure of the incompressible law over the shear modulus.
-    fn limit() -> f64 {
-        let pressure = |inside: f64| {
-            let outside = (1.0 + (inside.powi(3) - 1.0) * INNER.powi(3)).cbrt();
-            let part = |l: f64| 1.0 / l + 0.25 / l.powi(4);
-            2.0 * (part(outside) - part(inside))
-        };
-        (100..400).map(|i| pressure(0.01 * f64::from(i))).fold(0.0, f64::max)
-    }
-
-    /// What becomes of an eighth of a sphere from rest under so many times the limit.
+    /// What becomes of an eighth of a sphere from rest under so many times the limit of the incompressible law.
     fn sphere(times: f64, ballooned: Option<f64>) -> Result<usize, Failure> {
-        let mesh = eighth_shell(2, 2, INNER);
-        let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets.clone());
-        let nodes = space.node_positions(&mesh.vertices);
-        let held: Vec<bool> =
-            nodes.iter().flat_map(|x| [x.x, x.y, x.z].map(|c| c < 1e-12)).collect();
-        let boundary = mesh::topology::boundary(&mesh).facets;
-        let on = |test: &dyn Fn(&mesh::Vec3) -> bool| -> Vec<[usize; 3]> {
-            let facets = boundary.iter().filter(|f| f.iter().all(|&v| test(&mesh.vertices[v])));
-            facets.copied().collect()
-        };
-        let planes = [0, 1, 2].map(|axis| {
-            let cut = on(&|x| x[axis] < 1e-12);
-            Plane::find(&mesh, &boundary, &["cut".to_owned()], &cut).expect("a plane")
+        let mesh = eighth_shell(2, 2, BALLOON);
+        let problem = shell_problem(&mesh, |space| {
+            let gas = Box::new(Isobaric { pressure: (times * balloon_limit()).into() });
+            let wall = shell_wall(&mesh, space, BALLOON);
+            let chamber = Chamber::new(wall, gas);
+            // shear modulus 1, bulk modulus 20
+            let law = NeoHookean(Lame::new(2.95, 0.475));
+            Energies::elastic(Box::new(law)).with_chamber("wall", chamber)
         });
-        let wall = Wall::cut_by(&planes, &space, &on(&|x| x.norm() < INNER + 1e-9));
-        let gas = Box::new(Isobaric { pressure: (times * limit()).into() });
-        let chamber = Chamber::new(wall, gas);
-        // shear modulus 1, bulk modulus 20
-        let law = NeoHookean(Lame::new(2.95, 0.475));
-        let energies = Energies::elastic(Box::new(law)).with_chamber("wall", chamber);
-        let problem = Problem::new(space, energies, &held);
         let newton =
             Newton { iterations: 200, relative: 1e-9, absolute: 0.0, negligible: 0.0, ballooned };
         let u = vec![0.0; problem.dofs()];

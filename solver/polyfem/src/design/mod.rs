@@ -81,7 +81,7 @@ pub fn read(document: &Document, scene: &mut Translated) -> Result<Option<Design
         notes: Vec::new(),
     };
     writer.text.name("scene", "sim.toml");
-    let functionals = root.get("functionals").map(|key| key.items()).unwrap_or_default();
+    let functionals = root.items_of("functionals");
     let shape = writer.shape(&root)?;
     let design = if writer.pressures(&root, !shape)? || shape {
         for term in &functionals {
@@ -108,10 +108,10 @@ impl Writer<'_> {
     /// Writes the shapes that may change; false if there is none.
     fn shape(&mut self, root: &Key) -> Result<bool> {
         let mut moving: Vec<Moving> = Vec::new();
-        let variables = root.get("variable_to_simulation").map(|key| key.items());
-        for variable in variables.unwrap_or_default() {
-            let kind = variable.need("type", "the kind of variable")?;
-            match kind.text()? {
+        for variable in root.items_of("variable_to_simulation") {
+            // the kind says it
+            let _ = variable.get("composite_map_type");
+            match variable.need("type", "the kind of variable")?.text()? {
                 "shape" => {}
                 "pressure" => continue,
                 _ => {
@@ -147,7 +147,7 @@ impl Writer<'_> {
                 root.document.path.display()
             ));
         }
-        let iterations = iterations(root, "[[shape.level]] iterations")?.unwrap_or(ITERATIONS);
+        let iterations = iterations(root)?;
         let on: Vec<String> = moving.into_iter().map(|m| m.on).collect();
         self.text.table("[shape]").key("on", &names(&on)).table("[[shape.level]]");
         self.text.key("handles", &handles).key("iterations", &iterations.to_string());
@@ -158,55 +158,38 @@ impl Writer<'_> {
     }
 
     fn shape_of(&mut self, variable: &Key, solid: &Solid, id: i64) -> Result<Option<Moving>> {
-        let maps = variable.get("composition").map(|key| key.items()).unwrap_or_default();
+        let maps = variable.items_of("composition");
         let named =
             |key: &&Key| key.get("type").is_some_and(|t| t.value == "bounded-biharmonic-weights");
         let Some(weights) = maps.iter().find(named) else {
             variable.leave("a shape changes by handles with bounded biharmonic weights here");
             return Ok(None);
         };
-        for name in ["type", "composite_map_type", "surface_selection"] {
-            let _ = variable.get(name).map(|k| k.becomes("[shape] on"));
-        }
         for map in &maps {
-            let _ = map.get("type").map(|k| k.becomes("[[shape.level]]"));
+            let _ = map.get("type");
         }
-        let handles = weights.need("num_control_vertices", "the number of handles")?;
-        let handles = handles.becomes("[[shape.level]] handles").count()?;
+        let handles = weights.need("num_control_vertices", "the number of handles")?.count()?;
         if let Some(count) = weights.get("num_vertices") {
             let found = vertices(solid, id);
-            if count.becomes("nothing: it follows from the mesh").id()? != found {
+            if count.id()? != found {
                 self.notes.push(format!(
                     "{}: {} vertices are said to move, {found} are on \"{}\"",
                     weights.document.path.display(),
-                    count_of(weights),
-                    self.on(solid, id)
+                    count.value,
+                    self.scene.geometry.on(solid, &tag(id))
                 ));
             }
         }
-        let rotations = weights.get("allow_rotations");
-        let rotates = rotations.map(|key| key.becomes("[[shape.level]] motion").flag());
-        let rotates = rotates.transpose()?.unwrap_or(true);
-        Ok(Some(Moving { on: self.on(solid, id), handles, rotates }))
-    }
-
-    fn on(&self, solid: &Solid, id: i64) -> String {
-        let tag = tag(id);
-        if self.scene.several { format!("{}.{tag}", solid.name) } else { tag }
-    }
-
-    /// The tags with an id.
-    fn tags(&self, id: i64) -> Vec<String> {
-        let owners = self.scene.geometry.solids.iter().filter(|s| s.ids.contains_key(&id));
-        owners.map(|solid| self.on(solid, id)).collect()
+        let rotates = weights.optional("allow_rotations", Key::flag)?.unwrap_or(true);
+        Ok(Some(Moving { on: self.scene.geometry.on(solid, &tag(id)), handles, rotates }))
     }
 }
 
 /// Iterations of the optimiser.
-fn iterations(root: &Key, becomes: &str) -> Result<Option<usize>> {
+fn iterations(root: &Key) -> Result<usize> {
     let nonlinear = root.get("solver").and_then(|s| s.get("nonlinear"));
-    let iterations = nonlinear.and_then(|n| n.get("max_iterations"));
-    iterations.map(|k| k.becomes(becomes).count()).transpose()
+    let iterations = nonlinear.map_or(Ok(None), |n| n.optional("max_iterations", Key::count))?;
+    Ok(iterations.unwrap_or(ITERATIONS))
 }
 
 /// A name in quotes, or a list of names.
@@ -215,10 +198,6 @@ fn names(names: &[String]) -> String {
         [one] => quoted(one),
         several => list(several.iter().map(|name| quoted(name))),
     }
-}
-
-fn count_of(weights: &Key) -> String {
-    weights.get("num_vertices").map(|k| k.value.to_string()).unwrap_or_default()
 }
 
 /// Number of vertices on the facets with an id.

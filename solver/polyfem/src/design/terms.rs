@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::{TargetFile, Writer, names};
 use crate::document::Key;
-use crate::text::{Text, list, number, quoted};
+use crate::text::{Text, list, number, quoted, unused};
 
 /// A term of the objective.
 struct Term<'a> {
@@ -18,11 +18,8 @@ struct Term<'a> {
 impl Writer<'_> {
     /// Writes a term of the objective if there is one like it here.
     pub(super) fn term(&mut self, term: &Key) -> Result<()> {
-        let weight = match term.get("weight") {
-            Some(key) => key.becomes("weight").number()?,
-            None => 1.0,
-        };
-        let kind = term.need("type", "the kind of term")?.becomes("kind").text()?;
+        let weight = term.optional("weight", Key::number)?.unwrap_or(1.0);
+        let kind = term.need("type", "the kind of term")?.text()?;
         let (state, over) = if kind == "transient_integral" {
             let Some(over) = self.over(term)? else { return Ok(()) };
             (term.need("static_objective", "what is measured at each time")?, over)
@@ -30,7 +27,7 @@ impl Writer<'_> {
             (term.clone(), None)
         };
         let title = match term.get("print_energy") {
-            Some(key) => key.becomes("name").text()?,
+            Some(key) => key.text()?,
             None => state.need("type", "the kind of term")?.text()?,
         };
         let title = title.to_owned();
@@ -40,7 +37,7 @@ impl Writer<'_> {
     /// The value of `over`, none for the end of the scene; nothing if the term is
     /// left out.
     fn over(&mut self, term: &Key) -> Result<Option<Option<String>>> {
-        let kind = term.need("integral_type", "how to sum over time")?.becomes("over");
+        let kind = term.need("integral_type", "how to sum over time")?;
         Ok(Some(match kind.text()? {
             "final" => None,
             "uniform" => Some(quoted("uniform")),
@@ -55,7 +52,7 @@ impl Writer<'_> {
                 Some(quoted("simpson"))
             }
             "steps" => {
-                let steps = term.need("steps", "the time steps")?.becomes("over.steps").ids()?;
+                let steps = term.need("steps", "the time steps")?.ids()?;
                 let last = self.scene.steps as i64;
                 if let Some(step) = steps.iter().find(|&&step| step < 1 || step > last) {
                     term.leave(&format!("the scene has no step {step}: its steps are 1 to {last}"));
@@ -74,8 +71,7 @@ impl Writer<'_> {
     /// Writes what is measured at a state; the term is left out if there is nothing
     /// like it here.
     fn of_state(&mut self, term: Term, state: &Key) -> Result<()> {
-        let kind = state.need("type", "the kind of term")?.becomes("kind");
-        let kind = kind.text()?;
+        let kind = state.need("type", "the kind of term")?.text()?;
         if term.weight < 0.0 && !kind.ends_with("contact_force_norm") {
             term.key.leave("weights are not negative here, but of contact forces");
             return Ok(());
@@ -101,10 +97,9 @@ impl Writer<'_> {
     }
 
     fn mesh_target(&mut self, term: Term, state: &Key) -> Result<()> {
-        let file = state.need("mesh_path", "the target surface")?.becomes("target");
+        let file = state.need("mesh_path", "the target surface")?;
         let target = self.target(&file)?;
-        let spacing = state.need("delta", "the spacing of the lattice [m]")?;
-        let spacing = spacing.becomes("spacing").positive()?;
+        let spacing = state.need("delta", "the spacing of the lattice [m]")?.positive()?;
         let Some(on) = self.on_all(&term, &selected(state, "surface_selection")?) else {
             return Ok(());
         };
@@ -117,17 +112,11 @@ impl Writer<'_> {
 
     fn displacement(&mut self, term: Term, state: &Key) -> Result<()> {
         let wanted = state.need("target_displacement", "the wanted displacement [m]")?;
-        let mut wanted: Vec<f64> = wanted
-            .becomes("displacement")
-            .items()
-            .iter()
-            .map(Key::number)
-            .collect::<Result<_>>()?;
+        let mut wanted: Vec<f64> = wanted.items().iter().map(Key::number).collect::<Result<_>>()?;
         wanted.resize(3, 0.0);
         let mut components = "xyz"[..if self.planar() { 2 } else { 3 }].to_owned();
         if let Some(active) = state.get("active_dimension") {
-            let flags = active.becomes("components").items();
-            let flags: Vec<bool> = flags.iter().map(Key::flag).collect::<Result<_>>()?;
+            let flags: Vec<bool> = active.items().iter().map(Key::flag).collect::<Result<_>>()?;
             let named = "xyz".chars().zip(flags).filter(|(_, active)| *active);
             components = named.map(|(axis, _)| axis).collect();
         }
@@ -156,7 +145,7 @@ impl Writer<'_> {
     }
 
     fn thickness(&mut self, term: Term, state: &Key, density: &str) -> Result<()> {
-        let minimum = state.get("dmin").map(|k| k.becomes("minimum").positive()).transpose()?;
+        let minimum = state.optional("dmin", Key::positive)?;
         let activation = dhat(state)?;
         let ids = selected(state, "boundary_ids")?;
         let Some(on) = self.on_all(&term, &ids) else { return Ok(()) };
@@ -175,10 +164,10 @@ impl Writer<'_> {
     }
 
     fn smoothness(&mut self, term: Term, state: &Key) -> Result<()> {
-        let power = state.get("power").map(|k| k.becomes("smoothness").number());
-        let invariant = state.get("scale_invariant").map(|k| k.becomes("smoothness").flag());
+        let power = state.optional("power", Key::number)?;
+        let invariant = state.optional("scale_invariant", Key::flag)?;
         let ids = selected(state, "surface_selection")?;
-        if power.transpose()? != Some(2.0) || invariant.transpose()? != Some(true) {
+        if power != Some(2.0) || invariant != Some(true) {
             term.key.leave("smoothness is scale-invariant and quadratic here");
             return Ok(());
         }
@@ -189,7 +178,7 @@ impl Writer<'_> {
 
     /// The tags with any of these ids; none, and the term is left out, without one.
     fn on_all(&self, term: &Term, ids: &[i64]) -> Option<Vec<String>> {
-        let tags: Vec<String> = ids.iter().flat_map(|&id| self.tags(id)).collect();
+        let tags = self.scene.geometry.tags(ids);
         if tags.is_empty() {
             term.key.leave("no body has a facet with this id");
             return None;
@@ -217,14 +206,7 @@ impl Writer<'_> {
 
     /// Begins a term with a name that no other has.
     fn objective(&mut self, kind: &str, term: &Term) -> &mut Text {
-        let mut name = term.title.clone();
-        for number in 2.. {
-            if !self.names.contains(&name) {
-                break;
-            }
-            name = format!("{} {number}", term.title);
-        }
-        self.names.push(name.clone());
+        let name = unused(&term.title, ' ', &mut self.names);
         self.text.table("[[objective]]").name("kind", kind).name("name", &name);
         self.text.number("weight", term.weight);
         match &term.over {
@@ -254,9 +236,9 @@ impl Writer<'_> {
 }
 
 fn dhat(state: &Key) -> Result<f64> {
-    state.need("dhat", "where the barrier begins [m]")?.becomes("activation").positive()
+    state.need("dhat", "where the barrier begins [m]")?.positive()
 }
 
 fn selected(state: &Key, name: &str) -> Result<Vec<i64>> {
-    state.need(name, "ids of selections")?.becomes("on").ids()
+    state.need(name, "ids of selections")?.ids()
 }

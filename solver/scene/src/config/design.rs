@@ -88,9 +88,6 @@ program::table! {
         largest_step: f64 = 3.0, Range::POSITIVE;
         /// A level ends when the objective falls by less than this fraction in each of two iterations, one after the other [1].
         stagnation: f64 = 0.0, Range::NOT_NEGATIVE;
-        /// A level ends when its last two iterations gain less per Newton iteration than this fraction
-        /// of what the level gained [1].
-        least_rate: f64 = 0.0, Range::NOT_NEGATIVE;
         /// A level ends when the norm of the gradient falls below this fraction of that
         /// at its start [1].
         gradient_tolerance: f64 = 0.0, Range::NOT_NEGATIVE;
@@ -120,10 +117,6 @@ program::table! {
     pub struct ShapeConfig {
         /// Tags whose vertices move; their rims stay.
         on: Names;
-        /// What vertices inside the body do.
-        interior: Interior = Interior::Extended;
-        /// How handles are spread over a tag.
-        spread: Spread = Spread::RePick;
         /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
         margin: f64 = 0.0, Range::NOT_NEGATIVE.unit("m");
         /// Planes in which flat faces of what moves stay, each a tag of a flat face or a table: their vertices
@@ -197,29 +190,6 @@ pub enum Axis {
     Z,
 }
 
-/// How handles are spread over a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Spread {
-    /// Each as far from the others as can be.
-    #[default]
-    RePick,
-    /// Each in the middle of its cell.
-    Lloyd,
-}
-
-/// Vertices inside the body when its boundary moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Interior {
-    /// Follow the boundary, and the gradient accounts for it.
-    #[default]
-    Extended,
-    /// Follow the boundary, but the gradient takes them as fixed, as the published
-    /// one does; for comparison.
-    Frozen,
-}
-
 impl DesignConfig {
     /// Reads and checks a design file.
     pub fn read(path: &Path) -> Result<Self> {
@@ -278,7 +248,6 @@ impl DesignConfig {
             first_step: level.first_step.unwrap_or(own.first_step),
             largest_step: level.largest_step.unwrap_or(own.largest_step),
             stagnation: level.stagnation.unwrap_or(own.stagnation),
-            least_rate: level.least_rate.unwrap_or(own.least_rate),
             gradient_tolerance: level.gradient_tolerance.unwrap_or(own.gradient_tolerance),
             time_limit: level.time_limit.or(own.time_limit),
             state_memory: own.state_memory,

@@ -43,8 +43,6 @@ program::table! {
         largest_step: Option<f64> = None => "the design's", Range::POSITIVE;
         /// Fall of the objective in an iteration at which the level ends, as a part [1].
         stagnation: Option<f64> = None => "the design's", Range::NOT_NEGATIVE;
-        /// Gain per Newton iteration at which the level ends, as a part of what the level gained [1].
-        least_rate: Option<f64> = None => "the design's", Range::NOT_NEGATIVE;
         /// Norm of the gradient at which the level ends, as a part of that at its start [1].
         gradient_tolerance: Option<f64> = None => "the design's", Range::NOT_NEGATIVE;
         /// Computing time after which no iteration begins [s].

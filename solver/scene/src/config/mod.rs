@@ -55,8 +55,7 @@ pub use symmetric::{MirrorConfig, SymmetricConfig, TurnConfig};
 pub use symmetry::SymmetryConfig;
 
 pub use design::{
-    Axis, DesignConfig, Interior, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod,
-    ShapeConfig, Spread,
+    Axis, DesignConfig, KeepConfig, MoldConfig, OptimizerConfig, OptimizerMethod, ShapeConfig,
 };
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;

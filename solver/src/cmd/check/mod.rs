@@ -11,12 +11,11 @@ use mechanics::forward::about;
 use mechanics::math::linear::dot;
 use mechanics::math::random::Random;
 use program::{Changes, Heartbeat, Unusable};
-use scene::ObjectiveBuilder;
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
-use super::optimize::{Problem, read};
-use crate::optimize::{Evaluation, Level, Parameter, Perturbed, Start};
+use super::optimize::Problem;
+use crate::optimize::{Evaluation, Level, Parameter, Perturbed};
 
 /// How often the test of a term is repeated with steps of a quarter of the length, while
 /// its slope is not accepted.
@@ -63,36 +62,24 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Problem { file, design, scene } =
-        read(&arguments.design, &arguments.mesh, &arguments.changes)?;
-    let objectives =
-        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
+    let problem = Problem::read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let (design, scene) = (&problem.design, &problem.scene);
+    let objectives = problem.objectives()?;
     let mut settings = design.levels()[0].clone();
     if let Some(handles) = arguments.handles {
         let (handles, vertices) =
             (HandlesConfig::Each(handles as usize), VerticesConfig::default());
         settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
-    let mut level = Level::new(&scene, &objectives, scene.body.clone(), &design, &settings)
-        .map_err(|error| file.place(error))?;
-    let theta = vec![0.0; level.variables()];
-    level
-        .admit(&level.body.mesh.vertices)
-        .context("the starting shape")
-        .map_err(|error| file.place(error))?;
-    let start = level.evaluate(&theta, Start::Rest).map_err(|e| {
-        Unusable(format!("{}: the starting shape: {e}", arguments.design.display()))
-    })?;
-    let start = level.weigh(&design.objective, start).map_err(|error| file.place(error))?;
+    let (mut level, start) = problem.start(&objectives, &settings)?;
     log::info!(
         "{} variables, J {:.8e}; a run takes about {}",
-        theta.len(),
+        level.variables(),
         start.objective,
         about(start.forward_s)
     );
-    let perturbed =
-        Perturbed { scene: &scene, design: &design, settings: &settings, objectives: &objectives };
-    let mut parameters = Parameter::of(&scene, &level, &design);
+    let perturbed = Perturbed { scene, design, settings: &settings, objectives: &objectives };
+    let mut parameters = Parameter::of(scene, &level, design);
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
     let swept = sweeps(&mut level, &start)?;
@@ -101,11 +88,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "up to {runs} runs follow, about {}, and more where steps are too long",
         about(runs * start.forward_s)
     );
-    let (mut table, mut heartbeat) = (Table::default(), Heartbeat::start());
+    let (mut failed, mut heartbeat) = (Vec::new(), Heartbeat::start());
     for parameter in &parameters {
         let gradients: BTreeMap<&str, Vec<f64>> = swept
             .iter()
-            .map(|(name, swept)| (name.as_str(), parameter.gradient(&scene, &level, swept)))
+            .map(|(name, swept)| (name.as_str(), parameter.gradient(scene, &level, swept)))
             .collect();
         let count = parameter.count(&level);
         let mut case = Case {
@@ -124,16 +111,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 continue;
             }
             let results = case.along(&gradients, &q, arguments)?;
-            table.add(&parameter.name(), &name, results)?;
+            failed.extend(print(&parameter.name(), &name, results)?);
         }
     }
-    if table.failed.is_empty() {
+    if failed.is_empty() {
         return Ok(());
     }
     Err(Unusable(format!(
         "{}: slope is not 2 ± 0.1, or cannot be measured:\n  {}",
         arguments.design.display(),
-        table.failed.join("\n  ")
+        failed.join("\n  ")
     ))
     .into())
 }
@@ -320,31 +307,24 @@ fn update(
     }
 }
 
-/// What is printed, and what did not pass.
-#[derive(Default)]
-struct Table {
-    failed: Vec<String>,
-}
-
-impl Table {
-    fn add(&mut self, parameter: &str, direction: &str, outcomes: Vec<Outcome>) -> Result<()> {
-        let mut out = program::stdout();
-        for outcome in outcomes {
-            let term = &outcome.term;
-            writeln!(out, "\"{term}\" by {parameter}, {direction}")?;
-            writeln!(out, "  {:>12}  {:>12}", "epsilon", "remainder")?;
-            for (e, r) in outcome.epsilon.iter().zip(&outcome.remainder) {
-                writeln!(out, "  {e:12.4e}  {r:12.4e}")?;
-            }
-            for (epsilon, finding) in &outcome.before {
-                writeln!(out, "  before, with epsilon from {epsilon:.4e}: {finding}")?;
-            }
-            let finding = outcome.finding;
-            writeln!(out, "  {finding}, g·q {:.4e}", outcome.directional)?;
-            if !finding.passes() {
-                self.failed.push(format!("\"{term}\" by {parameter}, {direction}: {finding}"));
-            }
+/// Prints outcomes; those that did not pass.
+fn print(parameter: &str, direction: &str, outcomes: Vec<Outcome>) -> Result<Vec<String>> {
+    let (mut out, mut failed) = (program::stdout(), Vec::new());
+    for outcome in outcomes {
+        let term = &outcome.term;
+        writeln!(out, "\"{term}\" by {parameter}, {direction}")?;
+        writeln!(out, "  {:>12}  {:>12}", "epsilon", "remainder")?;
+        for (e, r) in outcome.epsilon.iter().zip(&outcome.remainder) {
+            writeln!(out, "  {e:12.4e}  {r:12.4e}")?;
         }
-        Ok(())
+        for (epsilon, finding) in &outcome.before {
+            writeln!(out, "  before, with epsilon from {epsilon:.4e}: {finding}")?;
+        }
+        let finding = outcome.finding;
+        writeln!(out, "  {finding}, g·q {:.4e}", outcome.directional)?;
+        if !finding.passes() {
+            failed.push(format!("\"{term}\" by {parameter}, {direction}: {finding}"));
+        }
     }
+    Ok(failed)
 }

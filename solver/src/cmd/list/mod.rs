@@ -12,7 +12,6 @@ use mechanics::material::{LAWS, Law, sheet};
 use program::schema::Key;
 use scene::config::{ObjectiveConfig, ProbeConfig};
 use scene::silicone;
-use serde_json::{Value, json};
 
 use scene::number;
 
@@ -44,57 +43,36 @@ pub struct Arguments {
     /// The numbers of a scene that may be calibrated, uncertain or other in a scenario, in place of the laws
     #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws", "probes", "objectives"])]
     numbers: bool,
-    /// As JSON
-    #[arg(long)]
-    json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { silicones, sheets, gas_laws, probes, objectives, numbers, json } = *arguments;
+    let Arguments { silicones, sheets, gas_laws, probes, objectives, numbers } = *arguments;
     let text = if numbers {
-        rows(number::KINDS, json, number_json, |kinds| joined(kinds, number_text))?
+        joined(number::KINDS, number_text)
     } else if objectives {
-        quantities(List::Objective, &ObjectiveConfig::common_keys(), json)?
+        quantities(List::Objective, &ObjectiveConfig::common_keys())
     } else if probes {
-        quantities(List::Probe, &ProbeConfig::common_keys(), json)?
+        quantities(List::Probe, &ProbeConfig::common_keys())
     } else if sheets {
-        rows(sheet::LAWS, json, law_json, |laws| joined(laws, law_text))?
+        joined(sheet::LAWS, law_text)
     } else if gas_laws {
-        rows(GAS_LAWS, json, gas_law_json, |laws| joined(laws, gas_law_text))?
+        joined(GAS_LAWS, gas_law_text)
     } else if silicones {
-        rows(silicone::all(), json, silicones::json, silicones::text)?
+        silicones::text(silicone::all())
     } else {
-        rows(LAWS, json, law_json, |laws| joined(laws, law_text))?
+        joined(LAWS, law_text)
     };
-    write!(std::io::stdout().lock(), "{text}")?;
-    Ok(())
-}
-
-/// Rows as JSON or as text.
-fn rows<T>(
-    all: &[T],
-    as_json: bool,
-    json: fn(&T) -> Value,
-    text: impl Fn(&[T]) -> String,
-) -> Result<String> {
-    if as_json { pretty(all.iter().map(json).collect()) } else { Ok(text(all)) }
+    Ok(write!(std::io::stdout().lock(), "{text}")?)
 }
 
 fn joined<T>(all: &[T], text: fn(&T) -> String) -> String {
     all.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
-fn pretty(rows: Vec<Value>) -> Result<String> {
-    Ok(serde_json::to_string_pretty(&rows)? + "\n")
-}
-
 /// The kinds of a list, with the keys that all of its entries have.
-fn quantities(list: List, common: &[Key], json: bool) -> Result<String> {
-    if json {
-        return pretty(kinds::of(list).map(|kind| kind_json(kind, list)).collect());
-    }
+fn quantities(list: List, common: &[Key]) -> String {
     let kinds: Vec<String> = kinds::of(list).map(|kind| kind_text(kind, list)).collect();
-    Ok(kinds.join("\n") + "\nall\n" + &keys_text(common))
+    kinds.join("\n") + "\nall\n" + &keys_text(common)
 }
 
 fn kind_text(kind: &Kind, list: List) -> String {
@@ -108,27 +86,9 @@ fn number_text(kind: &number::Kind) -> String {
     format!("{}\n", kind.path) + &wrapped("", kind.meaning)
 }
 
-fn number_json(kind: &number::Kind) -> Value {
-    json!({ "path": kind.path, "meaning": kind.meaning })
-}
-
 /// Keys with their meanings, one under the other.
 fn keys_text(keys: &[Key]) -> String {
     keys.iter().map(|key| wrapped(&format!("  {:12} ", key.name), &key.meaning)).collect()
-}
-
-fn kind_json(kind: &Kind, list: List) -> Value {
-    let keys = kind.keys().into_iter();
-    let mut row = json!({
-        "kind": kind.key,
-        "formula": kind.formula,
-        "unit": kind.unit,
-        "keys": keys.map(|key| json!({ "key": key.name, "meaning": key.meaning })).collect::<Value>(),
-    });
-    if list == List::Objective {
-        row["may_be_maximised"] = json!(kind.may_be_maximised);
-    }
-    row
 }
 
 fn gas_law_text(law: &Row) -> String {
@@ -139,18 +99,6 @@ fn gas_law_text(law: &Row) -> String {
         text += &wrapped(&label, &format!("{}{selects}", key.meaning));
     }
     text + &wrapped("source: ", law.source)
-}
-
-fn gas_law_json(law: &Row) -> Value {
-    let keys = law.keys.iter().map(|key| {
-        json!({ "key": key.name, "unit": key.unit, "meaning": key.meaning, "selects": key.selects })
-    });
-    json!({
-        "law": law.name,
-        "formula": law.formula,
-        "keys": keys.collect::<Vec<_>>(),
-        "source": law.source,
-    })
 }
 
 fn law_text<M: ?Sized>(law: &Law<M>) -> String {
@@ -185,17 +133,4 @@ fn wrapped(label: &str, words: &str) -> String {
         column += length;
     }
     text + "\n"
-}
-
-fn law_json<M: ?Sized>(law: &Law<M>) -> Value {
-    let parameter = |p: &mechanics::material::Parameter| json!({ "name": p.name, "unit": p.unit, "meaning": p.meaning, "list": p.list });
-    json!({
-        "kind": law.key,
-        "formula": law.formula,
-        "parameters": law.parameters.iter().map(parameter).collect::<Vec<_>>(),
-        "shear_modulus": law.shear,
-        "bulk_modulus": law.bulk,
-        "limits": law.limits,
-        "source": law.source,
-    })
 }

@@ -2,9 +2,7 @@
 
 use library::{PrinterKind, kilopascals};
 use mechanics::material::Parameter;
-use scene::law_table;
 use scene::silicone::{Fit, Silicone};
-use serde_json::{Value, json};
 
 use super::{joined, wrapped};
 
@@ -73,36 +71,4 @@ fn row(silicone: &Silicone, fit: &Fit) -> String {
         s.law.key,
         parameters.join(", "),
     )
-}
-
-pub fn json(silicone: &Silicone) -> Value {
-    let fit = |fit: &Fit| {
-        let s = &fit.specification;
-        json!({
-            "name": format!("{}/{}", silicone.key, silicone.selector(fit)),
-            "kind": s.law.key,
-            "parameters": law_table::written(s.law, &s.values),
-            "moduli": s.moduli(),
-            "test": fit.entry.test,
-            "stretch_range": s.stretch_range,
-            "r2": fit.entry.r2,
-            "source": fit.source().citation,
-            "licence": fit.source().licence,
-        })
-    };
-    let entry = silicone.entry;
-    json!({
-        "key": silicone.key,
-        "name": entry.name,
-        "vendor": entry.vendor,
-        "density": entry.density,
-        "mix": entry.mix,
-        "printed": entry.printed.as_ref().map(|of| json!({ "process": of.process, "hardness": of.hardness })),
-        "pot_life_min": entry.pot_life_min,
-        "cure_h": entry.cure_h,
-        "shear_modulus_range": entry.shear_moduli(),
-        "creep": entry.softening.as_ref().and_then(|s| s.creep),
-        "mullins": entry.softening.as_ref().and_then(|s| s.mullins),
-        "fits": silicone.fits.iter().map(fit).collect::<Vec<_>>(),
-    })
 }

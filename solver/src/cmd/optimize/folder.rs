@@ -3,60 +3,49 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use reports::{Ended, LevelEnd};
-use serde::Deserialize;
+use reports::{Ended, Optimization};
 
 use crate::optimize::Checkpoint;
 use crate::report::results;
 
+/// The report in the folder, if there is one.
+pub(super) fn report(folder: &Path) -> Result<Option<Optimization>> {
+    let path = folder.join("report.json");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let report = serde_json::from_str(&mesh::io::read_own_text(&path)?);
+    report.with_context(|| path.display().to_string()).map(Some)
+}
+
+/// Whether the folder holds a finished design.
+pub(super) fn finished(folder: &Path) -> Result<bool> {
+    Ok(report(folder)?.is_some_and(|report| report.usable))
+}
+
 /// Whether the folder holds an optimisation of other inputs that is finished or
 /// has no result. Any other is removed with --restart only.
 pub(super) fn outdated(folder: &Path, inputs: &str) -> Result<bool> {
-    let finished = folder.join("report.json").exists() && !failed(folder)?;
+    let finished = finished(folder)?;
     Ok(Checkpoint::read(folder)?
         .is_some_and(|c| c.inputs != inputs && (finished || c.history == 0)))
 }
 
-/// What is read of a report.
-#[derive(Deserialize)]
-struct Usable {
-    usable: bool,
-}
-
-/// Whether the report in the folder is that of a start without equilibrium.
-pub(super) fn failed(folder: &Path) -> Result<bool> {
-    let path = folder.join("report.json");
-    if !path.exists() {
-        return Ok(false);
-    }
-    let report = serde_json::from_str::<Usable>(&mesh::io::read_own_text(&path)?);
-    Ok(!report.with_context(|| path.display().to_string())?.usable)
-}
-
 /// Whether the report in the folder is of a design whose next level could not begin: to try it again would lose it.
 pub(super) fn is_kept_before_a_level(folder: &Path) -> Result<bool> {
-    let path = folder.join("report.json");
-    if !path.exists() || failed(folder)? {
-        return Ok(false);
-    }
-    let report = serde_json::from_str::<Levels>(&mesh::io::read_own_text(&path)?);
-    let levels = report.with_context(|| path.display().to_string())?.levels;
-    Ok(levels.last().is_some_and(|end| end.ending == Ended::NoEquilibrium))
-}
-
-/// What is read of a report for that; reports of programs before have no levels.
-#[derive(Deserialize)]
-struct Levels {
-    #[serde(default)]
-    levels: Vec<LevelEnd>,
+    let report = report(folder)?.filter(|report| report.usable);
+    let levels = report.and_then(|report| report.designed).map(|designed| designed.levels);
+    Ok(levels.iter().flatten().last().is_some_and(|end| end.ending == Ended::NoEquilibrium))
 }
 
 /// Removes the report of a failure once the run continues.
 pub(super) fn forget_failure(folder: &Path) -> Result<()> {
-    if failed(folder)? {
-        remove(folder, &["report.json", results::FAILED])?;
+    let failed = report(folder)?.is_some_and(|report| !report.usable);
+    if failed {
+        remove(folder, |name| ["report.json", results::FAILED].contains(&name))
+    } else {
+        Ok(())
     }
-    Ok(())
 }
 
 /// Removes what a run without a first evaluation cannot be continued from.
@@ -64,16 +53,13 @@ pub(super) fn forget_start(folder: &Path) -> Result<()> {
     if Checkpoint::read(folder)?.is_none_or(|c| c.history > 0) {
         return Ok(());
     }
-    remove(folder, &["checkpoint.json", "history.jsonl"])?;
-    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        if name.starts_with("level-") && name.ends_with(".msh") {
-            remove(folder, &[&name])?;
-        }
-    }
-    Ok(())
+    remove(folder, |name| {
+        ["checkpoint.json", "history.jsonl"].contains(&name)
+            || name.starts_with("level-") && name.ends_with(".msh")
+    })
 }
 
+/// Removes all that an optimisation has written but the meshes that its levels begin with.
 pub(super) fn forget(folder: &Path) -> Result<()> {
     let names = [
         "checkpoint.json",
@@ -82,24 +68,23 @@ pub(super) fn forget(folder: &Path) -> Result<()> {
         "result.vtu",
         "pressures.toml",
         "parameters.toml",
+        results::FAILED,
     ];
-    remove(folder, &names)?;
-    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        let design = ["design.", "latest.", "castable.", "remeshed-"]
-            .iter()
-            .any(|first| name.starts_with(first));
-        let design = design && name.ends_with(".msh");
-        if design || (name.starts_with("run-") && name.ends_with(".npy")) {
-            remove(folder, &[&name])?;
-        }
-    }
-    remove(folder, &[results::FAILED])
+    let meshes = ["design.", "latest.", "castable.", "remeshed-"];
+    remove(folder, |name| {
+        names.contains(&name)
+            || name.ends_with(".msh") && meshes.iter().any(|first| name.starts_with(first))
+            || name.starts_with("run-") && name.ends_with(".npy")
+    })
 }
 
-pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<()> {
-    for name in names {
-        mesh::io::remove_output(&folder.join(name))?;
+/// Removes the files whose names are these.
+pub(super) fn remove(folder: &Path, is_one: impl Fn(&str) -> bool) -> Result<()> {
+    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
+        if path.file_name().is_some_and(|name| is_one(&name.to_string_lossy())) {
+            mesh::io::remove_output(&path)?;
+        }
     }
     Ok(())
 }

@@ -8,19 +8,22 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use mesh::io::vtu;
 use program::{Changes, FolderLock, InputFile, KeyPath, Settings, Unusable};
 use reports::{Castable, Designed, Ended, Inputs, Iteration, Optimization, Remeshed};
 use scene::config::{DesignConfig, LevelConfig, beside};
 use scene::{ObjectiveBuilder, Scene, log_share};
+use serde::Serialize;
+use serde_json::json;
 
 use self::folder::{
-    failed, forget, forget_failure, forget_start, is_kept_before_a_level, outdated, remove,
+    finished, forget, forget_failure, forget_start, is_kept_before_a_level, outdated,
 };
 use self::found::Found;
 use crate::optimize::{
-    CASTABLE, Cascade, Finished, History, LATEST, Meshes, Molding, mesh_file, write_bodies,
+    CASTABLE, Cascade, Evaluation, Finished, History, LATEST, Level, Meshes, Molding, Start,
+    mesh_file, write_bodies,
 };
 use crate::report::crossing::Crossing;
 use crate::report::{results, summary};
@@ -60,23 +63,23 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let Problem { file, design, scene } = read(&arguments.design, &[], &arguments.changes)?;
+    let problem = Problem::read(&arguments.design, &[], &arguments.changes)?;
+    let Problem { file, design, scene, .. } = &problem;
     log_share(&scene.body);
-    let molding = file.checked(|_| Molding::new(&arguments.design, &design, &scene.body))?;
-    let meshes = file.checked(|_| meshes(arguments, &design, &scene))?;
+    let molding = file.checked(|_| Molding::new(&arguments.design, design, &scene.body))?;
+    let meshes = file.checked(|_| meshes(arguments, design, scene))?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     ensure!(arguments.starts > 0, "--starts 0: expected 1 or more");
     let best = (arguments.starts > 1).then(|| {
-        file.checked(|_| starts::check(&design))?;
+        file.checked(|_| starts::check(design))?;
         starts::best(arguments)
     });
     let best = best.transpose()?;
-    let objectives =
-        file.checked(|_| ObjectiveBuilder::new(&arguments.design, &design.objective, &scene))?;
-    let inputs = hash_inputs(&file, &design, &scene)?;
+    let objectives = problem.objectives()?;
+    let inputs = hash_inputs(file, design, scene)?;
     if arguments.restart || outdated(folder, &inputs)? {
-        if folder.join("report.json").exists() && !failed(folder)? {
+        if finished(folder)? {
             log::warn!("{}: the finished design there is replaced", folder.display());
         }
         forget(folder)?;
@@ -91,8 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         starts::take_over(&best, folder)?;
     }
     let cascade = Cascade {
-        scene: &scene,
-        design: &design,
+        scene,
+        design,
         meshes,
         objectives: &objectives,
         molding,
@@ -105,11 +108,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let _ = forget_start(folder);
         file.place(error)
     })?;
-    write(folder, &scene, &finished)?;
+    write(folder, scene, &finished)?;
     let (level, evaluation) = &finished.last;
     let crossing = level.crossing(evaluation);
-    let (inputs, set) = provenance(folder, &file, &design, &scene)?;
-    let found = Found { finished: &finished, scene: &scene, design: &design };
+    let (inputs, set) = provenance(folder, file, design, scene)?;
+    let found = Found { finished: &finished, scene, design };
     let mut designed = found.designed(History::new(folder).read()?, inputs, set, start);
     designed.crossing = crossing.as_ref().map(Crossing::report);
     designed.remeshed = remeshed(&cascade, &finished, &designed);
@@ -155,23 +158,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     {
         log::warn!("level {} {}: {}", end.level, end.ending.in_words(), end.why);
     }
-    if let Some(crossing) = crossing {
-        let design = arguments.design.display();
-        return Err(Unusable(format!("{design}: {}", crossing.in_words())).into());
-    }
-    if let Some(violated) = violated {
-        let design = arguments.design.display();
-        return Err(Unusable(format!("{design}: the design does not keep {violated}")).into());
-    }
-    if !is_better {
-        return Err(Unusable(format!(
-            "{}: no step lowered the objective; see the reasons in {}",
-            arguments.design.display(),
-            folder.join("report.json").display()
-        ))
-        .into());
-    }
-    Ok(())
+    let why = match (crossing, violated) {
+        (Some(crossing), _) => crossing.in_words(),
+        (None, Some(violated)) => format!("the design does not keep {violated}"),
+        (None, None) if is_better => return Ok(()),
+        (None, None) => {
+            let report = folder.join("report.json");
+            format!("no step lowered the objective; see the reasons in {}", report.display())
+        }
+    };
+    Err(Unusable(format!("{}: {why}", arguments.design.display())).into())
 }
 
 /// The design with a re-meshed interior.
@@ -206,19 +202,48 @@ fn remeshed(cascade: &Cascade, finished: &Finished, designed: &Designed) -> Opti
 
 /// A design problem and its scene.
 pub struct Problem {
+    path: PathBuf,
     pub file: Settings,
     pub design: DesignConfig,
     pub scene: Scene,
 }
 
-/// A design file and its scene, perhaps with another mesh and other values.
-pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Result<Problem> {
-    let (own, of_scene) = changes.own_and_scene();
-    let file = DesignConfig::settings(path, &own)?;
-    let design = DesignConfig::of(&file)?;
-    let scene = Scene::read_with(&beside(path, &design.scene), others, &of_scene)?;
-    scene.warn_of_growth();
-    Ok(Problem { file, design, scene })
+impl Problem {
+    /// A design file and its scene, perhaps with another mesh and other values.
+    pub fn read(path: &Path, others: &[super::OtherMesh], changes: &Changes) -> Result<Self> {
+        let (own, of_scene) = changes.own_and_scene();
+        let file = DesignConfig::settings(path, &own)?;
+        let design = DesignConfig::of(&file)?;
+        let scene = Scene::read_with(&beside(path, &design.scene), others, &of_scene)?;
+        scene.warn_of_growth();
+        Ok(Self { path: path.to_owned(), file, design, scene })
+    }
+
+    /// The terms of its objective.
+    pub fn objectives(&self) -> Result<ObjectiveBuilder<'_>> {
+        let terms = &self.design.objective;
+        self.file.checked(|_| ObjectiveBuilder::new(&self.path, terms, &self.scene))
+    }
+
+    /// A level on the body of the scene, and its start with the weights that shares come to.
+    pub fn start(
+        &self,
+        objectives: &ObjectiveBuilder,
+        settings: &LevelConfig,
+    ) -> Result<(Level, Evaluation)> {
+        let Self { path, file, design, scene } = self;
+        let mut level = Level::new(scene, objectives, scene.body.clone(), design, settings)
+            .map_err(|error| file.place(error))?;
+        level
+            .admit(&level.body.mesh.vertices)
+            .context("the starting shape")
+            .map_err(|error| file.place(error))?;
+        let start = level.evaluate(&vec![0.0; level.variables()], Start::Rest);
+        let start =
+            start.map_err(|e| Unusable(format!("{}: the starting shape: {e}", path.display())))?;
+        let start = level.weigh(&design.objective, start).map_err(|error| file.place(error))?;
+        Ok((level, start))
+    }
 }
 
 /// The body on the meshes of the scene and of the levels.
@@ -284,19 +309,17 @@ fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
     );
     for part in &scene.body.parts {
         let name = part.name.as_deref();
-        remove(folder, &[&mesh_file(LATEST, name)])?;
-        let castable = mesh_file(CASTABLE, name);
+        mesh::io::remove_output(&folder.join(mesh_file(LATEST, name)))?;
+        let castable = folder.join(mesh_file(CASTABLE, name));
         if !is_refused {
-            remove(folder, &[&castable])?;
-        } else if folder.join(&castable).exists() {
-            log::warn!(
-                "the design cannot be cast; the last shape that can is {}",
-                folder.join(&castable).display()
-            );
+            mesh::io::remove_output(&castable)?;
+        } else if castable.exists() {
+            let castable = castable.display();
+            log::warn!("the design cannot be cast; the last shape that can is {castable}");
         }
     }
-    let (level, evaluation) = &finished.last;
-    vtu::write_vtu(&folder.join("result.vtu"), &level.grid(evaluation))?;
+    let evaluation = &finished.last.1;
+    vtu::write_vtu(&folder.join("result.vtu"), &evaluation.runs[0].grid())?;
     write_pressures(folder, finished)?;
     write_parameters(folder, finished)
 }
@@ -304,38 +327,31 @@ fn write(folder: &Path, scene: &Scene, finished: &Finished) -> Result<()> {
 /// The designed parameters and numbers as the tables that a scene would have.
 fn write_parameters(folder: &Path, finished: &Finished) -> Result<()> {
     let all = finished.last.0.map().parameters(&finished.theta);
-    if all.is_empty() {
-        return Ok(());
-    }
     let (numbers, parameters): (BTreeMap<_, _>, BTreeMap<_, _>) =
         all.into_iter().partition(|(name, _)| name.contains('.'));
-    let tables = [("parameters", parameters), ("numbers", numbers)];
-    let tables = tables.into_iter().filter(|(_, table)| !table.is_empty());
-    let text = toml::to_string(&tables.collect::<BTreeMap<_, _>>())?;
-    mesh::io::write_atomic(&folder.join("parameters.toml"), |out| out.write_all(text.as_bytes()))?;
-    Ok(())
+    let mut tables = BTreeMap::from([("parameters", parameters), ("numbers", numbers)]);
+    tables.retain(|_, table| !table.is_empty());
+    write_toml(&folder.join("parameters.toml"), &tables)
 }
 
 /// The designed pressures as the tables that a scene would have.
 fn write_pressures(folder: &Path, finished: &Finished) -> Result<()> {
-    let map = finished.last.0.map();
-    let number = |list: &[f64]| toml::Value::from(list.to_vec());
-    let one = |(on, values): (String, Vec<f64>)| {
-        let mut curve = toml::Table::new();
-        curve.insert("t".to_owned(), number(&finished.last.1.runs[0].states.times));
-        curve.insert("value".to_owned(), number(&values));
-        let mut table = toml::Table::new();
-        table.insert("on".to_owned(), on.into());
-        table.insert("pressure".to_owned(), curve.into());
-        toml::Value::Table(table)
-    };
-    let tables: Vec<toml::Value> = map.pressures(&finished.theta).into_iter().map(one).collect();
+    let (level, at) = &finished.last;
+    let times = &at.runs[0].states.times;
+    let one = |(on, values): (String, Vec<f64>)| json!({ "on": on, "pressure": { "t": times, "value": values } });
+    let chambers: Vec<_> = level.map().pressures(&finished.theta).into_iter().map(one).collect();
+    let mut tables = BTreeMap::from([("chamber", chambers)]);
+    tables.retain(|_, chambers| !chambers.is_empty());
+    write_toml(&folder.join("pressures.toml"), &tables)
+}
+
+/// Writes tables, unless there are none.
+fn write_toml<T: Serialize>(path: &Path, tables: &BTreeMap<&str, T>) -> Result<()> {
     if tables.is_empty() {
         return Ok(());
     }
-    let text = toml::to_string(&toml::Table::from_iter([("chamber".to_owned(), tables.into())]))?;
-    mesh::io::write_atomic(&folder.join("pressures.toml"), |out| out.write_all(text.as_bytes()))?;
-    Ok(())
+    let text = toml::to_string(tables)?;
+    Ok(mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?)
 }
 
 /// The files that a design was made from, and the values that were set.

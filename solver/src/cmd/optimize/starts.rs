@@ -1,6 +1,5 @@
 //! `--starts`: the same design from several starts side by side, and the best of them.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -8,15 +7,18 @@ use std::time::Duration;
 use anyhow::{Context, Result, ensure};
 use measure::objective::Weight;
 use program::{Heartbeat, KeyPath, Process, Unusable, misfit};
-use reports::Ended;
+use reports::{Designed, Optimization};
 use scene::config::DesignConfig;
-use serde::Deserialize;
 
 use super::Arguments;
+use super::folder::report;
 use crate::optimize::{Checkpoint, History};
+use crate::report::table;
 
 /// What the starts came to.
 const TABLE: &str = "starts.csv";
+const COLUMNS: [&str; 7] =
+    ["start", "objective_before", "objective_after", "shapes", "time_s", "usable", "status"];
 /// How often the programs are asked whether they have ended.
 const EVERY: Duration = Duration::from_millis(100);
 
@@ -24,22 +26,7 @@ const EVERY: Duration = Duration::from_millis(100);
 struct Outcome {
     number: usize,
     folder: PathBuf,
-    end: Option<End>,
-}
-
-/// What is read of a report.
-#[derive(Deserialize)]
-struct End {
-    status: Ended,
-    usable: bool,
-    objective_before: Option<f64>,
-    objective_after: Option<f64>,
-    #[serde(default)]
-    iterations: usize,
-    #[serde(default)]
-    forward_s: f64,
-    #[serde(default)]
-    gradient_s: f64,
+    end: Option<Optimization>,
 }
 
 /// Weights that shares come to are those of one start.
@@ -57,9 +44,9 @@ pub(super) fn check(design: &DesignConfig) -> Result<()> {
 
 /// Designs from all starts, each in a folder of its own; the folder of the best.
 pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
-    let [checkpoint, table] = ["checkpoint.json", TABLE].map(|name| arguments.output.join(name));
+    let [checkpoint, path] = ["checkpoint.json", TABLE].map(|name| arguments.output.join(name));
     ensure!(
-        arguments.restart || !checkpoint.exists() || table.exists(),
+        arguments.restart || !checkpoint.exists() || path.exists(),
         "{}: is of a design of one start; expected another folder for --starts, or --restart",
         checkpoint.display()
     );
@@ -86,7 +73,8 @@ pub(super) fn best(arguments: &Arguments) -> Result<PathBuf> {
         heartbeat.say(|| progress(arguments, &running));
     }
     let all: Vec<Outcome> = (1..=arguments.starts).map(|k| outcome(arguments, k)).collect();
-    write_table(&table, &all)?;
+    let titles = COLUMNS.map(str::to_owned).to_vec();
+    table::write(&path, [titles].into_iter().chain(all.iter().map(Outcome::row)))?;
     let usable = all.iter().filter_map(|one| Some((one.objective()?, one)));
     let best = usable.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, one)| one);
     let best = best.ok_or_else(|| {
@@ -108,7 +96,7 @@ fn folder_of(arguments: &Arguments, number: usize) -> PathBuf {
 /// The program with one start, its messages in a file.
 fn spawn(arguments: &Arguments, number: usize, threads: usize) -> Result<Process> {
     let folder = folder_of(arguments, number);
-    mesh::io::make_results(&folder)?;
+    mesh::io::make_folder(&folder)?;
     let path = folder.join("log.txt");
     mesh::io::remove_output(&path)?;
     let messages = mesh::io::create_new(&path)?;
@@ -139,57 +127,56 @@ fn progress(arguments: &Arguments, running: &[(usize, Process)]) -> String {
 
 fn outcome(arguments: &Arguments, number: usize) -> Outcome {
     let folder = folder_of(arguments, number);
-    let text = mesh::io::read_own_text(&folder.join("report.json")).ok();
-    let end = text.and_then(|text| serde_json::from_str(&text).ok());
+    let end = report(&folder).ok().flatten();
     Outcome { number, folder, end }
 }
 
 impl Outcome {
+    fn designed(&self) -> Option<&Designed> {
+        self.end.as_ref()?.designed.as_ref()
+    }
+
+    fn is_usable(&self) -> bool {
+        self.end.as_ref().is_some_and(|end| end.usable)
+    }
+
     /// The objective of a usable design.
     fn objective(&self) -> Option<f64> {
-        self.end.as_ref().filter(|end| end.usable)?.objective_after
+        self.designed().filter(|_| self.is_usable())?.objective_after
     }
 
     fn in_words(&self) -> String {
         let number = self.number;
-        let Some(end) = &self.end else {
+        let (Some(end), Some(designed)) = (&self.end, self.designed()) else {
             let messages = self.folder.join("log.txt");
             return format!("start {number}: no design; see {}", messages.display());
         };
         let [before, after] =
-            [end.objective_before, end.objective_after].map(|j| j.unwrap_or(f64::NAN));
+            [designed.objective_before, designed.objective_after].map(|j| j.unwrap_or(f64::NAN));
         format!(
             "start {number}: objective {before:.4e} → {after:.4e}, {} shapes, {:.0} s; {}{}",
-            end.iterations,
-            end.forward_s + end.gradient_s,
+            designed.iterations,
+            designed.forward_s + designed.gradient_s,
             end.status.in_words(),
             if end.usable { "" } else { ", not usable" }
         )
     }
-}
 
-/// Writes a line for each start.
-fn write_table(path: &Path, all: &[Outcome]) -> Result<()> {
-    let mut text =
-        "start,objective_before,objective_after,shapes,time_s,usable,status\n".to_owned();
-    for one in all {
-        let number =
-            |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
-        let end = one.end.as_ref();
-        writeln!(
-            text,
-            "{},{},{},{},{},{},{}",
-            one.number,
-            number(end.and_then(|end| end.objective_before)),
-            number(end.and_then(|end| end.objective_after)),
-            end.map_or(0, |end| end.iterations),
-            number(end.map(|end| end.forward_s + end.gradient_s)),
-            end.is_some_and(|end| end.usable),
-            end.map_or("no design", |end| end.status.in_words()),
-        )?;
+    /// Its line of the table.
+    fn row(&self) -> Vec<String> {
+        let of = |number: fn(&Designed) -> Option<f64>| {
+            self.designed().and_then(number).map_or_else(String::new, |value| format!("{value:e}"))
+        };
+        vec![
+            self.number.to_string(),
+            of(|designed| designed.objective_before),
+            of(|designed| designed.objective_after),
+            self.designed().map_or(0, |designed| designed.iterations).to_string(),
+            of(|designed| Some(designed.forward_s + designed.gradient_s)),
+            self.is_usable().to_string(),
+            self.end.as_ref().map_or("no design", |end| end.status.in_words()).to_owned(),
+        ]
     }
-    mesh::io::write_atomic(path, |out| out.write_all(text.as_bytes()))?;
-    Ok(())
 }
 
 /// Copies what a finished design continues from, so that it is finished in the folder, too.

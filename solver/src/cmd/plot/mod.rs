@@ -27,8 +27,8 @@ pub struct Arguments {
     /// File to write, .svg or .png
     #[arg(short, long)]
     output: PathBuf,
-    /// CSV file with a header whose points are laid over; again for each. x and y are its columns that are called as the
-    /// axes are, or else the first two; or FILE:X,Y names them, with factors and sums as of the columns of runs
+    /// CSV file with a header whose points are laid over; again for each. x and y are its first two columns; or FILE:X,Y
+    /// names them, with factors and sums as of the columns of runs
     #[arg(long = "points", value_name = "FILE[:X,Y]")]
     points: Vec<Points>,
     /// Column of the abscissa
@@ -78,14 +78,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             series.push(Series { label: Some(label), points, style: Style::Dotted(2), turn });
         }
     }
-    let names = [
-        arguments.x_title.iter().chain(&arguments.x).map(String::as_str).collect(),
-        arguments.y_title.iter().chain(&arguments.y).map(String::as_str).collect(),
-    ];
     for points in &arguments.points {
         let turn = series.len();
         let label = arguments.labels.get(turn).cloned().unwrap_or_else(|| points.name());
-        let points = points.read(&names)?;
+        let points = points.read()?;
         series.push(Series { label: Some(label), points, style: Style::Rings(5), turn });
     }
     let title =

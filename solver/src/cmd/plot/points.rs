@@ -13,8 +13,7 @@ use crate::report::columns::combined;
 #[derive(Clone, Debug)]
 pub struct Points {
     path: PathBuf,
-    /// Columns of the abscissa and the ordinate, as [`combined`] reads them; without, those called as the axes, or the
-    /// first two.
+    /// Columns of the abscissa and the ordinate, as [`combined`] reads them; without, the first two.
     columns: Option<[String; 2]>,
 }
 
@@ -36,14 +35,13 @@ impl Points {
         self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// Reads them; lines that begin with # are comments. `axes` are the titles and columns of the abscissa and of the
-    /// ordinate.
-    pub fn read(&self, axes: &[Vec<&str>; 2]) -> Result<Vec<(f64, f64)>> {
+    /// Reads them; lines that begin with # are comments.
+    pub fn read(&self) -> Result<Vec<(f64, f64)>> {
         let text = mesh::io::read_text(&self.path)?;
-        self.parse(&text, axes).with_context(|| self.path.display().to_string())
+        self.parse(&text).with_context(|| self.path.display().to_string())
     }
 
-    fn parse(&self, text: &str, axes: &[Vec<&str>; 2]) -> Result<Vec<(f64, f64)>> {
+    fn parse(&self, text: &str) -> Result<Vec<(f64, f64)>> {
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
@@ -51,11 +49,14 @@ impl Points {
         let header = reader.headers()?.clone();
         let known = || header.iter().collect::<Vec<_>>().join(", ");
         ensure!(header.len() >= 2, "one column ({}): expected x and y, by commas", known());
-        let taken = self.taken(&header, axes);
+        if header.len() > 2 && self.columns.is_none() {
+            let (path, [x, y]) = (self.path.display(), [&header[0], &header[1]]);
+            log::info!("{path}: x is \"{x}\", y is \"{y}\"; {path}:X,Y names others");
+        }
         let point = |record: csv::Result<StringRecord>| {
             let record = record?;
             let Some([x, y]) = &self.columns else {
-                return Ok((number(&record, taken[0])?, number(&record, taken[1])?));
+                return Ok((number(&record, 0)?, number(&record, 1)?));
             };
             let find = |name: &str| {
                 let at = header.iter().position(|one| one == name);
@@ -68,45 +69,6 @@ impl Points {
         ensure!(!points.is_empty(), "no line below the header: there is no point to draw");
         Ok(points)
     }
-
-    /// The columns that are called as the axes are, or else the first two; of three or more it is said which.
-    fn taken(&self, header: &StringRecord, axes: &[Vec<&str>; 2]) -> [usize; 2] {
-        let called = |names: &Vec<&str>| {
-            header.iter().position(|title| names.iter().any(|name| is_called(title, name)))
-        };
-        let found = match axes.each_ref().map(called) {
-            [Some(x), Some(y)] if x != y => Some([x, y]),
-            _ => None,
-        };
-        let taken = found.unwrap_or([0, 1]);
-        if header.len() > 2 && self.columns.is_none() {
-            let [x, y] = taken.map(|column| &header[column]);
-            let path = self.path.display();
-            match found {
-                Some(_) => log::info!("{path}: x is \"{x}\", y is \"{y}\""),
-                None => log::warn!(
-                    "{path}: no two columns are called as the axes are: takes the first two, \"{x}\" and \"{y}\"; \
-                     {path}:X,Y names others"
-                ),
-            }
-        }
-        taken
-    }
-}
-
-/// Whether a column `title`, which may end with its unit in brackets, is what an axis is called: by its title, or by the
-/// last key of its column. Units differ only where one of them is not given.
-fn is_called(title: &str, axis: &str) -> bool {
-    let split = |text: &str| -> (String, Option<String>) {
-        let (name, unit) =
-            text.split_once('[').map_or((text, None), |(name, unit)| (name, Some(unit)));
-        let unit = unit.map(|unit| unit.trim_end_matches(']').trim().to_owned());
-        (name.trim().to_lowercase(), unit)
-    };
-    let ((name, unit), (wanted, of_axis)) = (split(title), split(axis));
-    let last = wanted.split('*').next().and_then(|keys| keys.rsplit('.').next());
-    let same = name == wanted || of_axis.is_none() && last == Some(&name[..]);
-    same && (unit.is_none() || of_axis.is_none() || unit == of_axis)
 }
 
 fn number(record: &StringRecord, column: usize) -> Result<f64> {
@@ -122,32 +84,7 @@ mod tests {
     const TABLE: &str = "# by hand\nforce [N], angle*2, pressure [Pa]\n1, 10, 2e3\n2, 20, 4e3\n";
 
     fn read(given: &str, text: &str) -> Result<Vec<(f64, f64)>> {
-        beside(given, text, [&[], &[]])
-    }
-
-    fn beside(given: &str, text: &str, axes: [&[&str]; 2]) -> Result<Vec<(f64, f64)>> {
-        given.parse::<Points>().expect("never fails").parse(text, &axes.map(<[&str]>::to_vec))
-    }
-
-    #[test]
-    fn columns_are_those_that_are_called_as_the_axes() {
-        let table = "pressure [kPa],t [s],bending [deg]\n1,0.1,10\n2,0.2,20\n";
-        let right = [(1.0, 10.0), (2.0, 20.0)];
-        let column = "chambers.cavity.pressure*1e-3";
-        for axes in [
-            [&["pressure [kPa]", column][..], &["Bending [deg]", "probes.bending"][..]],
-            [&[column][..], &["probes.bending"][..]],
-        ] {
-            assert_eq!(beside("a.csv", table, axes).expect("sound"), right, "{axes:?}");
-        }
-        // the order is that of the axes, whatever that of the columns
-        let swapped = beside("a.csv", "bending,pressure\n10,1\n", [&[column], &["bending"]]);
-        assert_eq!(swapped.expect("sound"), [(1.0, 10.0)]);
-        // another unit is another column, and what is asked for comes first
-        let other = beside("a.csv", table, [&["pressure [Pa]"], &["bending [deg]"]]);
-        assert_eq!(other.expect("sound"), [(1.0, 0.1), (2.0, 0.2)]);
-        let asked = beside("a.csv:t [s],bending [deg]", table, [&[column], &["probes.bending"]]);
-        assert_eq!(asked.expect("sound"), [(0.1, 10.0), (0.2, 20.0)]);
+        given.parse::<Points>().expect("never fails").parse(text)
     }
 
     #[test]

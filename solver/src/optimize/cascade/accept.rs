@@ -7,9 +7,10 @@ use scene::config::OptimizerConfig;
 
 use super::say::{time_left, variables};
 use super::step::promise;
-use super::{CASTABLE, Cascade, LATEST, Step};
+use super::{CASTABLE, Cascade, LATEST, Step, Taken};
 use crate::optimize::history::{handles, probes, scenarios, spread};
-use crate::optimize::remesh::write_bodies;
+use crate::optimize::mesh_files::write_bodies;
+use crate::optimize::vectors::difference;
 use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
 
 /// Iterations that gain little, one after the other, before the level ends.
@@ -23,25 +24,30 @@ const NOTHING: f64 = 1e-5;
 /// How many times what ends a level a model promises that is taken for right, though the steps do not give it.
 const PROMISES: f64 = 10.0;
 
+impl Taken {
+    /// What it took [s].
+    fn seconds(&self) -> f64 {
+        self.forward_s + self.gradient_s + self.mold_s
+    }
+}
+
 impl Cascade<'_> {
-    /// Takes a step over into the optimiser's memory and onto disk.
+    /// Takes a step over into the optimiser's memory and onto disk; its evaluation.
     pub(super) fn accept(
         &self,
         level: &mut Level,
         checkpoint: &mut Checkpoint,
         step: Step,
         optimizer: &OptimizerConfig,
-    ) -> Result<()> {
-        let difference =
-            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+    ) -> Result<Evaluation> {
         checkpoint.lbfgs.update(
             difference(&step.theta, &checkpoint.theta),
-            difference(&step.gradient, &checkpoint.gradient),
+            difference(&step.taken.gradient, &checkpoint.gradient),
         );
         checkpoint.iteration += 1;
         // in the same checkpoint as the step: a kill between two would forget it
         let before = checkpoint.merit;
-        let merit = level.merit(&step.evaluation, &checkpoint.penalties);
+        let merit = level.merit(&step.taken.evaluation, &checkpoint.penalties);
         let fall = (before - merit) / before.abs().max(NOTHING * checkpoint.first_merit.abs());
         // once again right after a new mesh, it is not the mesh
         let held_back = step.flat && checkpoint.iteration > checkpoint.meshed_at + 1;
@@ -66,23 +72,12 @@ impl Cascade<'_> {
                 format!("the objective fell by only {fall:.1e} in each of {QUIET} iterations");
             ended = Some((ending, why));
         }
-        let mut progress = checkpoint.progress.clone();
-        progress.push(merit, step.evaluation.newton_iterations);
-        if let Some(rate) =
-            progress.rate().filter(|rate| rate.max(0.0) < optimizer.least_rate && !held_back)
-        {
-            let why = format!(
-                "a Newton iteration gains {:.1} % of what it gained on average in this level",
-                100.0 * rate
-            );
-            ended = Some((Ended::StoppedEarly, why));
-        }
         let left = steepest / checkpoint.first_gradient;
         if left < optimizer.gradient_tolerance {
             ended =
                 Some((Ended::Converged, format!("the gradient fell to {left:.1e} of its first")));
         }
-        let spent = checkpoint.spent_s + step.forward_s + step.gradient_s + step.mold_s;
+        let spent = checkpoint.spent_s + step.taken.seconds();
         if optimizer.time_limit.is_some_and(|limit| spent >= limit) {
             ended = Some((Ended::StoppedEarly, format!("{spent:.0} s were spent on the level")));
         }
@@ -92,28 +87,26 @@ impl Cascade<'_> {
         self.record(level, checkpoint, step)
     }
 
-    /// Writes an accepted shape to disk, with its line of the history.
+    /// Writes an accepted shape to disk, with its line of the history; its evaluation.
     pub(super) fn record(
         &self,
         level: &mut Level,
         checkpoint: &mut Checkpoint,
         step: Step,
-    ) -> Result<()> {
+    ) -> Result<Evaluation> {
         let levels = self.design.levels();
         let settings = &levels[checkpoint.level];
-        let evaluation = &step.evaluation;
-        checkpoint.spend(step.forward_s + step.gradient_s + step.mold_s);
-        // the same shape on another mesh is no progress
-        if checkpoint.iteration == 0 || checkpoint.has_moved() {
-            checkpoint
-                .progress
-                .push(level.merit(evaluation, &checkpoint.penalties), evaluation.newton_iterations);
+        checkpoint.spend(step.taken.seconds());
+        if checkpoint.iteration == 0 {
+            checkpoint.first_gradient = promise(level, &step, &checkpoint.penalties, 0.0).0;
         }
-        let gradient_norm = norm(&step.gradient);
-        let moved = level.mean_displacements(evaluation)?;
-        let measured = level.measured(evaluation)?;
+        let Step { theta, taken, motion, trials, .. } = step;
+        let Taken { evaluation, gradient, bounds, mold, .. } = taken;
+        let gradient_norm = norm(&gradient);
+        let moved = level.mean_displacements(&evaluation)?;
+        let measured = level.measured(&evaluation)?;
         let several = !self.design.scenario.is_empty();
-        let mut line = Iteration {
+        let line = Iteration {
             level: checkpoint.level + 1,
             handles: handles(settings),
             variables: level.variables(),
@@ -121,21 +114,21 @@ impl Cascade<'_> {
             objective: Some(evaluation.objective),
             terms: numbers(&evaluation.terms),
             gradient_norm: Some(gradient_norm),
-            motion_m: step.motion,
-            trials: step.trials,
+            motion_m: motion,
+            trials,
             newton_iterations: evaluation.newton_iterations,
-            forward_s: step.forward_s,
-            gradient_s: step.gradient_s,
-            mold_s: step.mold.as_ref().map(|_| step.mold_s),
+            forward_s: taken.forward_s,
+            gradient_s: taken.gradient_s,
+            mold_s: mold.as_ref().map(|_| taken.mold_s),
             time_s: checkpoint.total_s,
             dofs: level.dofs(),
             time_steps: level.steps(),
-            parameters: numbers(&level.map().parameters(&step.theta)),
+            parameters: numbers(&level.map().parameters(&theta)),
             mean_displacement: numbers(&moved[0]),
             probes: probes(&measured[0]),
-            scenarios: several.then(|| scenarios(level, evaluation, &moved, &measured)),
+            scenarios: several.then(|| scenarios(level, &evaluation, &moved, &measured)),
             spread: several.then(|| spread(&moved)),
-            mold: None,
+            mold: mold.clone(),
         };
         log::info!(
             "level {}/{} ({})  iteration {}/{}  objective {:.5e}, its gradient {gradient_norm:.2e}  \
@@ -146,47 +139,43 @@ impl Cascade<'_> {
             checkpoint.iteration,
             settings.iterations,
             evaluation.objective,
-            1e3 * step.motion,
-            step.trials,
+            1e3 * motion,
+            trials,
             evaluation.newton_iterations,
-            step.forward_s,
-            step.gradient_s,
+            taken.forward_s,
+            taken.gradient_s,
             time_left(&levels, checkpoint),
         );
         checkpoint.history += 1;
+        checkpoint.merit = level.merit(&evaluation, &checkpoint.penalties);
         if checkpoint.iteration == 0 {
-            checkpoint.first_gradient = promise(level, &step, &checkpoint.penalties, 0.0).0;
-        }
-        checkpoint.objective = evaluation.objective;
-        checkpoint.merit = level.merit(evaluation, &checkpoint.penalties);
-        if checkpoint.iteration == 0 {
+            checkpoint.merit_of_level = checkpoint.merit;
             checkpoint.first_terms.clone_from(&evaluation.terms);
             if let Some(shares) = shares::describe(&evaluation.terms) {
                 log::info!("level {} begins with {shares}", checkpoint.level + 1);
             }
         }
         if !level.map().moving().is_empty() {
-            let shape = level.shape(&step.evaluation);
+            let shape = level.shape(&evaluation);
             write_bodies(&self.folder, LATEST, self.scene, &shape)?;
-            if let Some(verdict) = &step.mold {
+            if let Some(verdict) = &mold {
                 molding::say(verdict, checkpoint.mold.as_ref());
                 if let Castable::Planned { .. } = verdict {
                     write_bodies(&self.folder, CASTABLE, self.scene, &shape)?;
                 }
             }
-            line.mold.clone_from(&step.mold);
-            checkpoint.mold = step.mold;
+            checkpoint.mold = mold;
         }
-        let Evaluation { runs, terms, .. } = step.evaluation;
-        checkpoint.terms = terms;
-        checkpoint.theta = step.theta;
+        checkpoint.terms.clone_from(&evaluation.terms);
+        checkpoint.theta = theta;
         checkpoint.start.clear();
-        checkpoint.gradient = step.gradient;
-        checkpoint.bounds = step.bounds;
+        checkpoint.gradient = gradient;
+        checkpoint.bounds = bounds;
         // history first: a kill in between leaves one line too many, which the
         // next start removes
         self.history().append(&line)?;
         checkpoint.lines = self.history().sha256()?;
-        checkpoint.write_with_runs(&self.folder, &runs)
+        checkpoint.write_with_runs(&self.folder, &evaluation.runs)?;
+        Ok(evaluation)
     }
 }

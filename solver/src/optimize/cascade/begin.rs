@@ -7,10 +7,11 @@ use anyhow::Result;
 use mechanics::body::{Body, Part};
 use scene::config::LevelConfig;
 
+use super::Cascade;
 use super::spread::tidied;
-use super::{Cascade, MEMORY};
-use crate::optimize::remesh::{mesh_file, remesh};
-use crate::optimize::{Checkpoint, Evaluation, Lbfgs, Level, Rejected, Start};
+use crate::optimize::mesh_files::mesh_file;
+use crate::optimize::remesh::remesh;
+use crate::optimize::{Checkpoint, Evaluation, Level, Start};
 
 /// Rounds of motion and meshing in which a start gets to where its constraints are kept.
 const ROUNDS: usize = 8;
@@ -44,7 +45,7 @@ impl Cascade<'_> {
 
     /// The checkpoint before the first solve, from the body as modelled or another start.
     pub(super) fn begin(&self) -> Result<Checkpoint> {
-        let mut start = Checkpoint::new(self.inputs.clone(), Lbfgs::new(MEMORY));
+        let mut start = Checkpoint::new(self.inputs.clone());
         let modelled = &self.scene.body;
         if self.start == 1 && self.meshes.others().next().is_none() {
             return self.begin_mesh(&self.kept(modelled)?, None, start);
@@ -135,8 +136,8 @@ impl Cascade<'_> {
         let degree = settings.degree.unwrap_or(self.scene.config.degree);
         let loads = level.map().loads(&checkpoint.theta);
         let mut next = match checkpoint.flat {
-            true => checkpoint.on_new_mesh(loads, Lbfgs::new(MEMORY)),
-            false => checkpoint.next_level(loads, Lbfgs::new(MEMORY)),
+            true => checkpoint.on_new_mesh(loads),
+            false => checkpoint.next_level(loads),
         };
         next.write_start(&self.folder, &level.carry(at, &body, degree))?;
         self.begin_mesh(&body, meshes.iter().map(|(index, body)| (*index, body)), next)
@@ -155,8 +156,8 @@ impl Cascade<'_> {
         let states = checkpoint.read_start(&self.folder)?;
         let runs = level.carried(theta, &checkpoint.start, states)?;
         let outcome = level.evaluate(theta, Start::Carried(&runs));
-        if let Err(Rejected(reason)) = &outcome {
-            log::debug!("no equilibrium next to the last level's ({reason}); starting from rest");
+        if let Err(why) = &outcome {
+            log::debug!("no equilibrium next to the last level's ({why}); starting from rest");
         }
         Ok(outcome.ok())
     }

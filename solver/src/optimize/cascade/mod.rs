@@ -9,7 +9,6 @@ mod begin;
 mod say;
 mod spread;
 mod step;
-mod trial;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -33,8 +32,6 @@ use super::{Evaluation, Level, Meshes, Rejected, Start};
 use crate::report::failure::Diagnosis;
 use crate::report::results;
 
-/// Curvature pairs that L-BFGS remembers.
-const MEMORY: usize = 6;
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;
 /// Trials of a step before the level ends.
@@ -94,13 +91,24 @@ impl Finished {
     }
 }
 
-/// A trial step that was accepted.
-struct Step {
-    theta: Vec<f64>,
+/// An evaluation with all that follows from it.
+struct Taken {
+    /// Linearised.
     evaluation: Evaluation,
     gradient: Vec<f64>,
     /// The bounds of its runs.
     bounds: Vec<BoundRow>,
+    /// How the shape can be cast, where that is asked.
+    mold: Option<Castable>,
+    forward_s: f64,
+    gradient_s: f64,
+    mold_s: f64,
+}
+
+/// A step that was accepted.
+struct Step {
+    theta: Vec<f64>,
+    taken: Taken,
     motion: f64,
     /// By how much the model said that the objective falls.
     predicted: f64,
@@ -109,13 +117,8 @@ struct Step {
     flat: bool,
     /// What was tried and not taken before it.
     rejections: Rejections,
-    /// How the shape can be cast, where that is asked.
-    mold: Option<Castable>,
     /// Nothing was known of the curvature.
     blind: bool,
-    forward_s: f64,
-    gradient_s: f64,
-    mold_s: f64,
 }
 
 impl Cascade<'_> {
@@ -179,10 +182,29 @@ impl Cascade<'_> {
         }
     }
 
-    /// How the shape of an evaluation can be cast, where that is asked and a shape moves.
-    fn verdict(&self, level: &Level, at: &Evaluation) -> Result<Option<Castable>> {
+    /// Linearises an evaluation, differentiates it, and asks how its shape can be cast.
+    fn take(
+        &self,
+        level: &mut Level,
+        theta: &[f64],
+        mut evaluation: Evaluation,
+    ) -> Result<Result<Taken, Rejected>> {
+        let clock = Instant::now();
+        level.linearize(&mut evaluation);
+        let forward_s = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        let bounds = level.bound_rows(theta, &evaluation);
+        let found = bounds.and_then(|bounds| Ok((bounds, level.gradient(theta, &evaluation)?)));
+        let (bounds, gradient) = match found {
+            Ok(found) => found,
+            Err(rejected) => return Ok(Err(rejected)),
+        };
+        let gradient_s = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
         let asked = self.molding.as_ref().filter(|_| !level.map().moving().is_empty());
-        asked.map(|molding| molding.ask(&level.shape(at))).transpose()
+        let mold = asked.map(|molding| molding.ask(&level.shape(&evaluation))).transpose()?;
+        let mold_s = clock.elapsed().as_secs_f64();
+        Ok(Ok(Taken { evaluation, gradient, bounds, mold, forward_s, gradient_s, mold_s }))
     }
 
     /// Whether a shape that cannot be cast is no step.
@@ -215,10 +237,9 @@ impl Cascade<'_> {
             && checkpoint.ending.is_none()
             && !checkpoint.flat
         {
-            match self.iterate(&mut level, checkpoint, &current, &optimizer)? {
+            match self.iterate(&mut level, checkpoint, &mut current, &optimizer)? {
                 Ok(step) => {
-                    current = step.evaluation.clone();
-                    self.accept(&mut level, checkpoint, step, &optimizer)?;
+                    current = self.accept(&mut level, checkpoint, step, &optimizer)?;
                 }
                 Err(End { rejections, .. })
                     if rejections.flat >= FLAT_TRIALS && checkpoint.has_moved() =>
@@ -249,11 +270,9 @@ impl Cascade<'_> {
     /// The state to iterate from: solved at θ = 0, or read back.
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
-            checkpoint.check_sizes(&self.folder, level.variables())?;
-            let rows = level.scenarios().len() * level.steps();
-            let runs = checkpoint.read_runs(&self.folder, [rows, level.dofs()])?;
-            let evaluation = level.recall(&checkpoint.theta, runs)?;
-            level.linearize(&evaluation);
+            let runs = checkpoint.read_runs(&self.folder)?;
+            let mut evaluation = level.recall(&checkpoint.theta, runs)?;
+            level.linearize(&mut evaluation);
             return Ok(evaluation);
         }
         let theta = level.map().start(&checkpoint.loads);
@@ -274,41 +293,29 @@ impl Cascade<'_> {
             evaluation = level.weigh(&self.design.objective, evaluation).with_context(context)?;
             checkpoint.weights = level.weights();
         }
-        let clock = Instant::now();
-        level.linearize(&evaluation);
-        evaluation.forward_s += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        let gradient = level.gradient(&theta, &evaluation).with_context(context)?;
-        let bounds = level.bound_rows(&theta, &evaluation).with_context(context)?;
-        let gradient_s = clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        let mold = self.verdict(level, &evaluation)?;
+        let forward_s = evaluation.forward_s;
+        let mut taken = self.take(level, &theta, evaluation)?.with_context(context)?;
+        taken.forward_s += forward_s;
+        let at = &taken.evaluation;
         if checkpoint.penalties.is_empty() {
-            checkpoint.penalties = level.first_penalties(&evaluation, norm(&gradient));
-            checkpoint.first_merit = level.merit(&evaluation, &checkpoint.penalties);
-            checkpoint.began_outside = level.violated(&evaluation).is_some();
+            checkpoint.penalties = level.first_penalties(at, norm(&taken.gradient));
+            checkpoint.first_merit = level.merit(at, &checkpoint.penalties);
+            checkpoint.began_outside = level.violated(at).is_some();
         }
         if checkpoint.history == 0 {
-            self.say_what_is_not_felt(level, &theta, &evaluation)?;
+            self.say_what_is_not_felt(level, &theta, at)?;
         }
         let step = Step {
             theta,
-            gradient,
-            bounds,
+            taken,
             motion: 0.0,
             predicted: 0.0,
             trials: 1,
             flat: false,
             rejections: Rejections::default(),
-            mold,
             blind: true,
-            forward_s: evaluation.forward_s,
-            gradient_s,
-            mold_s: clock.elapsed().as_secs_f64(),
-            evaluation: evaluation.clone(),
         };
-        self.record(level, checkpoint, step)?;
-        Ok(evaluation)
+        self.record(level, checkpoint, step)
     }
 
     /// Warns of terms that look at contact or at a probe and do not change with any variable: nothing leads them.
@@ -336,7 +343,7 @@ impl Cascade<'_> {
     /// The error of a level whose body has no usable state. Where there is no
     /// equilibrium, report.json and the last good state say more.
     fn no_start(&self, level: &mut Level, index: usize, rejected: &Rejected) -> anyhow::Error {
-        let Some(diagnosis) = level.diagnose() else {
+        let Some(diagnosis) = level.diagnose(rejected) else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };
         let written = diagnosis
@@ -371,8 +378,8 @@ fn beginning(level: &Level, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
             1e3 * motion
         );
     }
-    level.admit(&level.map().shape(&kept)).map_err(|Rejected(why)| {
-        Rejected(format!("moved to where its constraints are kept: {why}"))
+    level.admit(&level.map().shape(&kept)).map_err(|rejected| {
+        Rejected::new(format!("moved to where its constraints are kept: {rejected}"))
     })?;
     Ok(kept)
 }

@@ -19,10 +19,10 @@ pub fn time_left(levels: &[LevelConfig], checkpoint: &Checkpoint) -> String {
 /// Says what a level has gained, and whether one term has hidden the others.
 pub fn say_gain(checkpoint: &Checkpoint) {
     let level = checkpoint.level + 1;
-    if let Some(gain) = checkpoint.progress.gain() {
-        let costs = if checkpoint.bounds.is_empty() { "" } else { " with what violations cost" };
-        log::info!("level {level} has lowered the objective{costs} by {:.2} %", 100.0 * gain);
-    }
+    let first = checkpoint.merit_of_level;
+    let gain = (first - checkpoint.merit) / first.abs();
+    let costs = if checkpoint.bounds.is_empty() { "" } else { " with what violations cost" };
+    log::info!("level {level} has lowered the objective{costs} by {:.2} %", 100.0 * gain);
     if let Some(hint) = shares::drowns(&checkpoint.first_terms, &checkpoint.terms) {
         log::warn!("level {level}: {hint}");
     }

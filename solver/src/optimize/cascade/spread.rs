@@ -57,7 +57,7 @@ impl Cascade<'_> {
                     let tidied = tidied(&body, level.map().moving())?;
                     return Ok((body, tidied, level.map().loads(&theta)));
                 }
-                Err(Rejected(found)) => (why, amplitude) = (found, 0.5 * amplitude),
+                Err(rejected) => (why, amplitude) = (rejected.why, 0.5 * amplitude),
             }
         }
         bail!("start {number}: no shape next to the body as modelled is valid: {why}")
@@ -74,7 +74,7 @@ fn tried(level: &Level, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
     let zero = vec![0.0; theta.len()];
     let theta = level.restored(theta)?;
     if level.free_fraction(&zero, &theta) < 1.0 {
-        return Err(Rejected("the surface would pass through itself".to_owned()));
+        return Err(Rejected::new("the surface would pass through itself"));
     }
     level.admit(&level.map().shape(&theta))?;
     Ok(theta)

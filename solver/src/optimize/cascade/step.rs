@@ -12,17 +12,17 @@ use nalgebra::DMatrix;
 use reports::Castable;
 use scene::config::{OptimizerConfig, OptimizerMethod};
 
-use super::trial::{Refused, ahead, lower};
-use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS};
+use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS, Taken};
 use crate::optimize::bounds::raise;
 use crate::optimize::checkpoint::Checkpoint;
 use crate::optimize::curvature::Curvature;
-use crate::optimize::ending::{End, Rejections};
+use crate::optimize::ending::{End, Refused, Rejections};
 use crate::optimize::kept::KeptRow;
 use crate::optimize::level::Start;
 use crate::optimize::quadratic::{Model, Problem, Row};
 use crate::optimize::trust_region::{TrustRegion, step_within};
-use crate::optimize::{Evaluation, Level, Rejected};
+use crate::optimize::vectors::{along, difference};
+use crate::optimize::{Evaluation, Level, Rejected, Run};
 
 /// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
 const VARIABLES_PER_STEP: usize = 16;
@@ -59,7 +59,7 @@ impl Cascade<'_> {
         &self,
         level: &mut Level,
         checkpoint: &mut Checkpoint,
-        current: &Evaluation,
+        current: &mut Evaluation,
         optimizer: &OptimizerConfig,
     ) -> Result<Result<Step, End>> {
         let (theta, gradient) = (checkpoint.theta.clone(), checkpoint.gradient.clone());
@@ -74,7 +74,9 @@ impl Cascade<'_> {
         let Known { model, curvature, from_terms } =
             match self.known(level, checkpoint, &mut region, current, optimizer) {
                 Ok(known) => known,
-                Err(Rejected(why)) => return Ok(Err(End::jammed(why, Rejections::default()))),
+                Err(rejected) => {
+                    return Ok(Err(End::jammed(rejected.why, Rejections::default())));
+                }
             };
         let mut forward_s = clock.elapsed().as_secs_f64();
         let mut rejections = Rejections::default();
@@ -94,50 +96,46 @@ impl Cascade<'_> {
             if change.is_nan() || -change <= least {
                 return Ok(Err(End::converged("no step lowers the model of the objective")));
             }
-            let there = moved(&theta, &d);
+            let there = along(&theta, &d, 1.0);
             let wanted = (before + ARMIJO * change, &checkpoint.penalties[..]);
             let outcome = match curvature.as_ref().filter(|_| level.is_transient()) {
                 Some(curvature) => {
                     let foreseen = level.foreseen(&theta, &d, current, curvature)?;
-                    lower(level, &there, Start::Foreseen(&foreseen), wanted)
+                    lower(level, &there, Start::Foreseen(&foreseen, &current.runs), wanted)
                 }
                 None => {
                     let predicted = level.predict(&there, current);
-                    let start = ahead(current, predicted.as_deref(), 1.0);
+                    let start = ahead(current, predicted.as_deref());
                     lower(level, &there, level.near(current, &start), wanted)
                 }
             };
             forward_s += clock.elapsed().as_secs_f64();
-            let clock = Instant::now();
-            let outcome = outcome.and_then(|e| {
-                let bounds = level.bound_rows(&there, &e)?;
-                Ok((level.gradient(&there, &e)?, bounds, e))
-            });
-            let gradient_s = clock.elapsed().as_secs_f64();
-            let clock = Instant::now();
-            let mold = match &outcome {
-                Ok((.., evaluation)) => self.verdict(level, evaluation)?,
-                Err(_) => None,
-            };
-            let mold_s = clock.elapsed().as_secs_f64();
-            let outcome = match (&mold, self.requires_mold()) {
-                (Some(Castable::Refused { refused }), true) => Err(Refused::mold(refused)),
-                _ => outcome,
+            let outcome = match outcome {
+                Ok(evaluation) => {
+                    current.forget_tangents();
+                    self.take(level, &there, evaluation)?.map_err(Refused::from)
+                }
+                Err(refused) => Err(refused),
             };
             let refused = match outcome {
-                Ok((new, bounds, evaluation)) => {
-                    let y: Vec<f64> = new.iter().zip(&gradient).map(|(a, b)| a - b).collect();
-                    let merit = level.merit(&evaluation, &checkpoint.penalties);
+                Ok(Taken { mold: Some(Castable::Refused { refused }), .. })
+                    if self.requires_mold() =>
+                {
+                    Refused::mold(&refused)
+                }
+                Ok(mut taken) => {
+                    taken.forward_s += forward_s;
+                    let merit = level.merit(&taken.evaluation, &checkpoint.penalties);
                     let agreement = (merit - before) / change;
-                    let is_blind = !from_terms && checkpoint.lbfgs.is_empty();
+                    let blind = !from_terms && checkpoint.lbfgs.is_empty();
                     // the length of a step of which nothing was known says nothing
-                    region.judge(if is_blind { 1.0 } else { agreement }, motion);
+                    region.judge(if blind { 1.0 } else { agreement }, motion);
                     if level.map().shape_variables() > 0 {
                         // variables of loads have bounds of their own
                         region.radius = region.radius.min(optimizer.largest_step * edge);
                     }
                     if from_terms {
-                        region.update(&d, &y);
+                        region.update(&d, &difference(&taken.gradient, &gradient));
                     }
                     checkpoint.region = region;
                     let motion = level.map().motion(&theta, &there);
@@ -145,25 +143,19 @@ impl Cascade<'_> {
                     let short = motion < optimizer.first_step * edge;
                     return Ok(Ok(Step {
                         theta: there,
-                        evaluation,
-                        gradient: new,
-                        bounds,
+                        taken,
                         motion,
                         predicted: -change,
                         trials,
                         flat: short && rejections.flat >= FLAT_TRIALS,
                         rejections,
-                        mold,
-                        blind: is_blind,
-                        forward_s,
-                        gradient_s,
-                        mold_s,
+                        blind,
                     }));
                 }
                 Err(refused) => refused,
             };
             log::info!("trial {trials} rejected: {}", refused.reason);
-            rejections.add(refused.had(), &refused.reason);
+            rejections.add(&refused);
             region.radius = motion * refused.shorter(before, dot(&slope, &d));
         }
         let why = format!(
@@ -211,6 +203,35 @@ impl Cascade<'_> {
     }
 }
 
+/// The evaluation at θ, if its merit with these penalties is at most `wanted`.
+fn lower(
+    level: &mut Level,
+    theta: &[f64],
+    start: Start,
+    (wanted, penalties): (f64, &[f64]),
+) -> Result<Evaluation, Refused> {
+    let evaluation = level.evaluate(theta, start)?;
+    let objective = level.merit(&evaluation, penalties);
+    // a barrier with a negative weight may be −∞
+    if !(objective.is_finite() && objective <= wanted) {
+        let reason = format!("objective {objective:.6e} is not low enough");
+        return Err(Refused { reason, objective: Some(objective), is_mold: false });
+    }
+    Ok(evaluation)
+}
+
+/// u + du of each scenario, or u without a prediction.
+fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
+    let one = |(i, run): (usize, &Run)| {
+        let u = run.states.last();
+        match predicted {
+            None => u.into_owned(),
+            Some(all) => along(&u, &all[i], 1.0),
+        }
+    };
+    at.runs.iter().enumerate().map(one).collect()
+}
+
 /// The curvature of the objective, where the model has none or an old one.
 fn renew(
     region: &mut TrustRegion,
@@ -252,13 +273,13 @@ fn propose(
     // how many times shorter than the region the motion of the shape is
     let mut shorter = 1.0;
     for _ in 0..RADII {
-        let motion = |d: &[f64]| level.map().scaled_motion(theta, &moved(theta, d), shorter);
+        let motion = |d: &[f64]| level.map().scaled_motion(theta, &along(theta, d, 1.0), shorter);
         let problem = Problem::new(model, gradient, &metric, &rows, radius);
         let found = step_within(&problem, radius, motion)?;
         let trial = level.restored(&within_bounds(level, theta, &found.d)).and_then(|there| {
-            let d: Vec<f64> = there.iter().zip(theta).map(|(a, b)| a - b).collect();
+            let d = difference(&there, theta);
             if level.free_fraction(theta, &d) < 1.0 {
-                return Err(Rejected("the surface would pass through itself".to_owned()));
+                return Err(Rejected::new("the surface would pass through itself"));
             }
             level.check_flat(&there)?;
             level.admit(&level.map().shape(&there))?;
@@ -276,7 +297,8 @@ fn propose(
                 return Some(Proposal { motion, d, change, multipliers });
             }
             Err(refused) => {
-                rejections.add_shape(level.check_flat(&moved(theta, &found.d)).is_err(), &refused);
+                rejections
+                    .add_shape(level.check_flat(&along(theta, &found.d, 1.0)).is_err(), &refused);
                 let cut = (2.0 * radius / motion(&found.d)).clamp(2.0, 1e3);
                 shorter *= cut;
                 // the region of a full model is kept by its metric
@@ -310,7 +332,7 @@ fn rows(level: &Level, theta: &[f64], kept: &[KeptRow]) -> Vec<Row> {
 
 /// θ + d without what rounding has left beyond the bounds.
 fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
-    let mut there = moved(theta, d);
+    let mut there = along(theta, d, 1.0);
     if let Some((low, high)) = level.map().bounds(theta) {
         there.iter_mut().enumerate().for_each(|(i, value)| *value = value.clamp(low[i], high[i]));
     }
@@ -319,9 +341,9 @@ fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
 
 /// The step down the gradient of the merit that the constraints and bounds leave.
 fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
-    let (theta, mut gradient) = (&step.theta, step.gradient.clone());
+    let (theta, mut gradient) = (&step.theta, step.taken.gradient.clone());
     let mut kept = level.kept_rows(theta, 0.0);
-    kept.extend(level.bounded(&step.bounds, penalties, &mut gradient));
+    kept.extend(level.bounded(&step.taken.bounds, penalties, &mut gradient));
     kept.retain(|kept| kept.row.c <= level.tolerance(kept));
     let length = norm(&gradient);
     let mut all = rows(level, theta, &kept);
@@ -339,11 +361,7 @@ pub(super) fn promise(level: &Level, step: &Step, penalties: &[f64], motion: f64
         return (0.0, 0.0);
     }
     let small = 1e-3 * level.map().mean_edge() / largest;
-    let there: Vec<f64> = step.theta.iter().zip(&d).map(|(t, d)| t + small * d).collect();
+    let there = along(&step.theta, &d, small);
     let per_unit = level.map().motion(&step.theta, &there) / small;
     (largest, dot(&d, &d) / per_unit * motion)
-}
-
-fn moved(theta: &[f64], d: &[f64]) -> Vec<f64> {
-    theta.iter().zip(d).map(|(t, d)| t + d).collect()
 }

@@ -10,7 +10,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::terms::add_partials;
-use super::{Rejected, Run, Scenario};
+use super::{Rejected, Run, Scenario, Workspaces};
+use crate::optimize::vectors::difference;
 
 /// Numbers of a vector in a piece.
 const PIECE: usize = 1024;
@@ -25,14 +26,14 @@ impl Scenario {
     /// neighbours. It is the matrix of Gauss and Newton, with the curvature of the terms themselves. The states of the
     /// neighbours come with it. None where the run has no usable tangent.
     pub fn curvature(
-        &mut self,
+        &self,
+        workspaces: &mut Workspaces,
         run: &Run,
         varied: &[Varied],
     ) -> Option<(DMatrix<f64>, Vec<Arc<Trajectory>>)> {
-        let known = run.linearized(self.linearized.as_ref());
-        let of = (&run.rest[..], &*run.states);
+        let (of, workspace) = ((&run.rest[..], &*run.states), &mut workspaces.equilibrium);
         let begin = (&self.start, self.state_memory / varied.len() as f64);
-        let all = neighbours(&run.problem, &mut self.workspace, of, &known, varied, begin)?;
+        let all = neighbours(&run.problem, workspace, of, &run.tangents, varied, begin)?;
         let as_run = |(varied, states): (&Varied, _)| Run {
             problem: Arc::clone(&varied.problem),
             rest: varied.rest.clone(),
@@ -45,12 +46,12 @@ impl Scenario {
             if self.terms.iter().all(|term| term.weight * term.factor * term.factors[n] == 0.0) {
                 continue;
             }
-            let (here, slope) = self.seen(run, n);
+            let (here, slope) = self.seen(workspaces, run, n);
             let (mut changes, mut bends) = (Vec::new(), Vec::new());
             for other in &all {
-                let (there, other_slope) = self.seen(other, n);
-                changes.push(difference(there, &here));
-                bends.push(difference(other_slope, &slope));
+                let (there, other_slope) = self.seen(workspaces, other, n);
+                changes.push(difference(&there, &here));
+                bends.push(difference(&other_slope, &slope));
             }
             curvature += products(&bends, &changes);
         }
@@ -82,8 +83,8 @@ impl Scenario {
     }
 
     /// What terms look at in a moment of a run, (u, X, f, r) one after the other, and their derivatives by it.
-    fn seen(&mut self, run: &Run, n: usize) -> (Vec<f64>, Vec<f64>) {
-        let forces = self.forces(run, n);
+    fn seen(&self, workspaces: &mut Workspaces, run: &Run, n: usize) -> (Vec<f64>, Vec<f64>) {
+        let forces = self.forces(workspaces, run, n);
         let Forces { contact, reaction } = &forces;
         let rest: Vec<f64> = run.rest.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
         let all = [&run.states.state(n).u[..], &rest, contact, reaction].concat();
@@ -95,12 +96,6 @@ impl Scenario {
         add_partials(self.terms.iter(), run, n, &forces, 1.0, &mut out);
         (all, slope)
     }
-}
-
-/// a − b.
-fn difference(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
-    a
 }
 
 /// aᵢ · bⱼ, by pieces of all vectors that stay in the cache.

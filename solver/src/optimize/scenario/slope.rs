@@ -10,25 +10,27 @@ use mechanics::forward::{Configuration, Problem, Trajectory, Workspace, solve_mu
 use mechanics::stability::PressureSlope;
 use mesh::Vec3;
 
-use super::{Bound, Rejected, Run, Scenario};
+use super::{Bound, Rejected, Run, Scenario, Workspaces};
 use crate::run::limit::growing;
 
-/// The equilibrium whose pressures grow.
-struct Growing<'a> {
-    held: Problem,
+/// The end of a run, with pressures that may be scaled.
+struct Scaled<'a> {
+    problem: Problem,
     chambers: Vec<ChamberId>,
     end: Configuration<'a>,
+    slope: PressureSlope,
 }
 
 impl Scenario {
     /// Whether the slope is kept.
-    fn keeps_slope(&self) -> bool {
+    pub(super) fn keeps_slope(&self) -> bool {
         self.bounds.iter().any(Bound::is_slope)
     }
 
     /// The slope at the end of some states; none where it is not kept.
     pub(super) fn slope(
-        &mut self,
+        &self,
+        workspaces: &mut Workspaces,
         problem: &Problem,
         rest: &[Vec3],
         states: &Trajectory,
@@ -36,50 +38,47 @@ impl Scenario {
         if !self.keeps_slope() {
             return Ok(None);
         }
-        let (growing, slope) = self.slope_at(problem, rest, states)?;
-        self.growing = Some(growing.1);
+        let slope = self.scaled_pressure(workspaces, problem, rest, states)?.slope;
         if slope.negative > 0 {
             return Err(self.reject("its equilibrium is not stable"));
         }
         Ok(Some(slope.value))
     }
 
-    /// What grows at the end of some states, with the slope and what it was solved with.
-    fn slope_at<'a>(
-        &mut self,
+    fn scaled_pressure<'a>(
+        &self,
+        Workspaces { equilibrium, slope: workspace }: &mut Workspaces,
         problem: &Problem,
         rest: &'a [Vec3],
         states: &Trajectory,
-    ) -> Result<((Growing<'a>, Workspace), PressureSlope), Rejected> {
+    ) -> Result<Scaled<'a>, Rejected> {
         let (u, time) = (states.last(), self.times[states.steps() - 1]);
-        let at = problem.iterate(rest, &u, time);
-        let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
-        let u = u.clone().into_owned();
-        let end = Configuration { rest, time, step: None, u, multipliers };
+        let multipliers = solve_multipliers(problem, equilibrium, &problem.iterate(rest, &u, time));
+        let end = Configuration { rest, time, step: None, u: u.into_owned(), multipliers };
         let chambers = growing(problem, &self.scene.config.limit.clone().unwrap_or_default());
-        let held = problem.with_scaled_pressures(time, &chambers);
+        let problem = problem.with_scaled_pressures(time, &chambers);
         // the unknowns are those of the shape before
-        let mut workspace = self.growing.take().unwrap_or_else(|| Workspace::new(&held));
-        let slope = PressureSlope::of(&held, &mut workspace, &end, &chambers);
+        let workspace = workspace.get_or_insert_with(|| Workspace::new(&problem));
+        let slope = PressureSlope::of(&problem, workspace, &end, &chambers);
         let slope =
             slope.map_err(|why| self.reject(format!("the pressure has no slope: {why}")))?;
-        Ok(((Growing { held, chambers, end }, workspace), slope))
+        Ok(Scaled { problem, chambers, end, slope })
     }
 
     /// Adds the derivatives of the slope at the end of a run, times a factor.
     pub(super) fn add_slope(
-        &mut self,
+        &self,
+        workspaces: &mut Workspaces,
         run: &Run,
         factor: f64,
         gradient: &mut Gradient,
     ) -> Result<(), Rejected> {
         let Run { problem, rest, states, .. } = run;
-        let ((growing, mut workspace), slope) = self.slope_at(problem, rest, states)?;
-        let Growing { held, chambers, end } = &growing;
+        let scaled = self.scaled_pressure(workspaces, problem, rest, states)?;
+        let Scaled { problem: held, chambers, end, slope } = &scaled;
         let scaled = ScaledPressure { problem, held, rest, time: end.time, chambers };
-        let by = scaled.gradient_of_slope(&mut workspace, end, &slope);
-        self.growing = Some(workspace);
-        let by = by.map_err(|why| {
+        let workspace = workspaces.slope.as_mut().expect("that of the slope");
+        let by = scaled.gradient_of_slope(workspace, end, slope).map_err(|why| {
             self.reject(format!("the slope of the pressure has no gradient: {why}"))
         })?;
         gradient.rest.iter_mut().zip(&by.rest).for_each(|(sum, by)| *sum += factor * by);

@@ -1,17 +1,18 @@
 //! Runs of a scenario: from rest, next to another run, or the one equilibrium next to a displacement.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use mechanics::energy::Iterate;
+use anyhow::Result;
 use mechanics::forward::{
-    Configuration, Failure, Newton, Problem, Stepping, TimeStepper, Trajectory, solve_from,
-    solve_multipliers,
+    Failure, Linearizations, Newton, Problem, Stepping, TimeStepper, Trajectory, follow,
 };
 use mesh::Vec3;
 use program::Heartbeat;
 
-use super::{Rejected, Scenario};
+use super::{NotReached, Rejected, Run, Scenario, Workspaces};
 use crate::report::failure::inverted;
+use crate::run::next_to::next_to;
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.
@@ -27,15 +28,149 @@ const BALLOONED_NEARBY: f64 = 1.0;
 /// ... and from rest, where a chamber may grow a lot.
 const BALLOONED: f64 = 4.0;
 
+/// Part of the memory that states leave which factors of tangents may take.
+const FOR_TANGENTS: f64 = 0.25;
+
+/// Where a run is looked for.
+#[derive(Clone, Copy)]
+pub enum Near<'a> {
+    /// From rest.
+    Rest,
+    /// The one equilibrium of a scene without time, next to a displacement [m]: keeps a
+    /// search on one branch of equilibria, and is several times cheaper.
+    Displacement(&'a [f64]),
+    /// From rest through time, next to the states of another run, with tangents of one next to it.
+    Run(&'a Arc<Trajectory>, &'a Arc<Linearizations>),
+    /// From rest through time, next to the states of a run on another mesh, with the patience of a
+    /// run from rest; without time, the one equilibrium next to the end of that run.
+    Carried(&'a Arc<Trajectory>),
+}
+
+/// States of a run, and the Newton iterations that they took.
+type Solved = (Trajectory, usize);
+
 impl Scenario {
+    /// The run on a designed rest shape, with these variables of the loads.
+    pub fn run(
+        &self,
+        workspaces: &mut Workspaces,
+        loads: &[f64],
+        designed: &[Vec3],
+        near: Near,
+    ) -> Result<Run, Rejected> {
+        let (rest, problem) = (self.rest(designed), self.under(loads)?);
+        let mut through_time = |stepping, guide, tangents| {
+            let stepper = TimeStepper::new(stepping, self.start.clone());
+            let stepper = stepper.guided(guide).with_factors(tangents);
+            self.solve(workspaces, &problem, &rest, stepper)
+        };
+        let (states, newton_iterations) = match near {
+            Near::Rest => through_time(self.patient(), None, Arc::default())?,
+            Near::Run(guide, tangents) => {
+                through_time(self.nearby(), Some(Arc::clone(guide)), Arc::clone(tangents))?
+            }
+            Near::Carried(guide) if self.is_transient() => {
+                through_time(self.patient(), Some(Arc::clone(guide)), Arc::default())?
+            }
+            Near::Carried(run) => self.solve_next_to(workspaces, &problem, &rest, &run.last())?,
+            Near::Displacement(u) => self.solve_next_to(workspaces, &problem, &rest, u)?,
+        };
+        self.evaluated(workspaces, problem, rest, (states, newton_iterations))
+    }
+
+    /// A run as it was, from its displacements at the ends of time steps [m].
+    pub fn recall<E: Into<anyhow::Error>>(
+        &self,
+        workspaces: &mut Workspaces,
+        loads: &[f64],
+        designed: &[Vec3],
+        displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+    ) -> Result<Run> {
+        let times = self.times.clone().into_iter();
+        let states = self.states(loads, designed, times.zip(displacements))?;
+        let (problem, rest) = (self.under(loads)?, self.rest(designed));
+        Ok(self.evaluated(workspaces, problem, rest, (states, 0))?)
+    }
+
+    /// States with displacements at times [s, m], as those of a run.
+    pub fn states<E: Into<anyhow::Error>>(
+        &self,
+        loads: &[f64],
+        designed: &[Vec3],
+        displacements: impl Iterator<Item = (f64, Result<Vec<f64>, E>)>,
+    ) -> Result<Trajectory> {
+        let (rest, problem) = (self.rest(designed), self.under(loads)?);
+        let mut states = Trajectory::begin(&self.start, self.state_memory);
+        for (end, u) in displacements {
+            states.push_displacement(&problem, &rest, end, &u.map_err(Into::into)?);
+        }
+        Ok(states)
+    }
+
+    fn evaluated(
+        &self,
+        workspaces: &mut Workspaces,
+        problem: Arc<Problem>,
+        rest: Vec<Vec3>,
+        (states, newton_iterations): Solved,
+    ) -> Result<Run, Rejected> {
+        let slope = self.slope(workspaces, &problem, &rest, &states)?;
+        let run = Run {
+            problem,
+            rest,
+            states: Arc::new(states),
+            tangents: Arc::default(),
+            slope,
+            objective: 0.0,
+            terms: BTreeMap::new(),
+            kept: Vec::new(),
+            newton_iterations,
+        };
+        Ok(self.rated(workspaces, &run))
+    }
+
+    /// Makes a run ready for [`Self::sweep`], [`Self::curvature`], [`Self::predict`] and runs next to it. What follows
+    /// depends on that run alone, not on how it was reached: an interrupted search continues with the same bits.
+    pub fn linearize(&self, workspaces: &mut Workspaces, run: &mut Run) {
+        run.tangents = Arc::default();
+        let (Run { problem, rest, states, .. }, workspace) = (&*run, &mut workspaces.equilibrium);
+        let known = if !self.is_transient() {
+            Linearizations::at_end(problem, workspace, rest, states)
+        } else if problem.energies.contact_terms().next().is_none() {
+            let memory = FOR_TANGENTS * states.memory_left();
+            Linearizations::of(problem, workspace, rest, states, memory)
+        } else {
+            // contact changes the pattern from one time step to the next
+            return;
+        };
+        run.tangents = Arc::new(known);
+    }
+
+    /// First-order change of the equilibrium of a run, which is linearised, to another
+    /// designed shape. None where the equilibrium is not stable, or of a run through time.
+    pub fn predict(
+        &self,
+        workspaces: &mut Workspaces,
+        run: &Run,
+        designed: &[Vec3],
+    ) -> Option<Vec<f64>> {
+        if self.is_transient() {
+            return None;
+        }
+        let rest = self.rest(designed);
+        let motion: Vec<Vec3> = rest.iter().zip(&run.rest).map(|(a, b)| a - b).collect();
+        let tangent = run.tangents.step(1)?;
+        follow(&run.problem, &mut workspaces.equilibrium, tangent, &run.rest, &motion)
+    }
+
     /// How a run from rest steps, or one next to a run on another mesh.
-    pub(super) fn patient(&self) -> Stepping {
+    fn patient(&self) -> Stepping {
         let newton = Newton { ballooned: Some(BALLOONED), ..self.stepping.newton };
         Stepping { newton, ..self.stepping }
     }
 
     /// How a run next to another one steps: what needs more is not near.
-    pub(super) fn nearby(&self) -> Stepping {
+    fn nearby(&self) -> Stepping {
         let mut stepping = self.stepping;
         stepping.newton.iterations = stepping.newton.iterations.min(NEARBY_IN_TIME);
         stepping.newton.ballooned = Some(BALLOONED_NEARBY);
@@ -44,66 +179,53 @@ impl Scenario {
     }
 
     /// All states from rest.
-    pub(super) fn solve(
-        &mut self,
+    fn solve(
+        &self,
+        workspaces: &mut Workspaces,
         problem: &Arc<Problem>,
         rest: &[Vec3],
-        guide: Option<Arc<Trajectory>>,
-        stepping: Stepping,
-    ) -> Result<(Trajectory, usize), Rejected> {
-        let near = self.linearized.as_ref().filter(|_| guide.is_some());
-        let factors = near.map(|(_, known)| Arc::clone(known)).unwrap_or_default();
-        let stepper = TimeStepper::new(stepping, self.start.clone());
-        let mut stepper = stepper.guided(guide).with_factors(factors);
+        mut stepper: TimeStepper,
+    ) -> Result<Solved, Rejected> {
         let mut heartbeat = Heartbeat::start();
-        let (scene, workspace, times) = (&self.scene, &mut self.workspace, &self.times);
+        let (workspace, times) = (&mut workspaces.equilibrium, &self.times);
         let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
         let run = stepper.run(problem, workspace, rest, times, self.state_memory, |step| {
-            heartbeat.say(|| format!("  {title}a run is at {}", scene.progress(step.time)));
+            heartbeat.say(|| format!("  {title}a run is at {}", self.scene.progress(step.time)));
         });
         match run {
             Ok(states) => Ok((states, stepper.progress.newton_iterations)),
             Err(unreached) => {
-                let rejected = self.reject(&unreached);
-                self.unreached = Some((Arc::clone(problem), unreached));
-                Err(rejected)
+                let why = self.reject(&unreached).why;
+                let problem = Arc::clone(problem);
+                let unreached = NotReached { scenario: 0, problem, unreached };
+                Err(Rejected { why, unreached: Some(Box::new(unreached)) })
             }
         }
     }
 
     /// The one equilibrium next to a displacement.
-    pub(super) fn solve_next_to(
-        &mut self,
+    fn solve_next_to(
+        &self,
+        workspaces: &mut Workspaces,
         problem: &Problem,
         rest: &[Vec3],
         u: &[f64],
-    ) -> Result<(Trajectory, usize), Rejected> {
-        let time = self.times[0];
-        let step = Arc::new(self.one_step(problem, rest, u).step(problem, rest, 1));
-        let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
-        let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
-        let start = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
+    ) -> Result<Solved, Rejected> {
         let newton = Newton {
             iterations: NEARBY,
             ballooned: Some(BALLOONED_NEARBY),
             ..self.stepping.newton
         };
-        let solution =
-            solve_from(problem, &mut self.workspace, &start, &newton).map_err(|failure| {
-                match inverted(&problem.space, rest, u) {
-                    Some(said) if matches!(failure, Failure::Inadmissible) => {
-                        self.reject(format!("foreseen from the step before, {said}"))
-                    }
-                    _ => self.reject(failure),
-                }
-            })?;
-        Ok((self.one_step(problem, rest, &solution.u), solution.newton_iterations))
-    }
-
-    /// The run to a displacement in one step.
-    fn one_step(&self, problem: &Problem, rest: &[Vec3], u: &[f64]) -> Trajectory {
+        let (workspace, on) = (&mut workspaces.equilibrium, (rest, self.times[0]));
+        let found = next_to(&self.start, (problem, workspace), on, u, &newton);
+        let solution = found.map_err(|failure| match inverted(&problem.space, rest, u) {
+            Some(said) if matches!(failure, Failure::Inadmissible) => {
+                self.reject(format!("foreseen from the step before, {said}"))
+            }
+            _ => self.reject(failure),
+        })?;
         let mut run = Trajectory::begin(&self.start, self.state_memory);
-        run.push_displacement(problem, rest, self.times[0], u);
-        run
+        run.push_displacement(problem, rest, self.times[0], &solution.u);
+        Ok((run, solution.newton_iterations))
     }
 }

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use measure::quantity::{Equilibrium, Forces, Partials, Quantity};
+use measure::quantity::{Forces, Partials, Quantity};
 use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
 
-use super::{Bound, Run, Scenario};
+use super::{Bound, Run, Scenario, Workspaces};
 
 /// Adds the partial derivatives of some terms, times a factor, by what they look at in a moment.
 pub(super) fn add_partials<'a>(
@@ -19,8 +19,7 @@ pub(super) fn add_partials<'a>(
     out: &mut Partials,
 ) {
     let state = run.states.state(n);
-    let at = run.problem.iterate(&run.rest, &state.u, run.states.times[n]);
-    let here = Equilibrium::new(&run.problem, &at, forces);
+    let here = run.equilibrium(n, &state, forces);
     for term in terms {
         let factor = factor * term.weight * term.factor * term.factors[n];
         if factor != 0.0 {
@@ -40,37 +39,26 @@ impl Scenario {
         self.terms.iter_mut().zip(weights).for_each(|(term, weight)| term.weight = *weight);
     }
 
-    /// Values of the terms over a run, without factors.
-    pub fn values(&mut self, run: &Run) -> Vec<f64> {
-        self.values_of(run, |_| true)
-    }
-
     /// A run with its terms as they are weighted now.
-    pub fn rated(&mut self, run: &Run) -> Run {
-        let terms = self.terms_of(run);
-        let kept = self.kept_of(run);
-        Run { objective: terms.values().sum(), terms, kept, ..run.clone() }
-    }
-
-    /// Weighted terms over a run, by the user's names.
-    fn terms_of(&mut self, run: &Run) -> BTreeMap<String, f64> {
-        let values = self.values_of(run, |term| term.weight * term.factor != 0.0);
+    pub fn rated(&self, workspaces: &mut Workspaces, run: &Run) -> Run {
+        let is_weighted = |term: &Weighted| term.weight * term.factor != 0.0;
+        let values = self.values(workspaces, run, is_weighted);
         let mut terms = BTreeMap::new();
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
-        terms
+        let kept = self.kept(workspaces, run);
+        Run { objective: terms.values().sum(), terms, kept, ..run.clone() }
     }
 
     /// c of each bound at the end of a run.
-    fn kept_of(&mut self, run: &Run) -> Vec<f64> {
-        let end = run.states.steps();
+    fn kept(&self, workspaces: &mut Workspaces, run: &Run) -> Vec<f64> {
         if self.bounds.is_empty() {
             return Vec::new();
         }
-        let (forces, state) = (self.forces(run, end), run.states.state(end));
-        let at = run.problem.iterate(&run.rest, &state.u, run.states.times[end]);
-        let at = Equilibrium::new(&run.problem, &at, &forces);
+        let end = run.states.steps();
+        let (state, forces) = (run.states.state(end), self.forces(workspaces, run, end));
+        let at = run.equilibrium(end, &state, &forces);
         let one = |bound: &Bound| match bound.probe() {
             Some(probe) => bound.kept(probe.quantity.value(&at)),
             None => bound.kept(run.slope.unwrap_or(f64::NAN)),
@@ -78,14 +66,17 @@ impl Scenario {
         self.bounds.iter().map(one).collect()
     }
 
-    /// Values over a run of the terms that are wanted, zero of the others.
-    fn values_of(&mut self, run: &Run, wanted: impl Fn(&Weighted) -> bool) -> Vec<f64> {
-        let Run { problem, rest, states, .. } = run;
+    /// Values over a run of the terms that are wanted, without weights; zero of the others.
+    pub fn values(
+        &self,
+        workspaces: &mut Workspaces,
+        run: &Run,
+        wanted: impl Fn(&Weighted) -> bool,
+    ) -> Vec<f64> {
         let mut values = vec![0.0; self.terms.len()];
-        for n in 0..=states.steps() {
-            let (forces, state) = (self.forces(run, n), states.state(n));
-            let at = problem.iterate(rest, &state.u, states.times[n]);
-            let at = Equilibrium::new(problem, &at, &forces);
+        for n in 0..=run.states.steps() {
+            let (forces, state) = (self.forces(workspaces, run, n), run.states.state(n));
+            let at = run.equilibrium(n, &state, &forces);
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
                 if factor != 0.0 && wanted(term) {
@@ -97,7 +88,7 @@ impl Scenario {
     }
 
     /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
-    pub(super) fn forces(&mut self, run: &Run, n: usize) -> Forces {
+    pub(super) fn forces(&self, workspaces: &mut Workspaces, run: &Run, n: usize) -> Forces {
         let Run { problem, rest, states, .. } = run;
         let looks = |uses: fn(&dyn Quantity) -> bool| {
             let bounds = self.bounds.iter().filter_map(Bound::probe);
@@ -117,7 +108,7 @@ impl Scenario {
             forces.contact = problem.energies.contact_forces(&at);
         }
         if uses_reaction {
-            let multipliers = solve_multipliers(problem, &mut self.workspace, &at);
+            let multipliers = solve_multipliers(problem, &mut workspaces.equilibrium, &at);
             let at = Iterate { multipliers: &multipliers, ..at };
             forces.reaction = problem.gradient(&at).0;
         }

@@ -32,7 +32,6 @@ pub struct Run {
 impl Run {
     /// Reads the folder of a finished `solver simulate`, and its mesh from where that found it.
     pub fn read(folder: &Path) -> Result<Self> {
-        mesh::io::note_results(folder);
         let path = folder.join("report.json");
         let report: Simulation = serde_json::from_str(&mesh::io::read_text(&path)?)
             .with_context(|| path.display().to_string())?;

@@ -39,9 +39,6 @@ pub struct MshFile {
 
 /// Reads a tetrahedral mesh whose lengths are metres from a Gmsh file, and warns where its size hints at
 /// another unit.
-///
-/// # Errors
-/// As [`read_tets_of_any_unit`].
 pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
     let file = read_tets_of_any_unit(path)?;
     if let Some(remark) = unlikely_size(&file.mesh.vertices) {
@@ -57,12 +54,6 @@ pub fn read_tets(path: &Path) -> Result<MshFile, IoError> {
 /// groups of triangles become tags in the order of their numbers, called by
 /// their physical name or else by their number, and those of tetrahedra volumes,
 /// unless all are in one group without a name, or called [`BODY`].
-///
-/// # Errors
-/// If the file cannot be read, is truncated or malformed, has coordinates that
-/// are not finite, elements that are neither points, lines, triangles nor
-/// tetrahedra, no tetrahedra, or tagged triangles that belong to no tetrahedron
-/// or to two groups.
 pub fn read_tets_of_any_unit(path: &Path) -> Result<MshFile, IoError> {
     let fail = |message| IoError::content(path, message);
     let bytes = unzipped(read_bytes(path)?).map_err(fail)?;
@@ -74,10 +65,6 @@ pub fn read_tets_of_any_unit(path: &Path) -> Result<MshFile, IoError> {
 }
 
 /// A mesh whose tags and volumes are lists of facets and of tetrahedra, with the checks of a file.
-///
-/// # Errors
-/// What [`read_tets`] refuses, and vertices that are the corner of no tetrahedron, so that they keep
-/// their numbers.
 pub fn tagged_mesh(
     mesh: &TetMesh,
     tags: &[(String, Vec<[usize; 3]>)],

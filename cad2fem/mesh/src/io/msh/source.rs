@@ -4,24 +4,16 @@ use crate::Vec3;
 use crate::io::Parsed;
 use crate::io::bytes::Cursor;
 
-/// How numbers are stored.
-#[derive(Clone, Copy)]
-enum Encoding {
-    Ascii,
-    Little,
-    Big,
-}
-
 /// Reads a Gmsh file number by number. Binary and ASCII files hold the same
 /// sequence of numbers, so that the parsers above need not tell them apart.
 pub struct Source<'a> {
     cursor: Cursor<'a>,
-    encoding: Encoding,
+    is_binary: bool,
 }
 
 impl<'a> Source<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
-        Self { cursor: Cursor::new(bytes), encoding: Encoding::Ascii }
+        Self { cursor: Cursor::new(bytes), is_binary: false }
     }
 
     /// Reads `$MeshFormat`; the major version, 2 or 4.
@@ -48,12 +40,15 @@ impl<'a> Source<'a> {
             return Err(format!("numbers of {size:?} bytes in $MeshFormat; 8 are needed"));
         }
         self.cursor.line();
-        self.encoding = match binary {
-            Some("0") => Encoding::Ascii,
-            Some("1") => match self.cursor.array()? {
-                [1, 0, 0, 0] => Encoding::Little,
-                [0, 0, 0, 1] => Encoding::Big,
-                other => return Err(format!("the byte order mark is {other:?}, not the number 1")),
+        self.is_binary = match binary {
+            Some("0") => false,
+            Some("1") => match i32::from_le_bytes(self.cursor.array()?) {
+                1 => true,
+                other => {
+                    return Err(format!(
+                        "the byte order mark is {other}, not 1 with its lowest byte first"
+                    ));
+                }
             },
             other => return Err(format!("file type {other:?} is neither 0 (ASCII) nor 1")),
         };
@@ -116,7 +111,7 @@ impl<'a> Source<'a> {
     }
 
     pub fn is_binary(&self) -> bool {
-        !matches!(self.encoding, Encoding::Ascii)
+        self.is_binary
     }
 
     /// A count on a line of its own, text in binary files, too.
@@ -128,20 +123,12 @@ impl<'a> Source<'a> {
 
     /// A 32-bit integer.
     pub fn int(&mut self) -> Parsed<i32> {
-        match self.encoding {
-            Encoding::Ascii => self.word(),
-            Encoding::Little => self.cursor.array().map(i32::from_le_bytes),
-            Encoding::Big => self.cursor.array().map(i32::from_be_bytes),
-        }
+        if self.is_binary { self.cursor.array().map(i32::from_le_bytes) } else { self.word() }
     }
 
     /// A 64-bit unsigned integer.
     pub fn size(&mut self) -> Parsed<u64> {
-        match self.encoding {
-            Encoding::Ascii => self.word(),
-            Encoding::Little => self.cursor.array().map(u64::from_le_bytes),
-            Encoding::Big => self.cursor.array().map(u64::from_be_bytes),
-        }
+        if self.is_binary { self.cursor.array().map(u64::from_le_bytes) } else { self.word() }
     }
 
     /// A 64-bit count of things that take at least one byte each; counts beyond
@@ -155,11 +142,7 @@ impl<'a> Source<'a> {
     }
 
     pub fn double(&mut self) -> Parsed<f64> {
-        match self.encoding {
-            Encoding::Ascii => self.word(),
-            Encoding::Little => self.cursor.array().map(f64::from_le_bytes),
-            Encoding::Big => self.cursor.array().map(f64::from_be_bytes),
-        }
+        if self.is_binary { self.cursor.array().map(f64::from_le_bytes) } else { self.word() }
     }
 
     pub fn point(&mut self) -> Parsed<Vec3> {

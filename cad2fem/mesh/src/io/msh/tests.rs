@@ -102,18 +102,18 @@ fn corrupted_bytes_are_errors_or_other_meshes_but_never_panics() {
     }
 }
 
-/// Format 4.1, big-endian binary: an inverted second-order tetrahedron whose
+/// Format 4.1, binary: an inverted second-order tetrahedron whose
 /// surface 5 is in physical group 7, and a node that only a line uses.
 fn binary_41() -> Vec<u8> {
     let mut bytes = b"$MeshFormat\n4.1 1 8\n".to_vec();
     let int = |bytes: &mut Vec<u8>, values: &[i32]| {
-        bytes.extend(values.iter().flat_map(|v| v.to_be_bytes()));
+        bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     };
     let size = |bytes: &mut Vec<u8>, values: &[u64]| {
-        bytes.extend(values.iter().flat_map(|v| v.to_be_bytes()));
+        bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     };
     let double = |bytes: &mut Vec<u8>, values: &[f64]| {
-        bytes.extend(values.iter().flat_map(|v| v.to_be_bytes()));
+        bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     };
     int(&mut bytes, &[1]);
     bytes.extend(b"\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"inner wall\"\n3 4 \"body\"\n");

@@ -12,10 +12,6 @@ use crate::{Tags, TetMesh, Volumes};
 ///
 /// Coordinates are written with as many digits as it takes to read back the same
 /// bits. All tag names are kept, also those without facets.
-///
-/// # Errors
-/// If the mesh is empty, a coordinate is not finite, an index is out of range, a
-/// name contains a quote or a line end, or the file cannot be written.
 pub fn write_tets(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<(), IoError> {
     require_sound(mesh, tags).map_err(|m| IoError::content(path, format!("not written: {m}")))?;
     write_atomic(path, |out| write(mesh, tags, out))

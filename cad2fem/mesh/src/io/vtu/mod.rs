@@ -5,13 +5,11 @@
 //! the thirds of these edges from their first end to their second, then the
 //! centres of the faces 013, 123, 023, 012.
 
-mod array;
-mod encoded;
 mod lower;
 mod read;
 mod write;
 
-use crate::Vec3;
+use crate::{Vec3, facet_key};
 
 pub use read::read_vtu;
 pub use write::{write_pvd, write_vtu};
@@ -59,6 +57,27 @@ impl CellType {
             if self == Self::Tet20 { 2 * self.edges().len() + 4 } else { self.edges().len() };
         self.corners() + inside
     }
+}
+
+/// Corners of the facets of a tetrahedron seen from outside, then the nodes on their sides where a quadratic one has
+/// them.
+pub const TET_FACETS: [[usize; 6]; 4] =
+    [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [0, 3, 2, 7, 9, 6], [1, 2, 3, 5, 9, 8]];
+
+/// The facets that only one of some tetrahedra of 4 or 10 nodes has: the number of that cell, and which of its
+/// [`TET_FACETS`], in the order of cells.
+pub fn outer_facets(cells: &[&[usize]]) -> Vec<(usize, usize)> {
+    let mut keys = Vec::with_capacity(4 * cells.len());
+    for (c, cell) in cells.iter().enumerate() {
+        for (f, facet) in TET_FACETS.iter().enumerate() {
+            keys.push((facet_key([cell[facet[0]], cell[facet[1]], cell[facet[2]]]), c, f));
+        }
+    }
+    keys.sort_unstable();
+    let single = keys.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+    let mut outer: Vec<(usize, usize)> = single.map(|side| (side[0].1, side[0].2)).collect();
+    outer.sort_unstable();
+    outer
 }
 
 /// Named numbers at points or cells.

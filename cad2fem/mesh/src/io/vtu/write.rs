@@ -7,11 +7,6 @@ use super::{Field, Grid};
 use crate::io::{IoError, write_atomic};
 
 /// Writes a grid, its numbers as binary 64-bit values.
-///
-/// # Errors
-/// If cells refer to points that do not exist, the size of a field does not fit
-/// the points or cells, or the file cannot be written. Values that are not finite
-/// are an error, too: ParaView would show them as a hole without a word.
 pub fn write_vtu(path: &Path, grid: &Grid) -> Result<(), IoError> {
     require_sound(grid).map_err(|m| IoError::content(path, format!("not written: {m}")))?;
     write_atomic(path, |out| write(grid, out))
@@ -124,9 +119,6 @@ fn write(grid: &Grid, out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Writes a time series: pairs of time [s] and file name relative to `path`.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn write_pvd(path: &Path, steps: &[(f64, String)]) -> Result<(), IoError> {
     write_atomic(path, |out| {
         writeln!(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">")?;

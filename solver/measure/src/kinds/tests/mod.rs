@@ -47,7 +47,7 @@ fn probes(s: f64) -> Vec<String> {
 
 /// Objectives beside the examples of their kinds, and how near the state they are smooth: curvature jumps where a stretch
 /// passes its limit, or a point the side of a cell of the lattice of distances.
-const OTHERS: [(&str, f64); 15] = [
+const OTHERS: [(&str, f64); 17] = [
     (
         "kind = 'displacement'\non = 'top'\ndisplacement = ['t*y*(1 + x)', 7, 0.1]\ncomponents = 'xz'",
         5e-5,
@@ -75,6 +75,14 @@ const OTHERS: [(&str, f64); 15] = [
     ("kind = 'contact-force'\non = 'top'\nform = 'sum-of-squares'", 5e-5),
     ("kind = 'contact-force'\non = 'top'\nform = 'sum'", 5e-5),
     ("kind = 'smoothness'\non = 'top'", 5e-5),
+    (
+        "kind = 'wall-thickness'\non = ['bottom', 'top']\ndensity = 'quadratic'\nactivation = 1.3",
+        5e-5,
+    ),
+    (
+        "kind = 'wall-thickness'\non = ['bottom', 'top']\nminimum = 0.8\nactivation = 1.3\nmeasure = 'deformed'",
+        5e-5,
+    ),
 ];
 
 /// The body of a case, with a tag for each face.

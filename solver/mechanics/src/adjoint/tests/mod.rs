@@ -23,18 +23,16 @@ use crate::math::random::Random;
 use crate::schedule::{Field, Schedule, Written};
 use crate::testing::{check_gradient, cube, flat, points};
 
-mod dilatation;
-mod fibre;
 mod inside;
-mod internal;
 mod linearizations;
-mod membrane;
 mod mullins;
 mod neighbours;
+mod probe;
 mod rigid;
 mod viscous;
 
 use inside::Inside;
+use probe::{Probe, Runs, by_factors};
 
 const TIGHT: Stepping = Stepping {
     first: 1.0,
@@ -257,138 +255,45 @@ fn mollified_pairs(problem: &Problem, rest: &[Vec3], run: &Trajectory) -> usize 
     (1..=run.steps()).map(at).max().unwrap_or(0)
 }
 
-/// J = Σ_n ω_n (a·x + ½ |x|² + b·f + ½ c |f|²) with random vectors, x = ΠX + u.
-struct Probe {
-    a: Vec<f64>,
-    b: Vec<f64>,
-    stiff: f64,
-}
-
-impl Probe {
-    fn new(len: usize, forces: bool) -> Self {
-        let mut random = Random::new(21);
-        let (a, mut b) = (random.numbers(len), random.numbers(len));
-        b.iter_mut().for_each(|b| *b *= if forces { 3e-3 } else { 0.0 });
-        Self { a, b, stiff: if forces { 1e-2 } else { 0.0 } }
-    }
-
-    fn weight(n: usize) -> f64 {
-        1.0 / (1.0 + n as f64)
-    }
-
-    fn forces(problem: &Problem, rest: &[Vec3], run: &Trajectory, n: usize) -> Vec<f64> {
-        if n == 0 {
-            return vec![0.0; problem.dofs()];
-        }
-        let (state, step) = (run.state(n), run.step(problem, rest, n));
-        let at = problem.iterate(rest, &state.u, run.times[n]);
-        problem.energies.contact_forces(&Iterate { step: Some(&step), ..at })
-    }
-
-    fn positions(problem: &Problem, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
-        let x = flat(&problem.space.node_positions(rest));
-        x.iter().zip(u).map(|(x, u)| 10.0 * (x + u)).collect()
-    }
-
-    fn value(&self, problem: &Problem, rest: &[Vec3], run: &Trajectory) -> f64 {
-        let mut sum = 0.0;
-        for n in 0..=run.steps() {
-            let x = Self::positions(problem, rest, &run.state(n).u);
-            let f = Self::forces(problem, rest, run, n);
-            let of_x = dot(&self.a, &x) + 0.5 * dot(&x, &x);
-            let of_f = dot(&self.b, &f) + 0.5 * self.stiff * dot(&f, &f);
-            sum += Self::weight(n) * (of_x + of_f);
-        }
-        sum
-    }
-
-    fn gradient(
-        &self,
-        problem: &Problem,
-        workspace: &mut Workspace,
-        rest: &[Vec3],
-        run: &Trajectory,
-    ) -> Gradient {
-        let forces: Vec<_> =
-            (0..=run.steps()).map(|n| Self::forces(problem, rest, run, n)).collect();
-        let xs = |n: usize| Self::positions(problem, rest, &run.state(n).u);
-        let xs: Vec<_> = (0..=run.steps()).map(xs).collect();
-        let mut by_x = vec![0.0; problem.dofs()];
-        let partials = |_: &_, n: usize, out: &mut Partials| {
-            for d in 0..by_x.len() {
-                let by = 10.0 * Self::weight(n) * (self.a[d] + xs[n][d]);
-                out.by_u[d] += by;
-                by_x[d] += by;
-                let by_force = self.b[d] + self.stiff * forces[n][d];
-                out.by_contact[d] += Self::weight(n) * by_force * f64::from(n > 0);
-            }
-        };
-        let swept = sweep(problem, workspace, (rest, run), &Linearizations::default(), partials);
-        let mut gradient = swept.expect("regular");
-        problem.space.add_to_vertices(&by_x, &mut gradient.rest);
-        gradient
-    }
-}
-
-/// A family of runs by numbers that are 1 in the run whose gradient is checked.
-struct Runs<'a> {
-    problem: &'a dyn Fn(&[f64]) -> (Problem, Workspace),
-    run: &'a dyn Fn(&Problem, &mut Workspace, &[Vec3]) -> Trajectory,
-    /// Whether the forces of contact are measured.
-    forces: bool,
-}
-
-impl Runs<'_> {
-    /// What is measured of the run by numbers.
-    fn value(&self, numbers: &[f64], rest: &[Vec3]) -> f64 {
-        let (problem, mut workspace) = (self.problem)(numbers);
-        let run = (self.run)(&problem, &mut workspace, rest);
-        Probe::new(problem.dofs(), self.forces).value(&problem, rest, &run)
-    }
-
-    /// Taylor tests by the rest shape, and by numbers with their first steps; `by` are the derivatives by each group of
-    /// numbers, in their order.
-    fn check(
-        &self,
-        rest: &[Vec3],
-        groups: &[f64],
-        by: impl Fn(&Gradient) -> Vec<Vec<f64>>,
-    ) -> (Problem, Trajectory) {
-        let count = |by: &[Vec<f64>]| by.iter().map(Vec::len).sum::<usize>();
-        let many = [1.0; 32];
-        let (problem, mut workspace) = (self.problem)(&many);
-        let run = (self.run)(&problem, &mut workspace, rest);
-        let probe = Probe::new(problem.dofs(), self.forces);
-        let gradient = probe.gradient(&problem, &mut workspace, rest, &run);
-        let by = by(&gradient);
-        let ones = vec![1.0; count(&by)];
-        check_gradient(&flat(rest), &gradient.rest, 2e-6, |x| self.value(&ones, &points(x)));
-        let mut first = 0;
-        for (by, step) in by.iter().zip(groups) {
-            check_gradient(&vec![1.0; by.len()], by, *step, |x| {
-                let mut numbers = ones.clone();
-                numbers[first..first + x.len()].copy_from_slice(x);
-                self.value(&numbers, rest)
-            });
-            first += by.len();
-        }
-        (problem, run)
-    }
-}
-
-/// Derivatives by numbers as those by factors of them.
-fn by_factors(gradient: &Gradient, owner: Owner, numbers: &[f64]) -> Vec<f64> {
-    let by = gradient.parameters.total(owner);
-    assert_eq!(by.len(), numbers.len());
-    by.iter().zip(numbers).map(|(by, number)| by * number).collect()
-}
-
 fn check(case: &Case, forces: bool) {
-    let (problem, mut workspace, rest) = case.problem(&NUMBERS);
+    let (problem, _, rest) = case.problem(&NUMBERS);
     let start = case.start(&problem, &rest);
-    let run = case.run(&problem, &mut workspace, &rest, start.clone());
-    let probe = Probe::new(problem.dofs(), forces);
-    let gradient = probe.gradient(&problem, &mut workspace, &rest, &run);
+    let with = |p: &[f64]| {
+        let numbers = Numbers {
+            law: std::array::from_fn(|k| NUMBERS.law[k] * p[k]),
+            density: NUMBERS.density * p[4],
+            friction: NUMBERS.friction * p[5],
+            pressure: NUMBERS.pressure * p[6],
+            stiffness: NUMBERS.stiffness * p[7],
+            gravity: std::array::from_fn(|k| NUMBERS.gravity[k] * p[8 + k]),
+        };
+        let (problem, workspace, _) = case.problem(&numbers);
+        (problem, workspace)
+    };
+    let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
+        case.run(problem, workspace, rest, start.clone())
+    };
+    let chamber = problem.energies.chambers().map(|(id, _)| id.owner()).next();
+    let by = |gradient: &Gradient| {
+        let of = |id: Owner| gradient.parameters.total(id);
+        let one = |id: Owner| of(id).first().copied().unwrap_or(0.0);
+        let mut by = by_factors(gradient, Elastic::owner(0), &NUMBERS.law);
+        let heavier = if case.method.has_inertia() { 1.0 } else { TINY };
+        let by_density = one(BodyForce::weight_owner(0)) + heavier * one(Inertia::owner(0));
+        by.push(by_density * NUMBERS.density);
+        by.push(one(Friction::OWNER) * NUMBERS.friction);
+        by.push(chamber.map_or(0.0, one) * case.by_pressure() * NUMBERS.pressure);
+        by.push(one(Contact::OWNER) * NUMBERS.stiffness);
+        let falls = of(BodyForce::weight_owner(0)).into_iter().skip(1);
+        by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
+        vec![by]
+    };
+    // quadratic surfaces have more contacts that come and go
+    let size = if case.hits() && case.degree > 1 { 0.125 } else { 1.0 };
+    // without contact the remainder of a smaller change is lost in rounding
+    let part = if case.hits() { 1e-3 } else { 8e-3 };
+    let runs = Runs { problem: &with, run: &run, forces };
+    let (problem, run, gradient) = runs.check(&rest, 2e-6 * size, &[part * size], by);
     if case.hits() {
         assert!(mollified_pairs(&problem, &rest, &run) > 0, "no edges are nearly parallel");
         let size = |n: usize| -> f64 {
@@ -397,74 +302,29 @@ fn check(case: &Case, forces: bool) {
         let with_friction = (1..=case.steps).filter(|&n| size(n) > 0.0).count();
         assert!(case.steps == 1 || with_friction > 0, "there is no friction");
     }
-
-    // quadratic surfaces have more contacts that come and go
-    let size = if case.hits() && case.degree > 1 { 0.125 } else { 1.0 };
-    // shape: vertices that are not fixed, so that supports stay in place
-    check_gradient(&flat(&rest), &gradient.rest, 2e-6 * size, |x| {
-        let rest = points(x);
-        let (problem, mut workspace, _) = case.problem(&NUMBERS);
-        let run = case.run(&problem, &mut workspace, &rest, start.clone());
-        probe.value(&problem, &rest, &run)
-    });
-    // numbers, each relative to itself
-    let of = |id: Owner| gradient.parameters.total(id);
-    let one = |id: Owner| of(id).first().copied().unwrap_or(0.0);
-    // without contact the remainder of a smaller change is lost in rounding
-    let part = if case.hits() { 1e-3 } else { 8e-3 };
-    let with = |p: &[f64], by: &[f64]| {
-        check_gradient(p, by, part * size, |p| {
-            let scaled = |k: usize, x: f64| x * p[k];
-            let numbers = Numbers {
-                law: std::array::from_fn(|k| scaled(k, NUMBERS.law[k])),
-                density: scaled(4, NUMBERS.density),
-                friction: scaled(5, NUMBERS.friction),
-                pressure: scaled(6, NUMBERS.pressure),
-                stiffness: scaled(7, NUMBERS.stiffness),
-                gravity: std::array::from_fn(|k| scaled(8 + k, NUMBERS.gravity[k])),
-            };
-            let (problem, mut workspace, _) = case.problem(&numbers);
-            let run = case.run(&problem, &mut workspace, &rest, start.clone());
-            probe.value(&problem, &rest, &run)
-        });
-    };
-    let law = of(Elastic::owner(0));
-    assert_eq!(law.len(), NUMBERS.law.len());
-    let mut by: Vec<f64> = law.iter().zip(NUMBERS.law).map(|(g, c)| g * c).collect();
-    let heavier = if case.method.has_inertia() { 1.0 } else { TINY };
-    let by_density = one(BodyForce::weight_owner(0)) + heavier * one(Inertia::owner(0));
-    by.push(by_density * NUMBERS.density);
-    by.push(one(Friction::OWNER) * NUMBERS.friction);
-    let chamber = problem.energies.chambers().map(|(id, _)| id.owner()).next();
-    let pressure = chamber.map_or(0.0, one);
-    by.push(pressure * case.by_pressure() * NUMBERS.pressure);
-    by.push(one(Contact::OWNER) * NUMBERS.stiffness);
-    let falls = of(BodyForce::weight_owner(0)).into_iter().skip(1);
-    by.extend(falls.zip(NUMBERS.gravity).map(|(by, g)| by * g));
-    with(&[1.0; 11], &by);
-    // the start, of what can move
-    if case.method.has_inertia() {
-        let free = |g: &[f64]| -> Vec<f64> {
-            let fixed = problem.dirichlet.fixed();
-            g.iter().zip(fixed).map(|(g, fixed)| if *fixed { 0.0 } else { *g }).collect()
-        };
-        let by: Vec<f64> = free(&gradient.start.v);
-        // along chords remainders of higher order fade later
-        let part = if case.method.has_chord() { 0.1 } else { 1.0 };
-        check_gradient(&start.v, &by, size * if case.hits() { 1e-3 } else { 0.2 * part }, |v| {
-            let (problem, mut workspace, _) = case.problem(&NUMBERS);
-            let from = State::new(start.u.clone(), free(v));
-            let run = case.run(&problem, &mut workspace, &rest, from);
-            probe.value(&problem, &rest, &run)
-        });
-        let by: Vec<f64> = free(&gradient.start.u);
-        check_gradient(&start.u, &by, size * if case.hits() { 1e-6 } else { 2e-4 * part }, |u| {
-            let (problem, mut workspace, _) = case.problem(&NUMBERS);
-            let from = State::new(free(u), start.v.clone());
-            let run = case.run(&problem, &mut workspace, &rest, from);
-            probe.value(&problem, &rest, &run)
-        });
+    if !case.method.has_inertia() {
+        return;
     }
+    // the start, of what can move
+    let free = |g: &[f64]| -> Vec<f64> {
+        let fixed = problem.dirichlet.fixed();
+        g.iter().zip(fixed).map(|(g, fixed)| if *fixed { 0.0 } else { *g }).collect()
+    };
+    let probe = Probe::new(problem.dofs(), forces);
+    let value = |from: State| {
+        let (problem, mut workspace, _) = case.problem(&NUMBERS);
+        let run = case.run(&problem, &mut workspace, &rest, from);
+        probe.value(&problem, &rest, &run)
+    };
+    // along chords remainders of higher order fade later
+    let part = if case.method.has_chord() { 0.1 } else { 1.0 };
+    let [of_u, of_v] = if case.hits() { [1e-6, 1e-3] } else { [2e-4 * part, 0.2 * part] };
+    check_gradient(&start.v, &free(&gradient.start.v), size * of_v, |v| {
+        value(State::new(start.u.clone(), free(v)))
+    });
+    check_gradient(&start.u, &free(&gradient.start.u), size * of_u, |u| {
+        value(State::new(free(u), start.v.clone()))
+    });
 }
 
 #[test]

@@ -30,6 +30,10 @@ pub struct Strand {
     pub moved: [Vec3; 2],
     /// Mean force along it [N].
     pub force: f64,
+    /// Vertices of the tetrahedron that it is in, or of the facet, which has the third one twice.
+    pub vertices: [usize; 4],
+    /// Barycentric coordinates of its ends by these, 0 where a facet has one again [1].
+    pub weights: [[f64; 4]; 2],
 }
 
 impl Winding {
@@ -64,7 +68,17 @@ impl Winding {
             });
             let mut force = 0.0;
             self.for_each_point(iterate, segment, |p| force += p.weight * p.force());
-            Strand { rest, moved, force }
+            let of = |k: usize| segment.vertices[k.min(segment.vertices.len() - 1)];
+            let weights = |end: usize| {
+                std::array::from_fn(|k| segment.ends[end].get(k).copied().unwrap_or(0.0))
+            };
+            Strand {
+                rest,
+                moved,
+                force,
+                vertices: std::array::from_fn(of),
+                weights: [0, 1].map(weights),
+            }
         };
         self.segments.iter().map(one).collect()
     }

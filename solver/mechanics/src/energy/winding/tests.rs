@@ -65,7 +65,7 @@ fn sides(mesh: &mesh::TetMesh) -> Vec<[usize; 3]> {
 }
 
 /// Tests the derivatives of a helix around the cube, on its sides: by its stiffness, pretension,
-/// course and phase. The functions give the lead of its values, and the stiffness, of all values relative to `NUMBERS`.
+/// lead and phase. The functions give the lead of its values, and the stiffness, of all values relative to `NUMBERS`.
 /// Steps are so short that no piece appears or vanishes.
 fn check_helix(
     degree: usize,

@@ -14,7 +14,7 @@ use crate::math::linear::dot;
 use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
 use crate::stability::{FirstLimit, Limit, LimitSearch};
-use crate::testing::{self, balloon, balloon_pressure};
+use crate::testing::{self, balloon, balloon_limit};
 
 pub(in crate::stability) const NEWTON: Newton =
     Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0, ballooned: None };
@@ -221,7 +221,7 @@ fn the_direct_method_converges_quadratically_from_afar() {
 
 #[test]
 fn the_direct_method_finds_the_limit_of_a_sphere() {
-    let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let limit = balloon_limit();
     let (problem, rest) = balloon(2, 2, 1.1 * limit);
     let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
     let (found, [before, after]) = first_limit(&problem, &rest, path, Singularity::LimitPoint);
@@ -286,7 +286,7 @@ fn unit_load(rise: f64, kind: Singularity) -> f64 {
 /// The pressure at which a sphere balloons is that of its law and its shape, whatever it is at a load of one.
 #[test]
 fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
-    let limit = (1000..4000).map(|i| balloon_pressure(0.001 * f64::from(i))).fold(0.0, f64::max);
+    let limit = balloon_limit();
     let (problem, rest) = balloon(2, 2, 0.6 * limit);
     let mut workspace = Workspace::new(&problem);
     let mut stepper = stepper(&problem);

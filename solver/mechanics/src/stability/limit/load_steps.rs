@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use crate::forward::{Integrator, Method, State, solve};
     use crate::stability::{FirstLimit, LimitSearch};
-    use crate::testing::{balloon, balloon_pressure};
+    use crate::testing::{balloon, balloon_limit};
 
     const NEWTON: Newton = Newton {
         iterations: 200,
@@ -172,8 +172,7 @@ mod tests {
 
     #[test]
     fn load_steps_find_the_limit_of_a_balloon() {
-        let limit = (100..400).map(|i| balloon_pressure(0.01 * f64::from(i))).fold(0.0, f64::max);
-        let (problem, rest) = balloon(1, 1, 0.6 * limit);
+        let (problem, rest) = balloon(1, 1, 0.6 * balloon_limit());
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
         let first = solve(&problem, &mut Workspace::new(&problem), &rest, &stepping, |_| {});
         let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();

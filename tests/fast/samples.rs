@@ -1,0 +1,300 @@
+//! A small scene of each feature: `p1.toml` in a folder, and where `design.toml` moves its shape, a design of it.
+
+use mesh::io::{read_tets, write_surface, write_tets};
+use mesh::{Vec3, Volumes, facet_key, topology};
+use tests::chamber::{self, PROBES, SIM, VOLUME_DESIGN};
+use tests::workdir::Workdir;
+use tests::{block, plate, tag};
+
+pub const FIBRE: &str = r#"
+[[fibre]]
+name = "weave"
+around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }
+angle = 40
+k1 = 2e5
+k2 = 1.0
+dispersion = 0.1
+"#;
+
+pub const WINDING: &str = r#"
+[[winding]]
+name = "thread"
+on = "side"
+around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }
+pitch = 0.02
+start = 0.004
+end = 0.046
+double = true
+stiffness = 50
+"#;
+
+pub const FIBRE_PROFILES: &str = r#"
+[[fibre]]
+name = "weave"
+around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }
+angle = { values = [70, 40, 55], start = -0.001, end = 0.051 }
+k1 = { values = [1e5, 3e5], start = -0.001, end = 0.051 }
+slack = 0.1
+"#;
+
+pub const WINDING_PROFILES: &str = r#"
+[[winding]]
+name = "thread"
+on = "side"
+around = { point = [0, 0.02, 0.02], axis = [1, 0, 0] }
+pitch = { values = [0.012, 0.02, 0.016], start = 0.0, end = 0.05 }
+start = 0.004
+end = 0.046
+phase = 10
+double = true
+stiffness = { values = [40, 60], start = 0.01, end = 0.04 }
+pretension = 0.5
+slack = 0.1
+"#;
+
+pub const SHEET: &str = r#"
+[[membrane]]
+on = "top"
+thickness = 1e-4
+material = { kind = "sheet", young = 3e6, poisson = 0.3 }
+"#;
+
+/// Fabric on the bias, the warp around an axis below the body.
+pub const FABRIC: &str = r#"
+[[membrane]]
+on = "top"
+thickness = 1e-4
+material = { kind = "woven", warp = 3e6, weft = 1e6, shear = 2e5, poisson = 0.3 }
+around = { point = [0, 0.02, -0.02], axis = [1, 0, 0] }
+angle = 30
+"#;
+
+/// The law of the chamber.
+pub const ONE: &str = r#"[material]
+kind = "mooney-rivlin"
+c1 = 55e3
+c2 = 5e3
+c3 = 1.7e3
+d1 = 1e6
+"#;
+
+/// One of its floor and one of its walls.
+pub const TWO: &str = r#"[[material]]
+on = "floor"
+kind = "neo-hookean"
+young = 600e3
+poisson = 0.45
+
+[[material]]
+on = "walls"
+kind = "mooney-rivlin"
+c1 = 55e3
+c2 = 5e3
+c3 = 1.7e3
+d1 = 1e6
+"#;
+
+/// The volume in the chamber of a wound body.
+const AIR: &str = "\n[[probe]]\nname = \"air\"\nkind = \"volume\"\non = \"cavity\"\n";
+
+pub const TIGHT: &str = "\n[solver]\nrelative_tolerance = 1e-13\nabsolute_tolerance = 1e-12\n";
+
+/// The chamber around which the tables are wound.
+pub fn wound(tables: &str) -> Workdir {
+    let dir = chamber::with(&chamber::wound(1), &(AIR.to_owned() + tables));
+    dir.write("design.toml", VOLUME_DESIGN);
+    dir
+}
+
+/// The same in finer cells, with a tag `inner` 5 mm below `side`, inside the walls.
+pub fn deep(tables: &str) -> Workdir {
+    let mut body = chamber::wound(2);
+    body.tags.names.push("inner".to_owned());
+    let id = body.tags.id("inner").unwrap();
+    let is_inner = |facet: &[usize; 3]| {
+        let x = facet.map(|v| body.mesh.vertices[v]);
+        let from_axis = |x: &Vec3| (x.y - 0.02).abs().max((x.z - 0.02).abs());
+        let flat = |k: usize| x.iter().all(|p| p[k] == x[0][k]) && (x[0][k] - 0.02).abs() > 0.014;
+        x.iter().all(|x| (from_axis(x) - 0.015).abs() < 1e-9) && (flat(1) || flat(2))
+    };
+    let facets =
+        body.mesh.tets.iter().flat_map(|tet| topology::TET_FACETS.map(|f| f.map(|c| tet[c])));
+    for facet in facets.map(facet_key).filter(is_inner) {
+        body.tags.set(facet, id);
+    }
+    let dir = chamber::with(&body, &(AIR.to_owned() + tables));
+    dir.write("design.toml", VOLUME_DESIGN);
+    dir
+}
+
+/// The chamber with probes and these tables.
+pub fn covered(tables: &str) -> Workdir {
+    let dir = chamber::workdir();
+    dir.write("p1.toml", &(dir.text("p1.toml") + PROBES + tables));
+    dir
+}
+
+/// The chamber, whose tetrahedra below 10 mm are the volume `floor`, and others `walls`.
+pub fn volumes(materials: &str) -> Workdir {
+    let dir = covered(TIGHT);
+    let mut file = read_tets(&dir.path("body.msh")).unwrap();
+    let height = |t: usize| file.mesh.corners(t).iter().map(|p| p.z).sum::<f64>() / 4.0;
+    let of = (0..file.mesh.tets.len()).map(|t| usize::from(height(t) > 0.01)).collect();
+    file.tags.volumes = Volumes { names: vec!["floor".to_owned(), "walls".to_owned()], of };
+    write_tets(&dir.path("body.msh"), &file.mesh, &file.tags).unwrap();
+    dir.write("p1.toml", &dir.text("p1.toml").replace(ONE, materials));
+    dir
+}
+
+/// Half of a wound chamber, cut at y = 20 mm.
+pub fn half(tables: &str) -> Workdir {
+    let mesh = block([5, 2, 4], 0.01, |c| c[0] < 4 && c[1] == 1 && (1..3).contains(&c[2]), |p| p);
+    let body = tag(
+        mesh,
+        &[
+            ("cut", &|p| p.y > 0.02 - 1e-6),
+            ("seat", &|p| p.x < 1e-6),
+            ("cavity", &|p| p.x < 0.041 && p.y > 0.009 && p.z > 0.009 && p.z < 0.031),
+            ("side", &|_| true),
+        ],
+    );
+    chamber::with(&body, &format!("{tables}\n[[symmetry]]\non = \"cut\"\n"))
+}
+
+/// A block with a closed chamber `air`, a rigid plate glued to its top, and more keys of the plate.
+pub fn glued(keys: &str) -> Workdir {
+    let dir = Workdir::new();
+    let hollow = |c: [usize; 3]| c == [1, 1, 1] || c == [1, 1, 2];
+    let body = tag(
+        block([3, 3, 4], 5e-3, hollow, |p| p),
+        &[
+            ("bottom", &|c| c.z < 1e-9),
+            ("top", &|c| c.z > 0.02 - 1e-9),
+            ("sides", &|c| [c.x, c.y].into_iter().any(|x| !(1e-9..=0.015 - 1e-9).contains(&x))),
+            ("air", &|_| true),
+        ],
+    );
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let scene = format!(
+        "mesh = \"body.msh\"\ndegree = 1\ngravity = [0, 0, -9.81]\n\n{}density = 1000.0\n\n\
+         [[fixed]]\non = \"bottom\"\n\n[[chamber]]\non = \"air\"\npressure = 2e3\n\n\
+         [[rigid]]\non = \"top\"\n{keys}",
+        ONE
+    );
+    dir.write("p1.toml", &scene);
+    dir.write(
+        "design.toml",
+        "scene = \"p1.toml\"\n\n[shape]\non = \"air\"\n\n[[shape.level]]\nhandles = 2\niterations = 1\n\n\
+         [[objective]]\nkind = \"displacement\"\nname = \"up\"\nweight = 1e9\non = \"top\"\n\
+         displacement = [1e-3, 0, 2e-3]\n",
+    );
+    dir
+}
+
+/// A cube of 20 mm with a law, which contracts freely while its top is pulled or moved as `loads` say, in tables of time.
+pub fn cube(law: &str, loads: &str) -> Workdir {
+    let dir = Workdir::new();
+    let body = tag(
+        block([2, 2, 2], 0.01, |_| false, |p| p),
+        &[
+            ("bottom", &|p| p.z < 1e-9),
+            ("top", &|p| p.z > 0.02 - 1e-9),
+            ("left", &|p| p.x < 1e-9),
+            ("front", &|p| p.y < 1e-9),
+        ],
+    );
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let fixed = [("bottom", "z"), ("left", "x"), ("front", "y")]
+        .map(|(on, axis)| format!("[[fixed]]\non = \"{on}\"\ncomponents = \"{axis}\"\n"));
+    let scene = format!("mesh = \"body.msh\"\ndegree = 1\n{law}{}{loads}{TIGHT}", fixed.concat());
+    dir.write("p1.toml", &scene);
+    dir
+}
+
+/// A design of the cube for a probe, by the shape of a face.
+pub fn cube_design(on: &str, probe: &str, weight: f64) -> String {
+    format!(
+        "scene = \"p1.toml\"\n[shape]\non = \"{on}\"\n[[shape.level]]\nhandles = 1\niterations = 1\n\
+         [[objective]]\nkind = \"probe\"\nname = \"low\"\nprobe = \"{probe}\"\ntarget = 0.0\n\
+         over = \"uniform\"\nweight = {weight:e}\n"
+    )
+}
+
+/// Ambient pressure [Pa], volume of a hollow [m³], and resistance of a line that fills it in 0.1 s [Pa s/m³].
+pub const AMBIENT: f64 = 101_325.0;
+pub const HOLLOW: f64 = 1e-6;
+pub const RESISTANCE: f64 = 0.1 * AMBIENT / HOLLOW;
+
+/// A block of 70 x 30 x 30 mm with two hollows of 1 mL, and a scene of it through half a second.
+pub fn twins(young: f64, chambers: &str) -> Workdir {
+    let dir = Workdir::new();
+    let inside = |p: Vec3, x: f64| (p - Vec3::new(x, 0.015, 0.015)).amax() < 0.006;
+    let hole = |cell: [usize; 3]| cell == [1, 1, 1] || cell == [5, 1, 1];
+    let body = tag(
+        block([7, 3, 3], 0.01, hole, |p| p),
+        &[
+            ("left", &|p| inside(p, 0.015)),
+            ("right", &|p| inside(p, 0.055)),
+            ("seat", &|p| p.z < 1e-9),
+        ],
+    );
+    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let scene = format!(
+        "mesh = \"body.msh\"\ndegree = 1\n\n[material]\nkind = \"neo-hookean\"\nyoung = {young:e}\npoisson = 0.3\n\n\
+         [[fixed]]\non = \"seat\"\n\n{chambers}\n[time]\nend = 0.5\nsteps = 10\nmethod = \"quasistatic\"\n"
+    );
+    dir.write("p1.toml", &scene);
+    dir.write(
+        "design.toml",
+        "scene = \"p1.toml\"\n\n[shape]\non = \"left\"\n\n[[shape.level]]\nhandles = 3\niterations = 1\n\n\
+         [[objective]]\nkind = \"volume\"\nname = \"air\"\nweight = -1e6\non = \"left\"\nmeasure = \"deformed\"\n",
+    );
+    dir
+}
+
+/// A chamber of the twins at the end of a line.
+pub fn supplied(tags: &str, supply: &str, leak: f64) -> String {
+    format!("[[chamber]]\n{tags}\n{supply}\nresistance = {RESISTANCE:e}\nleak = {leak:e}\n\n")
+}
+
+/// The chamber with a plug in its mouth, which nothing holds, for some time.
+pub fn plugged() -> Workdir {
+    let dir = chamber::workdir();
+    let held = SIM.find("[[fixed]]").unwrap()..SIM.find("[[chamber]]").unwrap();
+    let scene = dir
+        .text("p1.toml")
+        .replace("d1 = 1e6", "d1 = 1e6\ndensity = 1000")
+        .replace(&SIM[held], "")
+        .replace("pressure = 8e3", "pressure = 8e3\nplug = true");
+    // the derivatives by density are small
+    let time = "\n[solver]\nabsolute_tolerance = 1e-10\n[time]\nend = 0.02\nsteps = 4\nmethod = \"implicit-euler\"\n";
+    dir.write("p1.toml", &(scene + time));
+    let lift = "\n[[objective]]\nkind = \"displacement\"\nname = \"lift\"\nweight = 1e9\non = \"top\"\n\
+                displacement = [0, 0, 1e-3]\nmeasure = \"deformed\"\n";
+    dir.write("design.toml", &(VOLUME_DESIGN.replace("handles = 1", "handles = 3") + lift));
+    dir
+}
+
+/// A block of 1 cm that falls the 2 mm to a floor, and another one 2 cm beside it.
+pub fn falling() -> Workdir {
+    let dir = Workdir::new();
+    let block = tag(block([2, 2, 2], 5e-3, |_| false, |p| p), &[("skin", &|_| true)]);
+    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
+    write_surface(&dir.path("floor.stl"), &plate([-1.0, 1.0], [-1.0, 1.1], 0.0)).unwrap();
+    dir.write(
+        "p1.toml",
+        &format!(
+            "degree = 1\ngravity = [0, 0, -9.8]\n\
+             [[body]]\nname = \"a\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 2e-3]\n{SOLID}\
+             [[body]]\nname = \"b\"\nmesh = \"block.msh\"\ntranslate = [0.02, 0, 3e-3]\n{SOLID}\
+             [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
+             [contact]\nactivation = 1e-4\nstiffness = 1e5\nthickness = 0.0\n\
+             [time]\nend = 0.04\nsteps = 10\n"
+        ),
+    );
+    dir
+}
+
+/// The material of blocks that fall and touch.
+pub const SOLID: &str =
+    "material = { kind = \"neo-hookean\", young = 1e5, poisson = 0.35, density = 1000.0 }\n";
