@@ -4,12 +4,14 @@
 //! independently; at small pressure Lamé's sphere,
 //! u(A) = P A³/(B³ − A³) [A/(3K) + B³/(4μA²)].
 
+use std::collections::BTreeMap;
+
 use mechanics::energy::{
     Elastic, Energies, GasLaw, IdealGas, Isobaric, Multiplier, PrescribedVolume,
 };
 use mechanics::forward::{Stepping, Workspace, solve_in_time};
 use mechanics::material::{Lame, Material, NeoHookean};
-use mechanics::schedule::Schedule;
+use mechanics::schedule::Written;
 use mesh::Vec3;
 use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean, newton};
 use tests::meshes::shell_octant;
@@ -208,8 +210,8 @@ fn a_prescribed_volume_passes_the_limit_point() {
     let law = || -> Box<dyn Material> {
         Box::new(NeoHookean(Lame::new(2.0 * mu * (1.0 + poisson), poisson)))
     };
-    let mut factor: Schedule = "(1 + t)^3".parse().unwrap();
-    factor.begin(0.2);
+    let factor: Written = "(1 + t)^3".parse().unwrap();
+    let factor = factor.schedule(&BTreeMap::new(), 0.2).unwrap();
     let gas = PrescribedVolume::Factor(factor);
     let Shell { body, gas } = Shell::with(law, 2, [6, 2], &gas);
     let octant = std::f64::consts::PI / 6.0 * A.powi(3);

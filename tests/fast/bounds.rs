@@ -10,7 +10,7 @@ use tests::workdir::{Workdir, repository};
 fn what_is_beyond_a_bound_is_refused() {
     let dir = chamber::workdir();
     let steps = "simulate p1.toml --set time.end=1 --set time.steps=1000001 --set material.density=1e3 -o out";
-    dir.solver(steps).assert_refused(2, &["steps = 1000001: expected 1 to 1000000"]);
+    dir.solver(steps).assert_refused(2, &["steps = 1000001: must lie between 1 and 1000000"]);
     dir.solver("simulate p1.toml --threads 1025 -o out").assert_refused(2, &["0..=1024"]);
     let model = repository().join("pipelines/blank/model.toml");
     fs::copy(model, dir.path("model.toml")).unwrap();

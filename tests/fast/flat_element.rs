@@ -140,7 +140,10 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
     assert!(with[4] < without[4], "{with:?} {without:?}");
     dir.write("bad.toml", &dir.text("kept.toml").replace("tolerance = 0", "tolerance = -1e-4"));
     let run = dir.solver("optimize bad.toml -o bad");
-    run.assert_refused(2, &["bad.toml", "surface_tolerance = -0.0001 m must not be negative"]);
+    run.assert_refused(
+        2,
+        &["bad.toml", "surface_tolerance = -0.0001 m: must be finite and not negative"],
+    );
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn kinds() -> Vec<Kind> {
 
 /// A scene with its laws, which a program builds when it has the mesh.
 fn read_scene(path: &Path) -> Result<()> {
-    let scene = SimConfig::read(path)?.bound()?;
+    let scene = SimConfig::read(path)?;
     for body in scene.bodies()? {
         match body.material {
             MaterialConfig::Volumes(volumes) => {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use program::schema::{Key, add_keys, key_names, keys_of, one_of};
+use program::schema::{Key, add_table, key_names, keys_of, one_of};
 use program::{KeyPath, Misfit, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{DeserializeOwned, Error as _};
@@ -120,16 +120,9 @@ impl<C: Common> JsonSchema for Entry<C> {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let common = C::json_schema(generator).to_value();
-        let needed = |key: &str| {
-            common["required"].as_array().is_some_and(|all| all.iter().any(|name| name == key))
-        };
-        let keys = key_names::<C>();
-        let keys = keys.iter().map(|&key| (key, common["properties"][key].clone(), needed(key)));
-        let keys: Vec<_> = keys.collect();
         one_of(kinds::of(C::LIST).map(|kind| {
             let mut schema = kind.schema(generator);
-            add_keys(&mut schema, &keys);
+            add_table::<C>(&mut schema, generator);
             C::describe(&mut schema);
             schema
         }))

@@ -4,12 +4,13 @@
 //! a table is described; `#[schemars(with = "…")]` names them.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use mechanics::contact::barrier::Form;
 use mechanics::contact::density::Density;
 use mechanics::forward::Method;
-use mechanics::schedule::Malformed;
-use program::did_you_mean;
+use mechanics::schedule::{Malformed, Schedule, Written};
+use program::{KeyPath, Misfit, did_you_mean, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +40,13 @@ pub fn proposed(error: &Malformed) -> String {
     format!("{error}{}", near.unwrap_or_default())
 }
 
-/// Schema of [`mechanics::schedule::Schedule`].
+/// The values of what is wanted, which has no parameters, by its key.
+pub fn values(key: &str, written: &Written) -> Result<Schedule, Misfit> {
+    let schedule = written.schedule(&BTreeMap::new(), 1.0);
+    schedule.map_err(|what| misfit!(KeyPath::of(key), ": {}", proposed(&what)))
+}
+
+/// Schema of [`Written`].
 pub struct ScheduleSchema;
 
 impl JsonSchema for ScheduleSchema {
@@ -69,7 +76,7 @@ struct Columns {
 }
 
 /// Three schedules: a vector that may change with time and position; the schema of
-/// [`mechanics::schedule::Field`].
+/// [`mechanics::schedule::WrittenField`].
 #[derive(JsonSchema)]
 #[serde(transparent)]
 pub struct FieldSchema(pub [ScheduleSchema; 3]);
@@ -124,24 +131,16 @@ pub enum DensitySchema {
 
 #[cfg(test)]
 mod tests {
-    use mechanics::schedule::Schedule;
-
     use super::*;
 
     #[derive(Debug, Serialize, Deserialize)]
     struct Scene {
-        pressure: Schedule,
+        pressure: Written,
     }
 
-    fn read(text: &str) -> Result<Schedule, String> {
+    fn read(text: &str) -> Result<Written, String> {
         let scene: Result<Scene, _> = toml::from_str(&format!("pressure = {text}"));
         scene.map(|s| s.pressure).map_err(|e| e.to_string())
-    }
-
-    fn sound(text: &str, first: f64) -> Schedule {
-        let mut schedule = read(text).expect(text);
-        schedule.begin(first);
-        schedule
     }
 
     #[test]
@@ -171,9 +170,8 @@ mod tests {
             // nothing is similar
             ("3*tanh(t)", "max, if), at character 3"),
         ] {
-            let mut schedule = sound(&format!("\"{text}\""), 1.0);
-            assert!(schedule.at(0.5).is_nan(), "{text}: never a silent zero");
-            let message = proposed(&schedule.bind(&parameters).expect_err(text));
+            let written = read(&format!("\"{text}\"")).expect(text);
+            let message = proposed(&written.schedule(&parameters, 1.0).expect_err(text));
             assert!(message.ends_with(ends), "{message}");
         }
     }
@@ -181,10 +179,10 @@ mod tests {
     #[test]
     fn what_is_written_is_what_was_read() {
         for text in ["8.5", "\"20e3*t\"", "{ t = [0.0, 1.0], value = [2.0, 3.0] }"] {
-            let scene = Scene { pressure: sound(text, 0.25) };
+            let scene = Scene { pressure: read(text).expect(text) };
             let again = toml::to_string(&scene).expect("a table");
             let again: Scene = toml::from_str(&again).expect("what was written");
-            assert_eq!(again.pressure, sound(text, 1.0));
+            assert_eq!(again.pressure, scene.pressure);
         }
     }
 }

@@ -31,6 +31,7 @@ use std::path::{Path, PathBuf};
 
 use ::scene::config::{ContactForm, DesignConfig, SimConfig, beside};
 use anyhow::{Context, Result, bail};
+use program::Settings;
 
 use self::design::Design;
 use self::document::Document;
@@ -120,8 +121,7 @@ impl Imported {
         design: Option<Design>,
     ) -> Result<Self> {
         let context = || format!("{}: the scene that it describes", documents[0].0.path.display());
-        let config: SimConfig = toml::from_str(&scene.text).with_context(context)?;
-        let config = config.bound().with_context(context)?;
+        let config = SimConfig::of(&Settings::of_text(&scene.text)).with_context(context)?;
         for body in config.bodies().with_context(context)? {
             body.material.specification().with_context(context)?;
         }

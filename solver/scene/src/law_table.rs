@@ -5,35 +5,88 @@
 use anyhow::{Context, Result, bail, ensure};
 use mechanics::material::response::Mode;
 use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
-use program::schema::{add_keys, add_kind};
-use program::{KeyPath, misfit, unknown};
-use schemars::Schema;
+use program::schema::{add_keys, add_kind, add_table, take_keys};
+use program::table::{Range, Table as _};
+use program::{KeyPath, Misfit, misfit, unknown};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use toml::{Table, Value};
 
-/// Modes of tests as people write them. At constant volume a block that is compressed is stretched along both other axes.
-const MODES: [(&str, Mode); 4] = [
-    ("tension", Mode::Uniaxial),
-    ("compression", Mode::Biaxial),
-    ("biaxial", Mode::Biaxial),
-    ("planar", Mode::Planar),
-];
+program::table! {
+    /// What is known of a material beside its law.
+    #[derive(Clone, Debug)]
+    struct Beside {
+        /// Density [kg/m³].
+        density: Option<f64> = None, Range::POSITIVE.unit("kg/m³");
+        /// Smallest and largest principal stretch that it was fitted to [1].
+        stretch_range: Option<[f64; 2]> = None, around_one;
+        /// Modes that it was fitted in.
+        modes: Vec<Tested> = Vec::new();
+        /// Uniaxial stretch at which it tears: 1 + elongation at break [1].
+        stretch_at_break: Option<f64> = None, Range::above(1.0).advice(", 1 + elongation at break");
+        /// Part by which strain grows while a load is held [1].
+        creep: Option<f64> = None, Range::POSITIVE.advice("; a part such as 0.2");
+        /// Part by which stress falls after a first stretch [1].
+        mullins: Option<f64> = None, Range::above(0.0).below(1.0);
+    }
+}
+
+/// A mode of a test.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum Tested {
+    /// Along one axis.
+    Tension,
+    /// Along one axis; at constant volume a block is stretched along both others.
+    Compression,
+    /// Along two axes.
+    Biaxial,
+    /// Along one axis, while another is held.
+    Planar,
+}
+
+impl Tested {
+    fn mode(self) -> Mode {
+        match self {
+            Self::Tension => Mode::Uniaxial,
+            Self::Compression | Self::Biaxial => Mode::Biaxial,
+            Self::Planar => Mode::Planar,
+        }
+    }
+}
+
+fn around_one(at: &KeyPath, range: &Option<[f64; 2]>) -> Result<(), Misfit> {
+    match range {
+        Some([low, high]) if !(0.0 < *low && (*low..=*high).contains(&1.0) && high.is_finite()) => {
+            Err(misfit!(
+                at.clone(),
+                " = [{low}, {high}]: must be [smallest, largest] principal stretch around 1"
+            ))
+        }
+        _ => Ok(()),
+    }
+}
 
 /// Reads `kind`, the parameters of a law of a volume, and optionally `density`,
 /// `stretch_range`, `modes`, `stretch_at_break`, `creep` and `mullins`.
 pub fn volume(table: &Table) -> Result<Specification> {
     let mut parameters = table.clone();
     let law = law(&mut parameters, material::LAWS, "solver list")?;
-    let density = parameters.remove("density").map(|v| density(&v)).transpose()?;
-    let stretch_range = parameters.remove("stretch_range").map(|v| range(&v)).transpose()?;
-    let modes = parameters.remove("modes").map(|v| modes(&v)).transpose()?.unwrap_or_default();
-    let stretch_at_break =
-        parameters.remove("stretch_at_break").map(|v| at_break(&v)).transpose()?;
-    let creep = parameters.remove("creep").map(|v| creep(&v)).transpose()?;
-    let mullins = parameters.remove("mullins").map(|v| mullins(&v)).transpose()?;
-    let softening = Softening { creep, mullins };
-    let values = values(law, &parameters)?;
-    Ok(Specification { law, values, density, stretch_range, modes, stretch_at_break, softening })
+    let beside: Beside = take_keys(&mut parameters)?;
+    beside.check_ranges(&KeyPath::default())?;
+    let mut modes: Vec<Mode> = beside.modes.into_iter().map(Tested::mode).collect();
+    modes.sort_unstable_by_key(|mode| mode.state());
+    modes.dedup();
+    Ok(Specification {
+        law,
+        values: values(law, &parameters)?,
+        density: beside.density,
+        stretch_range: beside.stretch_range,
+        modes,
+        stretch_at_break: beside.stretch_at_break,
+        softening: Softening { creep: beside.creep, mullins: beside.mullins },
+    })
 }
 
 /// Reads `kind` and the parameters of a law of a sheet.
@@ -151,28 +204,10 @@ pub fn written<M: ?Sized + 'static>(law: &Law<M>, numbers: &[f64]) -> Table {
 }
 
 /// The tables that [`volume`] reads, one for each law.
-pub fn volume_schemas() -> Vec<Schema> {
-    let range = json!({
-        "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
-        "description": "Smallest and largest principal stretch that it was fitted to [1].",
-    });
-    let modes = json!({
-        "type": "array", "items": { "enum": MODES.map(|(name, _)| name) }, "minItems": 1,
-        "description": "Modes that it was fitted in.",
-    });
-    let number = |meaning: &str| json!({ "type": "number", "description": meaning });
-    let at_break = number("Uniaxial stretch at which it tears: 1 + elongation at break [1].");
-    let optional = [
-        ("density", number("Density [kg/m³]."), false),
-        ("stretch_range", range, false),
-        ("modes", modes, false),
-        ("stretch_at_break", at_break, false),
-        ("creep", number("Part by which strain grows while a load is held [1]."), false),
-        ("mullins", number("Part by which stress falls after a first stretch [1]."), false),
-    ];
+pub fn volume_schemas(generator: &mut SchemaGenerator) -> Vec<Schema> {
     let one = |law: &Law| {
         let mut schema = schema(law);
-        add_keys(&mut schema, &optional);
+        add_table::<Beside>(&mut schema, generator);
         schema
     };
     material::LAWS.iter().map(one).collect()
@@ -201,82 +236,6 @@ pub fn schema<M: ?Sized>(law: &Law<M>) -> Schema {
 /// A number as TOML has it, with or without a decimal point.
 pub(crate) fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
-}
-
-fn density(value: &Value) -> Result<f64> {
-    let density = number(value).filter(|d| d.is_finite() && *d > 0.0);
-    Ok(density.ok_or_else(|| {
-        misfit!(KeyPath::of("density"), " = {value}: expected a positive number [kg/m³]")
-    })?)
-}
-
-fn at_break(value: &Value) -> Result<f64> {
-    let stretch = number(value).filter(|s| s.is_finite() && *s > 1.0);
-    Ok(stretch.ok_or_else(|| {
-        misfit!(
-            KeyPath::of("stretch_at_break"),
-            " = {value}: expected a number above 1, 1 + elongation at break [1]"
-        )
-    })?)
-}
-
-fn creep(value: &Value) -> Result<f64> {
-    let part = number(value).filter(|c| c.is_finite() && *c > 0.0);
-    Ok(part.ok_or_else(|| {
-        misfit!(
-            KeyPath::of("creep"),
-            " = {value}: expected a positive part by which strain grows, such as 0.2"
-        )
-    })?)
-}
-
-fn mullins(value: &Value) -> Result<f64> {
-    let part = number(value).filter(|m| *m > 0.0 && *m < 1.0);
-    Ok(part.ok_or_else(|| {
-        misfit!(
-            KeyPath::of("mullins"),
-            " = {value}: expected a part between 0 and 1 by which stress falls, such as 0.1"
-        )
-    })?)
-}
-
-fn range(value: &Value) -> Result<[f64; 2]> {
-    let numbers: Option<Vec<f64>> =
-        value.as_array().and_then(|items| items.iter().map(number).collect());
-    let Some(&[low, high]) = numbers.as_deref() else {
-        bail!(misfit!(
-            KeyPath::of("stretch_range"),
-            " = {value}: expected two numbers, as in [0.5, 4.0]"
-        ));
-    };
-    ensure!(
-        low > 0.0 && low <= 1.0 && high >= 1.0 && high.is_finite(),
-        misfit!(
-            KeyPath::of("stretch_range"),
-            " = {value}: must be [smallest, largest] principal stretch around 1"
-        )
-    );
-    Ok([low, high])
-}
-
-/// Modes by their names, each once.
-fn modes(value: &Value) -> Result<Vec<Mode>> {
-    let named = |item: &Value| {
-        let name = item.as_str()?;
-        Some(MODES.iter().find(|(known, _)| *known == name)?.1)
-    };
-    let items = value.as_array().filter(|items| !items.is_empty());
-    let found: Option<Vec<Mode>> = items.and_then(|items| items.iter().map(named).collect());
-    let mut found = found.ok_or_else(|| {
-        let known = MODES.map(|(name, _)| format!("\"{name}\"")).join(", ");
-        misfit!(
-            KeyPath::of("modes"),
-            " = {value}: expected a list of modes of tests out of {known}"
-        )
-    })?;
-    found.sort_unstable_by_key(|mode| mode.state());
-    found.dedup();
-    Ok(found)
 }
 
 #[cfg(test)]
@@ -358,14 +317,11 @@ mod tests {
             (format!("{ogden}mu = [1e4]\nalpha = [0]"), "alpha of term 1 is 0"),
             (format!("{yeoh}density = -1"), "density = -1"),
             (format!("{yeoh}stretch_range = [2, 1]"), "around 1"),
-            (
-                format!("{yeoh}modes = ['torsion']"),
-                "\"tension\", \"compression\", \"biaxial\", \"planar\"",
-            ),
-            (format!("{yeoh}modes = 'tension'"), "expected a list of modes"),
+            (format!("{yeoh}modes = ['torsion']"), "`tension`, `compression`, `biaxial`, `planar`"),
+            (format!("{yeoh}modes = 'tension'"), "expected a sequence"),
             (format!("{yeoh}stretch_at_break = 0.9"), "above 1"),
             (format!("{yeoh}creep = -0.2"), "creep = -0.2"),
-            (format!("{yeoh}mullins = 1"), "between 0 and 1"),
+            (format!("{yeoh}mullins = 1"), "above 0 and below 1"),
         ] {
             let message = message(&text);
             assert!(message.contains(needed), "{needed} is not in: {message}");

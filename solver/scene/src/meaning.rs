@@ -4,7 +4,7 @@ use std::error::Error;
 
 use measure::written::proposed;
 use mechanics::body::{CutError, TagError};
-use mechanics::energy::gas_law::Refused;
+use mechanics::energy::gas_law::BelowVacuum;
 use mechanics::schedule::Malformed;
 use program::{KeyPath, Misfit, unknown};
 
@@ -25,17 +25,7 @@ pub fn meaning(error: &(dyn Error + 'static)) -> Option<Misfit> {
         };
         return Some(path.told(error));
     }
-    let key = match error.downcast_ref()? {
-        Refused::Gas { ambient, .. } if !(*ambient > 0.0 && ambient.is_finite()) => "ambient",
-        Refused::Gas { .. } => "exponent",
-        Refused::Compliance { .. } => "compliance",
-        Refused::Line { resistance, .. } if !(*resistance > 0.0 && resistance.is_finite()) => {
-            "resistance"
-        }
-        Refused::Line { leak, .. } if !(*leak >= 0.0 && leak.is_finite()) => "leak",
-        Refused::Line { .. } => "ambient",
-        Refused::Vacuum { key, .. } => key,
-    };
+    let BelowVacuum { key, .. } = error.downcast_ref()?;
     Some(KeyPath::of(key).told(error))
 }
 

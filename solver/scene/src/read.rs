@@ -62,7 +62,7 @@ impl Scene {
 /// The settings of a scene and of its bodies.
 fn config_of(file: &Settings, path: &Path) -> Result<(SimConfig, Vec<BodyConfig>)> {
     let context = || path.display().to_string();
-    let config = SimConfig::of(file)?.bound().with_context(context)?;
+    let config = SimConfig::of(file)?;
     let bodies = config.bodies().with_context(context)?;
     Ok((config, bodies))
 }

@@ -13,7 +13,7 @@ use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use program::{KeyPath, misfit};
 use scene::Scene;
-use scene::config::{ChamberConfig, ChamberDesign, ParameterDesign};
+use scene::config::{ChamberConfig, ChamberDesign, GasConfig, ParameterDesign};
 
 use super::pressure_curve::PressureCurve;
 use super::scalar::Scalar;
@@ -25,8 +25,8 @@ pub struct LoadMap {
     times: Vec<f64>,
     curves: Vec<Curve>,
     numbers: Vec<Designed>,
-    /// Chambers in whose schedules such numbers occur, with the scene's gas laws.
-    named: Vec<(ChamberId, Box<dyn GasLaw>)>,
+    /// Chambers in whose schedules such numbers occur, with the gas of the scene.
+    named: Vec<(ChamberId, GasConfig)>,
     /// All parameters of the scene.
     parameters: BTreeMap<String, f64>,
 }
@@ -94,8 +94,8 @@ impl LoadMap {
             }
         }
         for (i, chamber) in scene.config.chamber.iter().enumerate() {
-            let (id, schedule) = (ChamberId::of(i), chamber.gas.schedule());
-            if !map.numbers.iter().any(|n| schedule.uses(&n.name)) {
+            let (id, written) = (ChamberId::of(i), &chamber.gas.value);
+            if !map.numbers.iter().any(|n| written.uses(&n.name)) {
                 continue;
             }
             ensure!(
@@ -123,6 +123,7 @@ impl LoadMap {
                 gas.key()
             ));
         };
+        let pressure = scene.config.schedule(pressure);
         ensure!(self.curves.iter().all(|c| c.chamber != id), misfit!(title, " is given twice"));
         check_loads_at_ends(scene, &title)?;
         let times = &self.times;
@@ -212,11 +213,11 @@ impl LoadMap {
                 scene.path.display()
             ));
         };
-        let mut config = scene.config.clone();
+        let config = &scene.config;
         let chambers = config.chamber.len();
         let (mut found, mut elsewhere) = (false, None);
-        for (i, (what, _, schedule)) in config.schedules().into_iter().enumerate() {
-            if schedule.uses(name) {
+        for (i, (what, _, written)) in config.schedules().into_iter().enumerate() {
+            if written.uses(name) {
                 found = true;
                 elsewhere = elsewhere.or((i >= chambers).then_some(what));
             }
@@ -292,11 +293,9 @@ impl LoadMap {
     fn bound(&self, theta: &[f64]) -> Vec<(ChamberId, Box<dyn GasLaw>)> {
         let mut parameters = self.parameters.clone();
         parameters.extend(self.numbers(theta));
-        let bind = |(id, gas): &(ChamberId, Box<dyn GasLaw>)| {
-            let mut gas = gas.clone();
-            let bound = gas.schedule_mut().bind(&parameters);
-            bound.expect("the scene's own names");
-            (*id, gas)
+        let bind = |(id, gas): &(ChamberId, GasConfig)| {
+            let schedule = gas.value.schedule(&parameters, self.times[1]);
+            (*id, gas.law(schedule.expect("the scene's own names")))
         };
         self.named.iter().map(bind).collect()
     }

@@ -113,6 +113,7 @@ impl Deck {
         let mut pressures = Vec::new();
         for chamber in &scene.config.chamber {
             let Some(pressure) = chamber.gas.pressure() else { continue };
+            let pressure = scene.config.schedule(pressure);
             let own = (0..tags.len()).filter(|&i| chamber.is_on(&tags[i].name));
             pressures.extend(own.map(|tag| (tag, pressure.at(end))));
         }

@@ -279,7 +279,8 @@ fn advice(
     }
     let time = unreached.attempt.time;
     let pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
-    let pressures: Vec<f64> = pressures.map(|pressure| pressure.at(time)).collect();
+    let pressures: Vec<f64> =
+        pressures.map(|pressure| scene.config.schedule(pressure).at(time)).collect();
     let pressed = pressures.iter().any(|pressure| *pressure > 0.0);
     let emptied =
         scene.config.contact().is_none() && pressures.iter().any(|pressure| *pressure < 0.0);

@@ -9,7 +9,6 @@ use anyhow::{Context, Result, ensure};
 use measure::probe::Probe;
 use mechanics::energy::{Iterate, Nature};
 use mechanics::forward::{LoadStep, Problem, Progress, Timings};
-use mechanics::schedule::{Field, Schedule};
 use mechanics::stability::ArcProgress;
 use mesh::Vec3;
 use mesh::io::vtu;
@@ -239,9 +238,8 @@ impl<'a> Recorder<'a> {
 /// Kinetic energy at t = 0, of a scene with inertia whose obstacles stand still: the work of those that
 /// move is not followed [J].
 fn kinetic_at_start(scene: &Scene, problem: &Problem) -> Option<f64> {
-    let stands = |field: &Field| field.0.iter().all(Schedule::is_zero);
     let balanced = scene.config.method().has_inertia()
-        && scene.config.obstacle.iter().all(|obstacle| stands(&obstacle.displacement));
+        && scene.config.obstacle.iter().all(|obstacle| obstacle.displacement.is_zero());
     let start = || scene.integrator(&scene.body, problem).last().v.clone();
     let rest = &scene.body.mesh.vertices;
     balanced.then(|| results::kinetic_energy(&problem.energies, &problem.space, rest, &start()))

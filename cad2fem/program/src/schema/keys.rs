@@ -5,6 +5,9 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde::de::value::Error;
 use serde::de::{DeserializeOwned, Deserializer, Error as _, Visitor};
 use serde::forward_to_deserialize_any;
+use toml::Table;
+
+use crate::{Misfit, read_table};
 
 /// A key with what it means.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,6 +32,15 @@ pub fn keys_of<T: DeserializeOwned + JsonSchema>() -> Vec<Key> {
     let meaning = |name: &str| schema["properties"][name]["description"].as_str();
     let key = |&name| Key { name, meaning: meaning(name).unwrap_or_default().replace('\n', " ") };
     key_names::<T>().iter().map(key).collect()
+}
+
+/// Takes the keys of a `T` out of a table, and reads them.
+pub fn take_keys<T: DeserializeOwned>(table: &mut Table) -> Result<T, Misfit> {
+    let names = key_names::<T>();
+    let all = std::mem::take(table).into_iter();
+    let (own, others): (Table, Table) = all.partition(|(key, _)| names.contains(&key.as_str()));
+    *table = others;
+    read_table(&own)
 }
 
 /// Asks a type for the names of its fields.

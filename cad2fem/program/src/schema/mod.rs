@@ -13,9 +13,11 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
-pub use keys::{Key, key_names, keys_of};
+pub use keys::{Key, key_names, keys_of, take_keys};
 pub use markdown::markdown;
-pub use tables::{add_keys, add_kind, one_of, one_of_these, one_of_these_or_none, partial};
+pub use tables::{
+    add_keys, add_kind, add_table, one_of, one_of_these, one_of_these_or_none, partial,
+};
 
 use crate::nearest::did_you_mean;
 

@@ -1,11 +1,22 @@
 //! Schemas of tables that are read by hand: what they have is put together here.
 
-use schemars::Schema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 /// Adds keys to a table, or to each of its forms; needed are those that are marked so.
 pub fn add_keys(schema: &mut Schema, keys: &[(&str, Value, bool)]) {
     add_to(schema.ensure_object(), keys);
+}
+
+/// Adds the keys of a `T` to a table, or to each of its forms.
+pub fn add_table<T: JsonSchema>(schema: &mut Schema, generator: &mut SchemaGenerator) {
+    let own = T::json_schema(generator).to_value();
+    let needed = own["required"].as_array().cloned().unwrap_or_default();
+    let properties = own["properties"].as_object().into_iter().flatten();
+    for (key, value) in properties {
+        let is_needed = needed.contains(&key.as_str().into());
+        add_keys(schema, &[(key, value.clone(), is_needed)]);
+    }
 }
 
 fn add_to(table: &mut Map<String, Value>, keys: &[(&str, Value, bool)]) {

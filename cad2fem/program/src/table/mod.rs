@@ -26,13 +26,16 @@
 //! ```
 //!
 //! `=> "words"` describes a default that a value cannot, and stands in the book. What follows the comma is a [`Rule`]:
-//! a [`Range`], [`nested`] for a table, [`each`] for a list of tables, or a function of the key and the value. An
+//! a [`Range`], [`nested`] for a table, [`each`] for a list of tables, [`named`] for values by names, or a function of
+//! the key and the value. An
 //! enumeration is an `enum` with serde's attributes: its words come from there. Between the meaning and the key may
 //! stand one `#[serde(…)]` and then one `#[schemars(…)]` of the field, such as `#[schemars(with = "FieldSchema")]`.
-//! Types have to be `Serialize`, as the schema states the defaults. A table of which each key has a default is
-//! `Default`.
+//! Types have to be `Serialize`, as the schema states the defaults; a value that is the default is not written again. A
+//! table of which each key has a default is `Default`.
 
 mod range;
+
+use std::collections::BTreeMap;
 
 use schemars::Schema;
 use serde::Serialize;
@@ -73,6 +76,13 @@ pub fn nested<T: Table>(at: &KeyPath, table: &T) -> Result<(), Misfit> {
     table.check_ranges(&at.clone().as_table())
 }
 
+/// The rule of values by names, such as those of tags: each is below its name.
+pub fn named<T>(rule: impl Rule<T>) -> impl Rule<BTreeMap<String, T>> {
+    move |at: &KeyPath, values: &BTreeMap<String, T>| {
+        values.iter().try_for_each(|(name, value)| rule.check(&at.clone().key(name), value))
+    }
+}
+
 /// The rule of a list of tables: the ranges of each, which messages call by its title.
 pub fn each<T: Table>(title: impl Fn(&T) -> KeyPath) -> impl Rule<Vec<T>> {
     move |_: &KeyPath, tables: &Vec<T>| {
@@ -103,11 +113,18 @@ pub fn state(schema: &mut Schema, key: &str, default: Option<Value>, words: &[&s
         return;
     };
     let Some(key) = table["properties"][key].as_object_mut() else { return };
+    let is_empty = default.as_array().is_some_and(Vec::is_empty);
     if let Some(words) = words.first() {
         key.insert(DEFAULT_IN_WORDS.into(), (*words).into());
-    } else if !(default.is_null() || default.is_object()) {
+    } else if !(default.is_null() || default.is_object() || is_empty) {
         key.insert("default".into(), default);
     }
+}
+
+/// A value that is to be written, as it is not what its key has without it.
+#[doc(hidden)]
+pub fn unless_default<'a, T: Serialize>(value: &'a T, default: &T) -> Option<&'a T> {
+    (stated(value) != stated(default)).then_some(value)
 }
 
 /// A default as JSON.
@@ -132,27 +149,43 @@ macro_rules! table {
         }
     ) => {
         $(#[doc = $about])+
-        #[derive(serde::Serialize $($(, $derive)+)?)]
+        $(#[derive($($derive),+)])?
         $vis struct $name {
             $(
                 $(#[doc = $doc])+
-                $(#[serde($($serde)+)])?
                 pub $key: $type,
             )+
+        }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, output: S) -> Result<S::Ok, S::Error> {
+                #[derive(serde::Serialize)]
+                struct AsWritten<'a> {
+                    $(
+                        #[serde(skip_serializing_if = "Option::is_none")]
+                        $(#[serde($($serde)+)])?
+                        $key: Option<&'a $type>,
+                    )+
+                }
+                let written = AsWritten {
+                    $( $key: $crate::table!(@written self.$key, $type $(, $default)?), )+
+                };
+                written.serialize(output)
+            }
         }
 
         impl<'de> serde::Deserialize<'de> for $name {
             fn deserialize<D: serde::Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
                 #[derive(serde::Deserialize)]
                 #[serde(deny_unknown_fields, expecting = "a table")]
-                struct Written {
+                struct AsWritten {
                     $(
                         #[serde(default)]
                         $(#[serde($($serde)+)])?
                         $key: Option<$type>,
                     )+
                 }
-                let written = Written::deserialize(input)?;
+                let written = AsWritten::deserialize(input)?;
                 Ok(Self {
                     $( $key: $crate::table!(@value D, written, $key $(, $default)?), )+
                 })
@@ -212,6 +245,10 @@ macro_rules! table {
     };
     (@value $input:ident, $written:ident, $key:ident, $default:expr) => {
         $written.$key.unwrap_or_else(|| $default)
+    };
+    (@written $value:expr, $type:ty) => { Some(&$value) };
+    (@written $value:expr, $type:ty, $default:expr) => {
+        $crate::table::unless_default::<$type>(&$value, &$default)
     };
     (@stated $type:ty) => { None };
     (@stated $type:ty, $default:expr) => { $crate::table::stated::<$type>(&$default) };

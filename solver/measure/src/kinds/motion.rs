@@ -13,7 +13,7 @@
 //!
 //! Source: Gjoka et al. 2024, the worm's and the walker's objective.
 
-use mechanics::schedule::{Field, axes};
+use mechanics::schedule::{Field, WrittenField, axes};
 
 use super::*;
 use crate::quantity::surface_integral::{Density, Place};
@@ -44,7 +44,7 @@ macro_rules! keys {
             on: Names,
             /// w [m]: numbers, expressions in t, x, y, z, or tables
             #[schemars(with = "FieldSchema")]
-            $wanted: Field,
+            $wanted: WrittenField,
             /// axes that count, such as "xz" ("xyz")
             #[serde(default = "all_axes")]
             components: String,
@@ -60,9 +60,9 @@ macro_rules! keys {
 
             fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
                 let facets = site.facets(&self.on)?;
-                site.check_wanted(stringify!($wanted), &self.$wanted, &facets)?;
+                let wanted = site.wanted(stringify!($wanted), &self.$wanted, &facets)?;
                 let patch = Patch::new(site.space, &facets, self.measure);
-                let (wanted, axes) = (self.$wanted.clone(), axes(&self.components));
+                let axes = axes(&self.components);
                 Ok(Arc::new(Motion { patch, compared: $compared, wanted, axes }))
             }
         }

@@ -6,13 +6,11 @@
 //! q    value of the probe, in its unit; q* the wanted one, as it is written, from t = 0 on
 //! s    scale: a difference that counts as 1
 
-use std::collections::BTreeMap;
-
 use mechanics::energy::Owner;
-use mechanics::schedule::Schedule;
+use mechanics::schedule::{Schedule, Written};
 
 use super::*;
-use crate::written::{ScheduleSchema, proposed};
+use crate::written::{ScheduleSchema, values};
 
 pub(super) const KIND: Kind = Kind {
     key: "probe",
@@ -30,7 +28,7 @@ struct Keys {
     /// q*, in the unit of the probe: a number, an expression in t, or a table
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScheduleSchema>")]
-    target: Option<Schedule>,
+    target: Option<Written>,
     /// s, in the unit of the probe (1)
     #[serde(default = "one")]
     scale: f64,
@@ -51,8 +49,7 @@ impl Specification for Keys {
             )
         );
         if let Some(target) = &self.target {
-            let bound = target.clone().bind(&BTreeMap::new());
-            bound.map_err(|what| misfit!(KeyPath::of("target"), ": {}", proposed(&what)))?;
+            values("target", target)?;
             ensure!(
                 !target.uses_position(),
                 misfit!(KeyPath::of("target"), " = {target}: must depend on t alone")
@@ -75,12 +72,12 @@ impl Specification for Keys {
                 known.join(", ")
             )
         })?;
-        if let Some(target) = target {
+        let target = target.as_ref().map(|target| values("target", target)).transpose()?;
+        if let Some(target) = &target {
             let checked = target.check(&site.times, &[]);
             checked.map_err(|what| misfit!(KeyPath::of("target"), ": {what}"))?;
         }
-        let (quantity, target) = (Arc::clone(quantity), target.clone());
-        Ok(Arc::new(Wanted { quantity, target, scale: *scale }))
+        Ok(Arc::new(Wanted { quantity: Arc::clone(quantity), target, scale: *scale }))
     }
 }
 

@@ -8,12 +8,12 @@ use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::material::Specification;
-use mechanics::schedule::Field;
+use mechanics::schedule::{Field, WrittenField};
 use mesh::Vec3;
 use program::{KeyPath, misfit};
 
 use super::{Quantity, Targets};
-use crate::written::Names;
+use crate::written::{Names, values};
 
 /// What a quantity is built on.
 pub struct Site<'a> {
@@ -94,13 +94,16 @@ impl Site<'_> {
         Ok(found)
     }
 
-    /// Whether a wanted value is defined on all facets at all times that count.
-    pub fn check_wanted(&self, key: &str, wanted: &Field, facets: &[[usize; 3]]) -> Result<()> {
+    /// The values of what is wanted, which has to be defined on all facets at all times that count.
+    pub fn wanted(&self, key: &str, wanted: &WrittenField, facets: &[[usize; 3]]) -> Result<Field> {
+        let [x, y, z] = wanted.0.each_ref().map(|component| values(key, component));
+        let wanted = Field([x?, y?, z?]);
         let positions: Vec<Vec3> =
             facets.as_flattened().iter().map(|&v| self.body.mesh.vertices[v]).collect();
         let mut all = wanted.0.iter();
         all.try_for_each(|schedule| schedule.check(&self.times, &positions))
-            .map_err(|what| misfit!(KeyPath::of(key), ": {what}").into())
+            .map_err(|what| misfit!(KeyPath::of(key), ": {what}"))?;
+        Ok(wanted)
     }
 
     fn boundary_or_tag(&self, name: &str) -> Result<Vec<[usize; 3]>> {

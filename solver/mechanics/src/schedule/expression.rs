@@ -14,28 +14,62 @@ use std::collections::BTreeMap;
 use mesh::Vec3;
 
 use super::jet::Jet;
-use super::node::Node;
-use super::parser::{FUNCTIONS, Malformed, Unknown, parse};
+use super::node::{Node, Unknown};
+use super::parser::{FUNCTIONS, Malformed, parse};
 
-/// A parsed expression.
+/// The text of an expression, whose names have no values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Expression {
+pub struct Formula {
     text: String,
     root: Node,
 }
 
-impl Expression {
-    /// Reads an expression without parameters.
+impl Formula {
+    /// Reads an expression with parameters. [`Expression::new`] refuses functions that nobody knows.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
-        let mut expression = Self::parse_unbound(text)?;
-        expression.bind(&BTreeMap::new())?;
-        Ok(expression)
+        parse(text).map(|root| Self { text: text.to_owned(), root })
     }
 
-    /// Reads an expression with parameters, whose values are NaN until
-    /// [`Self::bind`] sets them. So is a function that nobody knows, which `bind` refuses.
-    pub fn parse_unbound(text: &str) -> Result<Self, Malformed> {
-        parse(text).map(|root| Self { text: text.to_owned(), root })
+    /// As it was written.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Whether a parameter occurs.
+    pub fn uses(&self, parameter: &str) -> bool {
+        self.root.any(&|node| matches!(node, Node::Name { name, .. } if name == parameter))
+    }
+
+    /// Whether x, y or z occurs.
+    pub fn uses_position(&self) -> bool {
+        self.root.any(&|node| matches!(node, Node::Position(_)))
+    }
+}
+
+/// An expression with the values of its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expression(Formula);
+
+impl Expression {
+    /// The expression of a formula with the values of all its names.
+    pub fn new(formula: &Formula, parameters: &BTreeMap<String, f64>) -> Result<Self, Malformed> {
+        let Formula { text, mut root } = formula.clone();
+        root.give(parameters).map_err(|(what, name, at)| {
+            let known: Vec<&str> = match what {
+                Unknown::Function => FUNCTIONS.iter().map(|f| f.0).collect(),
+                Unknown::Name => {
+                    let known = ["t", "x", "y", "z", "pi"].into_iter();
+                    known.chain(parameters.keys().map(String::as_str)).collect()
+                }
+            };
+            Malformed::unknown_name(&text, what, name, at, &known)
+        })?;
+        Ok(Self(Formula { text, root }))
+    }
+
+    /// Reads an expression without parameters.
+    pub fn parse(text: &str) -> Result<Self, Malformed> {
+        Self::new(&Formula::parse(text)?, &BTreeMap::new())
     }
 
     /// A factor times t.
@@ -46,47 +80,28 @@ impl Expression {
             Node::Number(factor)
         };
         let root = Node::Binary(b'*', Box::new(number), Box::new(Node::Time));
-        Self { text: format!("({factor:e})*t"), root }
-    }
-
-    /// Gives all parameters their values.
-    pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
-        self.root.bind(parameters).map_err(|(what, name, at)| {
-            let known: Vec<&str> = match what {
-                Unknown::Function => FUNCTIONS.iter().map(|f| f.0).collect(),
-                Unknown::Name => {
-                    let known = ["t", "x", "y", "z", "pi"].into_iter();
-                    known.chain(parameters.keys().map(String::as_str)).collect()
-                }
-            };
-            Malformed::unknown_name(&self.text, what, name, at, &known)
-        })
-    }
-
-    /// Whether a parameter occurs.
-    pub fn uses(&self, parameter: &str) -> bool {
-        self.root.any(&|node| matches!(node, Node::Parameter { name, .. } if name == parameter))
+        Self(Formula { text: format!("({factor:e})*t"), root })
     }
 
     /// Derivative by a parameter at a time [s], where the position does not matter.
     pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
-        self.root.at(Vec3::zeros(), time, Some(parameter)).gradient.x
+        self.0.root.at(Vec3::zeros(), time, Some(parameter)).gradient.x
     }
 
     /// As it was written.
     pub fn text(&self) -> &str {
-        &self.text
+        &self.0.text
     }
 
     /// Whether x, y or z occurs.
     pub fn uses_position(&self) -> bool {
-        self.root.any(&|node| matches!(node, Node::Position(_)))
+        self.0.uses_position()
     }
 
     /// Value and gradient at a position [m] and time [s]; not finite where it
     /// is not defined.
     pub fn at(&self, position: Vec3, time: f64) -> Jet {
-        self.root.at(position, time, None)
+        self.0.root.at(position, time, None)
     }
 }
 
@@ -100,25 +115,27 @@ impl Node {
                 Self::Number(_)
                 | Self::Time
                 | Self::Position(_)
-                | Self::Parameter { .. }
-                | Self::Unknown { .. } => false,
+                | Self::Name { .. }
+                | Self::Parameter { .. } => false,
             }
     }
 
-    /// Sets the values of parameters; the error is a name without a meaning, and where.
-    fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), (Unknown, String, usize)> {
+    /// Gives names their values; the error is a name without a meaning, and where.
+    fn give(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), (Unknown, String, usize)> {
         match self {
-            Self::Unknown { function, at } => Err((Unknown::Function, function.clone(), *at)),
-            Self::Parameter { name, at, value } => {
-                let known =
-                    parameters.get(name).ok_or_else(|| (Unknown::Name, name.clone(), *at))?;
-                *value = *known;
+            Self::Name { used, name, at } => {
+                let value = match used {
+                    Unknown::Name => parameters.get(name),
+                    Unknown::Function => None,
+                };
+                let value = *value.ok_or_else(|| (*used, name.clone(), *at))?;
+                *self = Self::Parameter { name: std::mem::take(name), value };
                 Ok(())
             }
-            Self::Minus(a) => a.bind(parameters),
-            Self::Binary(_, a, b) => a.bind(parameters).and_then(|()| b.bind(parameters)),
-            Self::Call(_, arguments) => arguments.iter_mut().try_for_each(|a| a.bind(parameters)),
-            Self::Number(_) | Self::Time | Self::Position(_) => Ok(()),
+            Self::Minus(a) => a.give(parameters),
+            Self::Binary(_, a, b) => a.give(parameters).and_then(|()| b.give(parameters)),
+            Self::Call(_, arguments) => arguments.iter_mut().try_for_each(|a| a.give(parameters)),
+            Self::Number(_) | Self::Time | Self::Position(_) | Self::Parameter { .. } => Ok(()),
         }
     }
 
@@ -130,11 +147,12 @@ impl Node {
             Self::Time => Jet::constant(t),
             Self::Position(k) if by.is_none() => Jet::coordinate(x, *k),
             Self::Position(k) => Jet::constant(x[*k]),
-            Self::Parameter { name, value, .. } if by == Some(name) => {
+            Self::Parameter { name, value } if by == Some(name) => {
                 Jet { value: *value, gradient: Vec3::x() }
             }
             Self::Parameter { value, .. } => Jet::constant(*value),
-            Self::Unknown { .. } => Jet::constant(f64::NAN),
+            // an expression has none of these
+            Self::Name { .. } => Jet::constant(f64::NAN),
             Self::Minus(a) => -a.at(x, t, by),
             Self::Binary(operator, a, b) => {
                 let (a, b) = (a.at(x, t, by), b.at(x, t, by));
@@ -241,11 +259,10 @@ mod tests {
     #[test]
     fn parameters_have_values_and_slopes() {
         let text = "peak*half_smoothstep((t - delay)/0.5) + peak^2/(1 + delay)";
-        let mut expression = Expression::parse_unbound(text).expect("sound");
-        assert!(expression.at(Vec3::zeros(), 0.4).value.is_nan(), "never a silent zero");
-        let mut at = |peak: f64, delay: f64| {
+        let formula = Formula::parse(text).expect("sound");
+        let at = |peak: f64, delay: f64| {
             let values = [("peak".to_owned(), peak), ("delay".to_owned(), delay)];
-            expression.bind(&values.into()).expect("both are known");
+            let expression = Expression::new(&formula, &values.into()).expect("both are known");
             let slopes = ["peak", "delay"].map(|p| expression.by_parameter(p, 0.4));
             (expression.at(Vec3::zeros(), 0.4).value, slopes)
         };
@@ -255,8 +272,9 @@ mod tests {
         let delay = (at(3.0, 0.1 + h).0 - at(3.0, 0.1 - h).0) / (2.0 * h);
         assert!((by_peak - peak).abs() < 1e-8 * peak.abs(), "{by_peak} {peak}");
         assert!((by_delay - delay).abs() < 1e-8 * delay.abs(), "{by_delay} {delay}");
-        assert!(expression.uses("peak") && !expression.uses("pea"));
-        let message = expression.bind(&[("peak".to_owned(), 1.0)].into()).expect_err("no delay");
+        assert!(formula.uses("peak") && !formula.uses("pea"));
+        let known = [("peak".to_owned(), 1.0)].into();
+        let message = Expression::new(&formula, &known).expect_err("no delay");
         let wanted = "unknown name \"delay\" (known: t, x, y, z, pi, peak), at character 27";
         assert!(message.to_string().ends_with(wanted), "{message}");
     }

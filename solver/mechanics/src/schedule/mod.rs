@@ -14,38 +14,33 @@ mod jet;
 mod node;
 mod parser;
 mod table;
+mod written;
 
-pub use expression::Expression;
+pub use expression::{Expression, Formula};
 pub use jet::Jet;
 pub use parser::{FUNCTIONS, Malformed, UnknownName, is_free_name};
 pub use table::Table;
+pub use written::{Written, WrittenField};
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
 use mesh::Vec3;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::math::tensor::Mat3;
 
-/// What may be written, for messages.
-const NEEDED: &str =
-    "a number, an expression such as \"20e3*t\", or a table { t = [...], value = [...] }";
-
-/// One number that may change with time, and with the rest position.
+/// The values over time, and over rest positions, of what was [`Written`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    written: Written,
+    value: Value,
     /// t₁ [s].
     first: f64,
 }
 
 /// w(t).
 #[derive(Clone, Debug, PartialEq)]
-enum Written {
+enum Value {
     Number(f64),
     Expression(Arc<Expression>),
     Table(Arc<Table>),
@@ -54,9 +49,19 @@ enum Written {
 /// The largest value of an expression or table: squares of forces by it are finite.
 const LARGEST: f64 = 1e100;
 
+/// A number, which grows until t₁ = 1 s.
 impl From<f64> for Schedule {
     fn from(value: f64) -> Self {
-        Self { written: Written::Number(value), first: 1.0 }
+        Self { value: Value::Number(value), first: 1.0 }
+    }
+}
+
+/// An expression without parameters, with t₁ = 1 s.
+impl std::str::FromStr for Schedule {
+    type Err = Malformed;
+
+    fn from_str(text: &str) -> Result<Self, Malformed> {
+        text.parse::<Written>()?.schedule(&BTreeMap::new(), 1.0)
     }
 }
 
@@ -64,80 +69,23 @@ impl Schedule {
     /// Linear between values at increasing times [s], the first 0.
     pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
         let table = Table::new(times.to_vec(), values.to_vec())?;
-        let mut schedule = Self { written: Written::Table(Arc::new(table)), first: 1.0 };
-        schedule.begin(times[1]);
-        Ok(schedule)
+        Ok(Self { value: Value::Table(Arc::new(table)), first: times[1] })
     }
-}
 
-impl Schedule {
     /// A value that does not change at t > 0.
     pub fn held(value: f64) -> Self {
-        Self { written: Written::Number(value), first: f64::MIN_POSITIVE }
+        Self { value: Value::Number(value), first: f64::MIN_POSITIVE }
     }
 
     /// A value that grows in proportion to t without end, and is `value` at a time > 0 [s].
     pub fn proportional(value: f64, time: f64) -> Self {
         let rate = Expression::proportional(value / time);
-        Self { written: Written::Expression(Arc::new(rate)), first: f64::MIN_POSITIVE }
-    }
-}
-
-impl std::str::FromStr for Schedule {
-    type Err = Malformed;
-
-    /// An expression.
-    fn from_str(text: &str) -> Result<Self, Malformed> {
-        let written = Written::Expression(Arc::new(Expression::parse(text)?));
-        Ok(Self { written, first: 1.0 })
-    }
-}
-
-impl Schedule {
-    /// Sets the end of the first time step, t₁ > 0 [s]; it is 1 if not set.
-    pub fn begin(&mut self, first: f64) {
-        self.first = first;
-    }
-
-    /// Gives it the end of the first time step that another one has.
-    pub fn begin_with(&mut self, other: &Self) {
-        self.first = other.first;
-    }
-
-    /// Gives the parameters of an expression their values.
-    pub fn bind(&mut self, parameters: &BTreeMap<String, f64>) -> Result<(), Malformed> {
-        match &mut self.written {
-            Written::Expression(expression) => Arc::make_mut(expression).bind(parameters),
-            Written::Number(_) | Written::Table(_) => Ok(()),
-        }
-    }
-
-    /// Adds a constant to what is written; `parameters` are those of an expression.
-    pub fn add(
-        &mut self,
-        constant: f64,
-        parameters: &BTreeMap<String, f64>,
-    ) -> Result<(), Malformed> {
-        match &mut self.written {
-            Written::Number(value) => *value += constant,
-            Written::Expression(expression) => {
-                let text = format!("({}) + ({constant:e})", expression.text());
-                *expression = Arc::new(Expression::parse_unbound(&text)?);
-                self.bind(parameters)?;
-            }
-            Written::Table(table) => Arc::make_mut(table).add(constant),
-        }
-        Ok(())
-    }
-
-    /// Whether a parameter occurs in it.
-    pub fn uses(&self, parameter: &str) -> bool {
-        matches!(&self.written, Written::Expression(e) if e.uses(parameter))
+        Self { value: Value::Expression(Arc::new(rate)), first: f64::MIN_POSITIVE }
     }
 
     /// ∂v/∂p by a parameter at a time, where v does not depend on the position.
     pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
-        let Written::Expression(expression) = &self.written else { return 0.0 };
+        let Value::Expression(expression) = &self.value else { return 0.0 };
         let now = expression.by_parameter(parameter, time);
         match self.to_come(time) {
             0.0 => now,
@@ -145,22 +93,14 @@ impl Schedule {
         }
     }
 
-    /// The number, where it is one.
-    pub fn number(&self) -> Option<f64> {
-        match self.written {
-            Written::Number(value) => Some(value),
-            Written::Expression(_) | Written::Table(_) => None,
-        }
-    }
-
     /// Whether it was written as the number zero.
     pub fn is_zero(&self) -> bool {
-        self.written == Written::Number(0.0)
+        self.value == Value::Number(0.0)
     }
 
     /// Whether it depends on the position.
     pub fn uses_position(&self) -> bool {
-        matches!(&self.written, Written::Expression(e) if e.uses_position())
+        matches!(&self.value, Value::Expression(e) if e.uses_position())
     }
 
     /// 1 − t/t₁ during the first step, 0 after it.
@@ -176,34 +116,38 @@ impl Schedule {
 
     /// w and its gradient at a rest position [m] and a time [s].
     pub fn as_written(&self, position: Vec3, time: f64) -> Jet {
-        self.written.at(position, time)
+        match &self.value {
+            Value::Number(value) => Jet::constant(*value),
+            Value::Expression(expression) => expression.at(position, time),
+            Value::Table(table) => Jet::constant(table.at(time)),
+        }
     }
 
     /// v and its gradient at a rest position [m] and a time.
     pub fn jet(&self, position: Vec3, time: f64) -> Jet {
         let to_come = self.to_come(time);
-        if let Written::Number(value) = self.written {
+        if let Value::Number(value) = self.value {
             return Jet::constant((time / self.first).min(1.0) * value);
         }
-        let now = self.written.at(position, time);
+        let now = self.as_written(position, time);
         if to_come == 0.0 {
             return now;
         }
-        now - Jet::constant(to_come) * self.written.at(position, 0.0)
+        now - Jet::constant(to_come) * self.as_written(position, 0.0)
     }
 
     /// Whether it is defined at all these times [s] and positions [m].
     pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
-        if let Written::Number(value) = self.written {
+        if let Value::Number(value) = self.value {
             return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };
         }
-        if let Written::Table(table) = &self.written {
+        if let Value::Table(table) = &self.value {
             table.check_range(times)?;
         }
         let everywhere = if self.uses_position() { positions } else { &[Vec3::zeros()] };
         for &t in times {
             for &x in everywhere {
-                let value = self.written.at(x, t).value;
+                let value = self.as_written(x, t).value;
                 if value.is_nan() || value.abs() > LARGEST {
                     let place = if self.uses_position() {
                         format!(" at ({:.5}, {:.5}, {:.5}) m", x.x, x.y, x.z)
@@ -218,79 +162,19 @@ impl Schedule {
     }
 }
 
-impl Written {
-    fn at(&self, position: Vec3, time: f64) -> Jet {
-        match self {
-            Self::Number(value) => Jet::constant(*value),
-            Self::Expression(expression) => expression.at(position, time),
-            Self::Table(table) => Jet::constant(table.at(time)),
-        }
-    }
-}
-
 /// As it was written.
 impl fmt::Display for Schedule {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match &self.written {
-            Written::Number(value) => write!(f, "{value}"),
-            Written::Expression(expression) => write!(f, "\"{}\"", expression.text()),
-            Written::Table(_) => f.write_str("the table"),
+        match &self.value {
+            Value::Number(value) => write!(f, "{value}"),
+            Value::Expression(expression) => write!(f, "\"{}\"", expression.text()),
+            Value::Table(_) => f.write_str("the table"),
         }
-    }
-}
-
-/// As it was written.
-impl Serialize for Schedule {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match &self.written {
-            Written::Number(value) => serializer.serialize_f64(*value),
-            Written::Expression(expression) => serializer.serialize_str(expression.text()),
-            Written::Table(table) => table.serialize(serializer),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Schedule {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(Reader).map(|written| Self { written, first: 1.0 })
-    }
-}
-
-struct Reader;
-
-impl<'de> Visitor<'de> for Reader {
-    type Value = Written;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(NEEDED)
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Written, E> {
-        Ok(Written::Number(value))
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Written, E> {
-        Ok(Written::Number(value as f64))
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Written, E> {
-        Ok(Written::Number(value as f64))
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Written, E> {
-        let expression = Expression::parse_unbound(text).map_err(E::custom)?;
-        Ok(Written::Expression(Arc::new(expression)))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Written, A::Error> {
-        let table = Table::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Written::Table(Arc::new(table)))
     }
 }
 
 /// Three schedules: a vector that may change with time and position.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Field(pub [Schedule; 3]);
 
 impl From<[f64; 3]> for Field {
@@ -338,18 +222,17 @@ impl Field {
 mod tests {
     use super::*;
 
-    fn begun(mut schedule: Schedule, first: f64) -> Schedule {
-        schedule.begin(first);
-        schedule
+    fn begun(written: &Written, first: f64) -> Schedule {
+        written.schedule(&BTreeMap::new(), first).expect("no parameters")
     }
 
     fn written(text: &str, first: f64) -> Schedule {
-        begun(text.parse().expect(text), first)
+        begun(&text.parse().expect(text), first)
     }
 
     #[test]
     fn a_number_grows_in_the_first_step_and_stays() {
-        let number = begun(8.0.into(), 0.5);
+        let number = begun(&8.0.into(), 0.5);
         let values = [0.0, 0.125, 0.5, 3.0].map(|t| number.at(t));
         assert_eq!(values, [0.0, 2.0, 8.0, 8.0]);
         // of a static scene exactly proportional
@@ -358,9 +241,9 @@ mod tests {
 
     #[test]
     fn numbers_expressions_and_tables_of_one_value_agree() {
-        let table = Schedule::table(&[0.0, 2.0, 3.0], &[8.0; 3]).expect("sound");
-        let (number, expression) = (begun(8.0.into(), 0.5), written("8 + 0*t", 0.5));
-        let table = begun(table, 0.5);
+        let table = Table::new(vec![0.0, 2.0, 3.0], vec![8.0; 3]).expect("sound");
+        let (number, expression) = (begun(&8.0.into(), 0.5), written("8 + 0*t", 0.5));
+        let table = begun(&Written::Table(Arc::new(table)), 0.5);
         for t in [0.0, 0.1, 0.3, 0.5, 1.0, 2.7] {
             assert!((expression.at(t) - number.at(t)).abs() < 1e-14);
             assert!((table.at(t) - number.at(t)).abs() < 1e-14);

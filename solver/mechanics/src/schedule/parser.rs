@@ -1,6 +1,6 @@
 //! From the text of an expression to its terms, by recursive descent.
 
-use super::node::Node;
+use super::node::{Node, Unknown};
 
 /// Names and numbers of arguments.
 pub const FUNCTIONS: [(&str, usize); 10] = [
@@ -30,13 +30,6 @@ pub struct Malformed {
     /// From 1.
     position: usize,
     unknown: Option<UnknownName>,
-}
-
-/// What a name without a meaning is used as.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Unknown {
-    Name,
-    Function,
 }
 
 /// A name that an expression may not have.
@@ -260,12 +253,12 @@ impl Parser<'_> {
         let start = self.next;
         let name = self.take_while(|c| c.is_alphanumeric() || c == '_');
         if self.peek() != Some('(') {
-            let parameter = || Node::Parameter { name: name.clone(), at: start, value: f64::NAN };
+            let parameter = || Node::Name { used: Unknown::Name, name: name.clone(), at: start };
             return Ok(constant(&name).unwrap_or_else(parameter));
         }
         let arguments = self.arguments()?;
         let Some(&(known, count)) = FUNCTIONS.iter().find(|f| f.0 == name) else {
-            return Ok(Node::Unknown { function: name, at: start });
+            return Ok(Node::Name { used: Unknown::Function, name, at: start });
         };
         if arguments.len() == count {
             return Ok(Node::Call(known, arguments));

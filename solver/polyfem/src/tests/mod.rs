@@ -59,8 +59,8 @@ fn read(json: &Value, options: &Options) -> Result<(Imported, SimConfig)> {
     std::fs::write(at("plain.json"), plain.to_string()).expect("writable");
     std::fs::write(at("scene.json"), json.to_string()).expect("writable");
     let imported = super::read(&at("scene.json"), options)?;
-    let config: SimConfig = toml::from_str(&imported.scene.text).expect("checked");
-    Ok((imported, config.bound().expect("checked")))
+    let config = SimConfig::of(&Settings::of_text(&imported.scene.text)).expect("checked");
+    Ok((imported, config))
 }
 
 /// The scene with the value at a pointer replaced, or added to a list or object.
@@ -207,11 +207,11 @@ fn loads_keep_their_sense_and_reach_every_body_with_their_id() {
     assert_eq!(on, ["block.s1", "block_2.s1", "block.s2"]);
     assert_eq!(config.fixed[2].components, "xz");
     let x = Vec3::new(4.0, 0.0, 0.0);
-    assert_eq!(config.fixed[2].displacement.at(x, 0.5), Vec3::new(0.05, 0.0, 0.2));
-    assert_eq!(config.gravity.at(x, 0.5), Vec3::new(0.0, -1.0, -9.8));
-    assert_eq!(config.traction[0].traction.at(x, 0.5), Vec3::new(0.0, 12.0, 1.0));
+    assert_eq!(config.field(&config.fixed[2].displacement).at(x, 0.5), Vec3::new(0.05, 0.0, 0.2));
+    assert_eq!(config.field(&config.gravity).at(x, 0.5), Vec3::new(0.0, -1.0, -9.8));
+    assert_eq!(config.field(&config.traction[0].traction).at(x, 0.5), Vec3::new(0.0, 12.0, 1.0));
     assert_eq!(config.chamber[0].name, "block.s3");
-    assert_eq!(config.chamber[0].gas.schedule().at(1.0), 60.0);
+    assert_eq!(config.schedule(&config.chamber[0].gas.value).at(1.0), 60.0);
     let nobody = "scene.json: no body has a facet with this id".to_owned();
     assert_eq!(imported.left()[&nobody], ["/boundary_conditions/dirichlet_boundary/2"]);
 }
@@ -221,7 +221,7 @@ fn time_is_counted_from_zero() {
     let (_, config) = sound(&with("/time", json!({ "t0": 2, "tend": 3.1, "dt": 0.02 })));
     assert_eq!((config.times().len(), config.times()[54]), (55, 1.1));
     // what was at t = 2 s is now at 0
-    assert!((config.gravity.at(Vec3::zeros(), 0.5).y + 5.0).abs() < 1e-12);
+    assert!((config.field(&config.gravity).at(Vec3::zeros(), 0.5).y + 5.0).abs() < 1e-12);
     for (time, expected) in [
         (json!({ "dt": 0.1, "time_steps": 4 }), Method::ImplicitEuler),
         (json!({ "tend": 0.4, "time_steps": 4, "integrator": "BDF2" }), Method::Bdf2),
@@ -279,8 +279,8 @@ fn plane_bodies_become_slabs_of_the_same_law() {
     assert!((mesh::measure::volume(&body.mesh) - 0.5 * 0.125).abs() < 1e-15);
     let fixed: Vec<[&str; 2]> = config.fixed.iter().map(|f| [&*f.on, &*f.components]).collect();
     assert_eq!(fixed, [["plane.s1", "xy"], ["plane", "z"]]);
-    assert_eq!(config.fixed[0].displacement.at(high, 1.0), Vec3::zeros());
-    assert_eq!(config.gravity.at(low, 1.0), Vec3::new(0.0, -1.0, 0.0));
+    assert_eq!(config.field(&config.fixed[0].displacement).at(high, 1.0), Vec3::zeros());
+    assert_eq!(config.field(&config.gravity).at(low, 1.0), Vec3::new(0.0, -1.0, 0.0));
 
     // λ and μ of the plane
     let (e, nu) = (1e5, 0.35);
@@ -303,7 +303,7 @@ fn obstacles_are_surfaces_that_move() {
     let moves = json!([{ "id": 40, "value": [0, "-t", 0] }]);
     set(&mut scene, "/boundary_conditions/obstacle_displacements", moves);
     let (imported, config) = sound(&scene);
-    assert_eq!(config.obstacle[0].displacement.at(Vec3::zeros(), 0.5).y, -0.5);
+    assert_eq!(config.field(&config.obstacle[0].displacement).at(Vec3::zeros(), 0.5).y, -0.5);
     let folder = tempfile::tempdir().expect("a temporary folder");
     imported.write(folder.path()).expect("writable");
     let wall = mesh::io::read_surface(&folder.path().join(&config.obstacle[0].surface));

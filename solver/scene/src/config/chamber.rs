@@ -3,18 +3,16 @@
 
 use std::borrow::Cow;
 
-use anyhow::{Result, ensure};
 use measure::written::Names;
-use mechanics::energy::{GasLaw, Isobaric};
-use program::schema::add_keys;
-use program::{KeyPath, Misfit, misfit, read_key};
+use program::schema::{add_table, take_keys};
+use program::table::Range;
+use program::{KeyPath, Misfit, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::Error as _;
-use serde::ser::SerializeMap;
+use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::json;
 
-use super::gas;
+use super::gas::{self, GasConfig};
+use super::parameter::rising;
 
 /// A chamber of a scene: the tags of its wall, and the keys of one of the laws in
 /// [`GAS_LAWS`](mechanics::energy::gas_law::GAS_LAWS).
@@ -27,16 +25,27 @@ pub struct ChamberConfig {
     /// Whether plugs close what is open of it.
     pub plug: bool,
     /// What is behind it.
-    pub gas: Box<dyn GasLaw>,
+    pub gas: GasConfig,
+}
+
+program::table! {
+    /// Keys of a chamber beside those of its gas law.
+    #[derive(Clone, Debug)]
+    struct BesideGas {
+        /// What paths and messages call it.
+        name: Option<String> = None => "the tag of its wall";
+        /// Tag of its wall; or a list of those of several hollows that share their gas, as on a manifold.
+        on: Names;
+        /// Whether plugs, on which the gas pushes and which move with it, close what is open of the wall, so that its rim
+        /// need not be fixed.
+        plug: bool = false;
+    }
 }
 
 impl ChamberConfig {
     /// What messages call it.
     pub fn title(&self) -> KeyPath {
-        match &self.on {
-            Names::One(tag) if *tag == self.name => title(tag),
-            _ => KeyPath::list("chamber").named(&self.name),
-        }
+        title_of(&self.name, &self.on)
     }
 
     /// Whether a tag is of its wall.
@@ -45,8 +54,8 @@ impl ChamberConfig {
     }
 
     fn read(mut keys: toml::Table) -> Result<Self, Misfit> {
-        let on: Names = read_key(&keys, "on")?.ok_or_else(|| Misfit::missing_field("on"))?;
-        let name = match (read_key(&keys, "name")?, &on) {
+        let BesideGas { name, on, plug } = take_keys(&mut keys)?;
+        let name = match (name, &on) {
             (Some(name), _) => name,
             (None, Names::One(tag)) => tag.clone(),
             (None, Names::Several(tags)) => {
@@ -57,15 +66,15 @@ impl ChamberConfig {
                 ));
             }
         };
-        let mut chamber =
-            Self { name, on, plug: false, gas: Box::new(Isobaric { pressure: 0.0.into() }) };
-        let title = chamber.title();
-        let plug =
-            read_key(&keys, "plug").map_err(|what| what.titled(title.clone().key("plug")))?;
-        keys.retain(|key, _| !["name", "on", "plug"].contains(&key));
-        chamber.gas = gas::read(&keys).map_err(|what| what.titled(title))?;
-        chamber.plug = plug.unwrap_or(false);
-        Ok(chamber)
+        let gas = GasConfig::read(&keys).map_err(|what| what.titled(title_of(&name, &on)))?;
+        Ok(Self { name, on, plug, gas })
+    }
+}
+
+fn title_of(name: &str, on: &Names) -> KeyPath {
+    match on {
+        Names::One(tag) if tag == name => title(tag),
+        _ => KeyPath::list("chamber").named(name),
     }
 }
 
@@ -75,18 +84,12 @@ fn title(on: &str) -> KeyPath {
 
 impl Serialize for ChamberConfig {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        if !matches!(&self.on, Names::One(tag) if *tag == self.name) {
-            map.serialize_entry("name", &self.name)?;
-        }
-        map.serialize_entry("on", &self.on)?;
-        if self.plug {
-            map.serialize_entry("plug", &true)?;
-        }
-        for (key, value) in gas::written(self.gas.as_ref()) {
-            map.serialize_entry(&key, &value)?;
-        }
-        map.end()
+        let Self { name, on, plug, gas } = self.clone();
+        let name = (on != Names::One(name.clone())).then_some(name);
+        let mut table = gas.written();
+        table
+            .extend(toml::Table::try_from(BesideGas { name, on, plug }).map_err(S::Error::custom)?);
+        table.serialize(serializer)
     }
 }
 
@@ -103,61 +106,30 @@ impl JsonSchema for ChamberConfig {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let mut schema = gas::schema(generator);
-        let name = json!({ "type": "string", "description": "What paths and messages call it; if not given, the \
-            tag of its wall." });
-        let mut on = generator.subschema_for::<Names>().to_value();
-        on["description"] =
-            "Tag of its wall; or a list of those of several hollows that share their gas, as on a \
-            manifold."
-                .into();
-        let plug = json!({ "type": "boolean", "default": false, "description": "Whether plugs, on which the gas \
-            pushes and which move with it, close what is open of the wall, so that its rim need not be fixed." });
-        add_keys(&mut schema, &[("name", name, false), ("on", on, true), ("plug", plug, false)]);
+        add_table::<BesideGas>(&mut schema, generator);
         schema
     }
 }
 
-/// A chamber of a design: its pressure in the scene follows slopes over time, one for each
-/// time step.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ChamberDesign {
-    /// Name of the chamber in the scene, or the tag of its wall if it has none. The scene prescribes its pressure.
-    pub on: String,
-    /// Smallest and largest slope [Pa/s].
-    pub slope: [f64; 2],
-    /// Smallest and largest pressure at the ends of time steps [Pa].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bounds: Option<[f64; 2]>,
-    /// Largest change of a slope in one iteration [Pa/s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub change: Option<f64>,
+program::table! {
+    /// A chamber of a design: its pressure in the scene follows slopes over time, one for each
+    /// time step.
+    #[derive(Clone, Debug)]
+    pub struct ChamberDesign {
+        /// Name of the chamber in the scene, or the tag of its wall if it has none. The scene prescribes its pressure.
+        on: String;
+        /// Smallest and largest slope [Pa/s].
+        slope: [f64; 2], rising::<[f64; 2]>(" Pa/s");
+        /// Smallest and largest pressure at the ends of time steps [Pa].
+        bounds: Option<[f64; 2]> = None, rising::<Option<[f64; 2]>>(" Pa");
+        /// Largest change of a slope in one iteration [Pa/s].
+        change: Option<f64> = None, Range::POSITIVE.unit("Pa/s");
+    }
 }
 
 impl ChamberDesign {
-    /// Checks what can be checked without a scene.
-    pub(super) fn check(&self) -> Result<()> {
-        let title = title(&self.on);
-        for (key, range, unit) in
-            [("slope", Some(self.slope), "Pa/s"), ("bounds", self.bounds, "Pa")]
-        {
-            let Some([low, high]) = range else { continue };
-            ensure!(
-                low < high && low.is_finite() && high.is_finite(),
-                misfit!(
-                    title.clone().key(key),
-                    " = [{low}, {high}] {unit}; expected two numbers, the smaller first"
-                )
-            );
-        }
-        ensure!(
-            self.change.is_none_or(|c| c.is_finite() && c > 0.0),
-            misfit!(
-                title.key("change"),
-                " = {:?} Pa/s must be positive",
-                self.change.unwrap_or(f64::NAN)
-            )
-        );
-        Ok(())
+    /// What messages call it.
+    pub fn title(&self) -> KeyPath {
+        title(&self.on)
     }
 }

@@ -1,68 +1,52 @@
 //! Settings that no type can rule out.
 
-use anyhow::{Context, Result, bail, ensure};
-use mechanics::element::HIGHEST_DEGREE;
-use mechanics::schedule::{Field, Schedule, is_free_name};
+use anyhow::{Context, Result, ensure};
+use mechanics::energy::GasLaw;
+use mechanics::schedule::{Field, Malformed, Schedule, Written, WrittenField};
+use program::table::Table;
 use program::{KeyPath, misfit};
 
-use super::{ContactConfig, SimConfig, TimeConfig};
-
-/// Most time steps of a scene or a level.
-pub(super) const MOST_STEPS: usize = 1_000_000;
+use super::{ChamberConfig, Fixed, SimConfig, TimeConfig};
 
 /// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
 const MOMENTS: usize = 8;
 
 impl SimConfig {
-    /// This configuration with the values of `[parameters]` and the end of the first time step in its
-    /// schedules, if all settings that can be checked without a body are sound. A configuration that was read
-    /// or changed has to go through here: schedules have no values before.
-    pub fn bound(mut self) -> Result<Self> {
-        self.check()?;
-        self.bind()?;
-        self.check_parts()?;
-        Ok(self)
-    }
-
-    fn check(&self) -> Result<()> {
-        ensure!(
-            (1..=HIGHEST_DEGREE).contains(&self.degree),
-            misfit!(KeyPath::of("degree"), " = {}: must be 1, 2 or 3", self.degree)
-        );
-        ensure!(
-            (5..=12).contains(&self.quadrature),
-            misfit!(KeyPath::of("quadrature"), " = {}: must be from 5 to 12", self.quadrature)
-        );
+    /// Whether all settings that can be checked without a body are sound.
+    pub(crate) fn check(&self) -> Result<()> {
+        self.check_ranges(&KeyPath::default())?;
         self.check_bodies()?;
         self.solver.check()?;
         self.check_path()?;
-        if let Some(time) = &self.time {
-            time.check()?;
-        }
-        if let Some(contact) = self.contact() {
-            contact.check()?;
-        }
-        for (name, value) in &self.parameters {
-            let key = KeyPath::table("parameters").key(name);
-            ensure!(
-                is_free_name(name),
-                key.told(format!(
-                    "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and \
-                     no name that expressions know"
-                ))
-            );
-            ensure!(value.is_finite(), misfit!(key, " = {value} must be finite"));
-        }
-        Ok(())
+        self.time.as_ref().map_or(Ok(()), TimeConfig::check)?;
+        self.check_schedules()?;
+        self.check_parts()
     }
 
-    fn bind(&mut self) -> Result<()> {
-        let (first, moments) = (self.times()[0], self.moments());
-        let parameters = self.parameters.clone();
-        for (name, may_use_position, schedule) in self.schedules() {
-            schedule.bind(&parameters).with_context(|| name.clone())?;
-            schedule.begin(first);
+    /// What is written of a number, with the values of `[parameters]` and the end of the first time step.
+    pub fn schedule(&self, written: &Written) -> Schedule {
+        self.valued(written).expect("names that were checked as the scene was read")
+    }
+
+    fn valued(&self, written: &Written) -> Result<Schedule, Malformed> {
+        written.schedule(&self.parameters, self.times()[0])
+    }
+
+    /// What is written of a vector, as [`Self::schedule`].
+    pub fn field(&self, written: &WrittenField) -> Field {
+        Field(written.0.each_ref().map(|component| self.schedule(component)))
+    }
+
+    /// The gas law of one of its chambers.
+    pub fn gas_law(&self, chamber: &ChamberConfig) -> Box<dyn GasLaw> {
+        chamber.gas.law(self.schedule(&chamber.gas.value))
+    }
+
+    fn check_schedules(&self) -> Result<()> {
+        let moments = self.moments();
+        for (name, may_use_position, written) in self.schedules() {
+            let schedule = self.valued(written).with_context(|| name.clone())?;
             if schedule.uses_position() {
                 ensure!(may_use_position, misfit!(name, " = {schedule}: must depend on t alone"));
             } else {
@@ -74,6 +58,7 @@ impl SimConfig {
 
     /// Checks what schedules are a part of.
     fn check_parts(&self) -> Result<()> {
+        self.fixed.iter().try_for_each(Fixed::check)?;
         self.check_symmetry()?;
         self.check_membranes()?;
         self.check_fibres()?;
@@ -115,21 +100,10 @@ impl SimConfig {
             ensure!(!names[..i].contains(name), KeyPath::word(name).told(twice));
         }
         for body in &bodies {
-            let title = KeyPath::list("body").named(&body.name);
-            let numbers = body.translate.iter().chain(&body.velocity);
-            ensure!(
-                numbers.copied().all(f64::is_finite),
-                misfit!(
-                    title.key("translate"),
-                    " = {:?} m and velocity = {:?} m/s must be finite",
-                    body.translate,
-                    body.velocity
-                )
-            );
             ensure!(
                 body.velocity == [0.0; 3] || self.method().has_inertia(),
                 misfit!(
-                    title.key("velocity"),
+                    body.title().key("velocity"),
                     " = {:?} m/s means nothing without inertia; expected [time] with a method other than \
                      \"quasistatic\"",
                     body.velocity
@@ -158,30 +132,30 @@ impl SimConfig {
 
     /// All values that may change with time: what they are called in messages,
     /// and whether they may change with the position; those of chambers come first.
-    pub fn schedules(&mut self) -> Vec<(KeyPath, bool, &mut Schedule)> {
+    pub fn schedules(&self) -> Vec<(KeyPath, bool, &Written)> {
         let mut all = Vec::new();
-        for c in &mut self.chamber {
-            all.push((c.title().key(c.gas.key()), false, c.gas.schedule_mut()));
+        for c in &self.chamber {
+            all.push((c.title().key(c.gas.key()), false, &c.gas.value));
         }
-        for c in &mut self.fixed {
+        for c in &self.fixed {
             let name = KeyPath::list("fixed").on(&c.on).key("displacement");
-            all.extend(along(name, true, &mut c.displacement));
+            all.extend(along(name, true, &c.displacement));
         }
-        for c in &mut self.body_force {
-            all.extend(along(KeyPath::list("body_force").key("force"), true, &mut c.force));
+        for c in &self.body_force {
+            all.extend(along(KeyPath::list("body_force").key("force"), true, &c.force));
         }
-        all.extend(along(KeyPath::of("gravity"), true, &mut self.gravity));
-        for c in &mut self.obstacle {
+        all.extend(along(KeyPath::of("gravity"), true, &self.gravity));
+        for c in &self.obstacle {
             let name = KeyPath::list("obstacle").named(&c.name).key("displacement");
-            all.extend(along(name, false, &mut c.displacement));
+            all.extend(along(name, false, &c.displacement));
         }
-        for c in &mut self.traction {
+        for c in &self.traction {
             let name = KeyPath::list("traction").on(&c.on).key("traction");
-            all.extend(along(name, true, &mut c.traction));
+            all.extend(along(name, true, &c.traction));
         }
-        for part in &mut self.rigid {
-            let name = part.title().key("force");
-            all.extend(along(name, false, &mut part.force));
+        for part in &self.rigid {
+            all.extend(along(part.title().key("force"), false, &part.force));
+            all.extend(along(part.title().key("moment"), false, &part.moment));
         }
         all
     }
@@ -211,7 +185,7 @@ impl SimConfig {
     fn check_chambers(&self) -> Result<()> {
         let moments = self.moments();
         for (i, chamber) in self.chamber.iter().enumerate() {
-            chamber.gas.check(&moments).with_context(|| chamber.title())?;
+            self.gas_law(chamber).check(&moments).with_context(|| chamber.title())?;
             let earlier = &self.chamber[..i];
             for (k, tag) in chamber.on.all().iter().enumerate() {
                 let taken = earlier.iter().any(|other| other.is_on(tag));
@@ -236,47 +210,24 @@ impl SimConfig {
 fn along(
     name: KeyPath,
     may_use_position: bool,
-    field: &mut Field,
-) -> impl Iterator<Item = (KeyPath, bool, &mut Schedule)> {
-    let components = field.0.iter_mut().enumerate();
+    field: &WrittenField,
+) -> impl Iterator<Item = (KeyPath, bool, &Written)> {
+    let components = field.0.iter().enumerate();
     components.map(move |(axis, value)| (name.clone().along(axis), may_use_position, value))
 }
 
 impl TimeConfig {
     fn check(&self) -> Result<()> {
-        let key = |key: &str| KeyPath::table("time").key(key);
-        match (self.end, self.steps, &self.at) {
-            (Some(end), Some(steps), None) => {
-                ensure!(
-                    end > 0.0 && end.is_finite(),
-                    misfit!(key("end"), " = {end} s: must be finite and positive")
-                );
-                ensure!(
-                    (1..=MOST_STEPS).contains(&steps),
-                    misfit!(
-                        key("steps"),
-                        " = {steps}: expected 1 to {MOST_STEPS}, as every step has a line of the report"
-                    )
-                );
-            }
-            (None, None, Some(at)) => {
-                let from_rest: Vec<f64> = [0.0].iter().chain(at).copied().collect();
-                ensure!(!at.is_empty(), misfit!(key("at"), " is empty"));
-                if let Some(pair) =
-                    from_rest.windows(2).find(|p| !(p[0] < p[1] && p[1] < f64::INFINITY))
-                {
-                    let [before, after] = [pair[0], pair[1]];
-                    bail!(misfit!(
-                        key("at"),
-                        " has {after} s after {before} s: times must be finite and increase from 0"
-                    ));
-                }
-            }
-            _ => bail!(misfit!(
+        ensure!(
+            matches!(
+                (self.end, self.steps, &self.at),
+                (Some(_), Some(_), None) | (None, None, Some(_))
+            ),
+            misfit!(
                 KeyPath::table("time"),
                 ": expected either end [s] and steps, or at, a list of times [s]"
-            )),
-        }
+            )
+        );
         ensure!(
             self.method.states() == 1 || self.at.is_none(),
             misfit!(
@@ -286,43 +237,6 @@ impl TimeConfig {
                 self.method.states()
             )
         );
-        Ok(())
-    }
-}
-
-impl ContactConfig {
-    fn check(&self) -> Result<()> {
-        let (c, at) = (self, |key: &str| KeyPath::table("contact").key(key));
-        ensure!(
-            c.barrier.is_barrier(),
-            misfit!(
-                at("barrier"),
-                " = \"quadratic\" lets surfaces through each other: expected \"log\" or \"log-squared\""
-            )
-        );
-        for (key, unit, value) in [
-            ("activation", "m", c.activation),
-            ("stiffness", "Pa", c.stiffness),
-            ("friction_speed", "m/s", Some(c.friction_speed)),
-        ] {
-            let Some(value) = value else { continue };
-            ensure!(
-                value > 0.0 && value.is_finite(),
-                misfit!(at(key), " = {value} {unit}: must be positive and finite")
-            );
-        }
-        for (key, unit, value) in [("thickness", " m", c.thickness), ("friction", "", c.friction)] {
-            ensure!(
-                value >= 0.0 && value.is_finite(),
-                misfit!(at(key), " = {value}{unit}: must be finite and not negative")
-            );
-        }
-        ensure!(
-            c.form != super::ContactForm::Plain || c.stiffness.is_some(),
-            misfit!(at("form"), " = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it")
-        );
-        let split = c.split.is_none_or(|s| (1..=8).contains(&s));
-        ensure!(split, misfit!(at("split"), " must be 1 to 8"));
         Ok(())
     }
 }

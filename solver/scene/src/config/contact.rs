@@ -6,6 +6,8 @@ use std::fmt;
 use mechanics::contact::barrier::Form;
 use mechanics::contact::density::Density;
 use mechanics::contact::potential::Partners;
+use program::table::{Range, Table};
+use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Unexpected, Visitor};
@@ -51,44 +53,58 @@ impl Pairs {
     }
 }
 
-/// Contact and friction.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ContactConfig {
-    /// Which sum over pairs of features.
-    #[serde(default)]
-    #[schemars(with = "FormSchema")]
-    pub form: Form,
-    /// The barrier as a function of distance: `"log"`, or `"log-squared"`, which is smoother and weaker
-    /// where it begins.
-    #[serde(default)]
-    #[schemars(with = "DensitySchema")]
-    pub barrier: Density,
-    /// Which features repel each other.
-    #[serde(default)]
-    pub pairs: Pairs,
-    /// Distance below which surfaces repel each other, beyond `thickness` [m]. If not given, the
-    /// largest of 1, 2 or 5 × 10ⁿ m within half of the shortest edge of the collision surface.
-    pub activation: Option<f64>,
-    /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴]. If not given, the largest shear
-    /// modulus of the bodies; the plain form needs it.
-    pub stiffness: Option<f64>,
-    /// Distance that surfaces never fall below [m].
-    #[serde(default)]
-    pub thickness: f64,
-    /// Parts that each edge of the mesh is cut into on the collision surface;
-    /// the degree of the displacement if not given.
-    pub split: Option<usize>,
-    /// Coefficient of friction [1].
-    #[serde(default)]
-    pub friction: f64,
-    /// Sliding speed from which friction is full [m/s].
-    #[serde(default = "a_millimetre")]
-    pub friction_speed: f64,
+program::table! {
+    /// Contact and friction.
+    #[derive(Clone, Debug)]
+    pub struct ContactConfig {
+        /// Which sum over pairs of features.
+        #[schemars(with = "FormSchema")]
+        form: Form = Form::default();
+        /// The barrier as a function of distance: `"log"`, or `"log-squared"`, which is smoother and weaker
+        /// where it begins.
+        #[schemars(with = "DensitySchema")]
+        barrier: Density = Density::default(), keeps_apart;
+        /// Which features repel each other.
+        pairs: Pairs = Pairs::default();
+        /// Distance below which surfaces repel each other, beyond `thickness` [m].
+        activation: Option<f64> = None
+            => "the largest of 1, 2 or 5 × 10ⁿ m within half of the shortest edge of the collision surface",
+            Range::POSITIVE.unit("m");
+        /// Stiffness of the barrier [Pa]; in the plain form [J/m⁴], which needs it.
+        stiffness: Option<f64> = None => "the largest shear modulus of the bodies", Range::POSITIVE.unit("Pa");
+        /// Distance that surfaces never fall below [m].
+        thickness: f64 = 0.0, Range::NOT_NEGATIVE.unit("m");
+        /// Parts that each edge of the mesh is cut into on the collision surface.
+        split: Option<usize> = None => "the degree of the displacement", Range::between(1.0, 8.0);
+        /// Coefficient of friction [1].
+        friction: f64 = 0.0, Range::NOT_NEGATIVE;
+        /// Sliding speed from which friction is full [m/s].
+        friction_speed: f64 = 1e-3, Range::POSITIVE.unit("m/s");
+    }
 }
 
-fn a_millimetre() -> f64 {
-    1e-3
+fn keeps_apart(at: &KeyPath, barrier: &Density) -> Result<(), Misfit> {
+    match barrier.is_barrier() {
+        true => Ok(()),
+        false => Err(misfit!(
+            at.clone(),
+            " = \"quadratic\" lets surfaces through each other: expected \"log\" or \"log-squared\""
+        )),
+    }
+}
+
+impl Table for ContactChoice {
+    fn check_ranges(&self, at: &KeyPath) -> Result<(), Misfit> {
+        let Self::Barrier(contact) = self else { return Ok(()) };
+        contact.check_ranges(at)?;
+        match contact.form == Form::Plain && contact.stiffness.is_none() {
+            false => Ok(()),
+            true => Err(misfit!(
+                at.clone().key("form"),
+                " = \"plain\" needs a stiffness [J/m⁴]: a modulus cannot tell it"
+            )),
+        }
+    }
 }
 
 /// By hand, so that an unknown key of the table is named.

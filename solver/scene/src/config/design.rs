@@ -7,7 +7,8 @@ use anyhow::{Result, bail, ensure};
 use measure::objective::check_shares;
 use measure::written::Names;
 use mechanics::symmetry::AXES;
-use program::{Change, KeyPath, Keys, Settings, misfit};
+use program::table::{Range, Table, direction, each, nested};
+use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,104 +25,78 @@ const KEYS: Keys = Keys {
     meaning: Some(meaning),
 };
 
-/// A design problem: the design variables of a scene and the objective function.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DesignConfig {
-    /// The scene, a `sim.toml`.
-    pub scene: PathBuf,
-    /// What may move, and in which levels.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shape: Option<ShapeConfig>,
-    /// Chambers whose pressure over time may change, together with the shape or alone.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub chamber: Vec<ChamberDesign>,
-    /// Numbers in the scene's `[parameters]` that may change.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub parameter: Vec<ParameterDesign>,
-    /// Levels of a design without a shape: what counts in them, and how finely the scene is
-    /// simulated.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub level: Vec<LevelConfig>,
-    /// Cases that the design must be good in; the scene alone without them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub scenario: Vec<ScenarioConfig>,
-    /// How their objectives become one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub robust: Option<RobustConfig>,
-    /// How the body is to be cast: `fab plan` is asked about every accepted shape.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mold: Option<MoldConfig>,
-    /// How to go down.
-    #[serde(default)]
-    pub optimizer: OptimizerConfig,
-    /// What the rest shape keeps to.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub constraint: Vec<ConstraintConfig>,
-    /// Weighted terms of the objective.
-    pub objective: Vec<ObjectiveConfig>,
+program::table! {
+    /// A design problem: the design variables of a scene and the objective function.
+    #[derive(Clone, Debug)]
+    pub struct DesignConfig {
+        /// The scene, a `sim.toml`.
+        scene: PathBuf;
+        /// What may move, and in which levels.
+        shape: Option<ShapeConfig> = None, nested;
+        /// Chambers whose pressure over time may change, together with the shape or alone.
+        chamber: Vec<ChamberDesign> = Vec::new(), each(ChamberDesign::title);
+        /// Numbers in the scene's `[parameters]` that may change.
+        parameter: Vec<ParameterDesign> = Vec::new(), each(ParameterDesign::title);
+        /// Levels of a design without a shape: what counts in them, and how finely the scene is
+        /// simulated.
+        level: Vec<LevelConfig> = Vec::new(), each(|_: &LevelConfig| KeyPath::list("level"));
+        /// Cases that the design must be good in; the scene alone without them.
+        scenario: Vec<ScenarioConfig> = Vec::new(),
+            each(|one: &ScenarioConfig| KeyPath::list("scenario").named(&one.name));
+        /// How their objectives become one.
+        robust: Option<RobustConfig> = None, nested;
+        /// How the body is to be cast: `fab plan` is asked about every accepted shape.
+        mold: Option<MoldConfig> = None;
+        /// How to go down.
+        optimizer: OptimizerConfig = OptimizerConfig::default(), nested;
+        /// What the rest shape keeps to.
+        constraint: Vec<ConstraintConfig> = Vec::new();
+        /// Weighted terms of the objective.
+        objective: Vec<ObjectiveConfig>;
+    }
 }
 
-/// What `fab plan` is asked about during a design.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MoldConfig {
-    /// What the mold is to be like, a `mold.toml`.
-    pub config: PathBuf,
-    /// The body that is cast, of a scene with several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub body: Option<String>,
-    /// Surface that the scene's mesh was made from (`model.stl`): it is cast where the design moves nothing, as by
-    /// `fab mold --model --from`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub model: Option<PathBuf>,
-    /// Whether shapes that cannot be cast are rejected; if not given, where the mold's file names a method.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub required: Option<bool>,
+program::table! {
+    /// What `fab plan` is asked about during a design.
+    #[derive(Clone, Debug)]
+    pub struct MoldConfig {
+        /// What the mold is to be like, a `mold.toml`.
+        config: PathBuf;
+        /// The body that is cast, of a scene with several.
+        body: Option<String> = None;
+        /// Surface that the scene's mesh was made from (`model.stl`): it is cast where the design moves nothing, as by
+        /// `fab mold --model --from`.
+        model: Option<PathBuf> = None;
+        /// Whether shapes that cannot be cast are rejected.
+        required: Option<bool> = None => "where the mold's file names a method";
+    }
 }
 
-/// How to go down, and when to stop.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct OptimizerConfig {
-    /// The model of the objective that steps minimise; chosen by its terms if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub method: Option<OptimizerMethod>,
-    /// Accepted iterations of a design without levels, which have their own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub iterations: Option<usize>,
-    /// How far the first step of a level moves a vertex, or a pressure by its
-    /// equivalent, as a fraction of a mean edge [1].
-    pub first_step: f64,
-    /// How far a later step may move a vertex, as a fraction of a mean edge [1]. Smaller where
-    /// trials cost much and long ones find no equilibrium.
-    pub largest_step: f64,
-    /// A level ends when the objective falls by less than this fraction in each of two iterations, one after the other [1].
-    pub stagnation: f64,
-    /// A level ends when the norm of the gradient falls below this fraction of that
-    /// at its start [1].
-    pub gradient_tolerance: f64,
-    /// No iteration begins after this much computing time of a level [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_limit: Option<f64>,
-    /// Memory for the states of a run; what exceeds it lies in a file in `TMPDIR`
-    /// meanwhile. Without contact, a quarter of what the states leave is for factors of the
-    /// tangents at the ends of time steps [B].
-    pub state_memory: f64,
-}
-
-impl Default for OptimizerConfig {
-    fn default() -> Self {
-        Self {
-            method: None,
-            iterations: None,
-            first_step: 0.5,
-            largest_step: 3.0,
-            stagnation: 0.0,
-            gradient_tolerance: 0.0,
-            time_limit: None,
-            state_memory: 4e9,
-        }
+program::table! {
+    /// How to go down, and when to stop.
+    #[derive(Clone, Debug)]
+    pub struct OptimizerConfig {
+        /// The model of the objective that steps minimise.
+        method: Option<OptimizerMethod> = None => "chosen by its terms";
+        /// Accepted iterations of a design without levels, which have their own.
+        iterations: Option<usize> = None;
+        /// How far the first step of a level moves a vertex, or a pressure by its
+        /// equivalent, as a fraction of a mean edge [1].
+        first_step: f64 = 0.5, Range::NOT_NEGATIVE;
+        /// How far a later step may move a vertex, as a fraction of a mean edge [1]. Smaller where
+        /// trials cost much and long ones find no equilibrium.
+        largest_step: f64 = 3.0, Range::POSITIVE;
+        /// A level ends when the objective falls by less than this fraction in each of two iterations, one after the other [1].
+        stagnation: f64 = 0.0, Range::NOT_NEGATIVE;
+        /// A level ends when the norm of the gradient falls below this fraction of that
+        /// at its start [1].
+        gradient_tolerance: f64 = 0.0, Range::NOT_NEGATIVE;
+        /// No iteration begins after this much computing time of a level [s].
+        time_limit: Option<f64> = None => "no limit", Range::NOT_NEGATIVE.unit("s");
+        /// Memory for the states of a run; what exceeds it lies in a file in `TMPDIR`
+        /// meanwhile. Without contact, a quarter of what the states leave is for factors of the
+        /// tangents at the ends of time steps [B].
+        state_memory: f64 = 4e9, Range::NOT_NEGATIVE.unit("B");
     }
 }
 
@@ -136,27 +111,26 @@ pub enum OptimizerMethod {
     GaussNewton,
 }
 
-/// A cascade of shape levels on one tag or several.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ShapeConfig {
-    /// Tags whose vertices move; their rims stay.
-    pub on: Names,
-    /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
-    #[serde(default)]
-    pub margin: f64,
-    /// Planes in which flat faces of what moves stay, each a tag of a flat face or a table: their vertices
-    /// move along them only, so that a flat floor stays flat and its mold can be pulled off it.
-    #[serde(default)]
-    pub keep: Vec<KeepConfig>,
-    /// Tags that move alike: one has the variables, the others are its images.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub symmetric: Vec<SymmetricConfig>,
-    /// How far from where it is the surface that moves may be re-meshed, where elements at it are
-    /// poor; 0: it keeps its vertices; by default a twentieth of its mean edge [m].
-    pub surface_tolerance: Option<f64>,
-    /// Levels from coarse to fine; some stand for several.
-    pub level: Vec<LevelConfig>,
+program::table! {
+    /// A cascade of shape levels on one tag or several.
+    #[derive(Clone, Debug)]
+    pub struct ShapeConfig {
+        /// Tags whose vertices move; their rims stay.
+        on: Names;
+        /// Vertices that are nearer to the rim than this, along the surface, stay with it [m].
+        margin: f64 = 0.0, Range::NOT_NEGATIVE.unit("m");
+        /// Planes in which flat faces of what moves stay, each a tag of a flat face or a table: their vertices
+        /// move along them only, so that a flat floor stays flat and its mold can be pulled off it.
+        keep: Vec<KeepConfig> = Vec::new(), each(|_: &KeepConfig| KeyPath::table("shape").key("keep"));
+        /// Tags that move alike: one has the variables, the others are its images.
+        symmetric: Vec<SymmetricConfig> = Vec::new(),
+            each(|_: &SymmetricConfig| KeyPath::list("shape.symmetric"));
+        /// How far from where it is the surface that moves may be re-meshed, where elements at it are
+        /// poor; 0: it keeps its vertices [m].
+        surface_tolerance: Option<f64> = None => "a twentieth of its mean edge", Range::NOT_NEGATIVE.unit("m");
+        /// Levels from coarse to fine; some stand for several.
+        level: Vec<LevelConfig>, each(|_: &LevelConfig| KeyPath::list("shape.level"));
+    }
 }
 
 /// A plane in which a flat face stays.
@@ -185,19 +159,12 @@ pub enum KeepConfig {
     },
 }
 
-impl KeepConfig {
-    fn check(&self) -> Result<()> {
-        if let Self::Plane { normal, .. } = self {
-            let length = normal.iter().map(|n| n * n).sum::<f64>();
-            ensure!(
-                length.is_finite() && length > 0.0,
-                KeyPath::table("shape")
-                    .key("keep")
-                    .key("normal")
-                    .told(format!("[shape] keep: normal = {normal:?}: must have a direction"))
-            );
+impl Table for KeepConfig {
+    fn check_ranges(&self, at: &KeyPath) -> Result<(), Misfit> {
+        match self {
+            Self::Face(_) | Self::Across { .. } => Ok(()),
+            Self::Plane { normal, .. } => direction(&at.clone().key("normal"), &Some(*normal)),
         }
-        Ok(())
     }
 }
 
@@ -288,6 +255,7 @@ impl DesignConfig {
     }
 
     fn check(&self) -> Result<()> {
+        self.check_ranges(&KeyPath::default())?;
         ensure!(
             !self.objective.is_empty(),
             "no [[objective]]: expected at least one, to be minimised"
@@ -350,11 +318,18 @@ impl DesignConfig {
                 misfit!(kept.title(), ": an objective has this name; expected another")
             );
         }
-        for small in self.parameter.iter().filter(|parameter| parameter.small.is_some()) {
+        for parameter in &self.parameter {
             ensure!(
-                !objectives.contains(&small.name.as_str()),
+                parameter.scale.is_none() || parameter.small.is_some(),
                 misfit!(
-                    KeyPath::list("parameter").named(&small.name).key("small"),
+                    parameter.title().key("scale"),
+                    " without small: expected small = 1.0, its weight"
+                )
+            );
+            ensure!(
+                parameter.small.is_none() || !objectives.contains(&parameter.name.as_str()),
+                misfit!(
+                    parameter.title().key("small"),
                     " beside an objective of this name; expected another name of the objective"
                 )
             );
@@ -370,59 +345,18 @@ impl DesignConfig {
         );
         if let Some(shape) = &self.shape {
             let on = shape.on.all();
-            let key = |key: &str| KeyPath::table("shape").key(key);
-            ensure!(!on.is_empty(), key("on").told("[shape] on = []: name a tag or more"));
+            let at = KeyPath::table("shape").key("on");
+            ensure!(!on.is_empty(), at.told("[shape] on = []: name a tag or more"));
             ensure!(!shape.level.is_empty(), "no [[shape.level]]");
-            ensure!(
-                shape.margin >= 0.0 && shape.margin.is_finite(),
-                key("margin")
-                    .told(format!("[shape] margin = {} m must not be negative", shape.margin))
-            );
-            let tolerance = shape.surface_tolerance.unwrap_or(0.0);
-            ensure!(
-                tolerance >= 0.0 && tolerance.is_finite(),
-                key("surface_tolerance").told(format!(
-                    "[shape] surface_tolerance = {tolerance} m must not be negative"
-                ))
-            );
-            shape.keep.iter().try_for_each(KeepConfig::check)?;
             shape.level.iter().try_for_each(|level| level.check(on, &objectives))?;
             shape.check_symmetric()?;
         }
         self.level.iter().try_for_each(|level| level.check_loads(&objectives))?;
-        self.optimizer.check(&KeyPath::table("optimizer"))?;
-        let levels = KeyPath::list(if leveled { "level" } else { "shape.level" });
-        for level in self.levels() {
-            ensure!(
-                level.time.is_none() || self.chamber.is_empty(),
-                "time of a level beside [[chamber]]: the slopes of a pressure belong to the \
-                 time steps of the scene; design a [[parameter]] instead, or leave time out"
-            );
-            self.optimizer_of(&level).check(&levels)?;
-        }
-        self.chamber.iter().try_for_each(ChamberDesign::check)?;
-        self.parameter.iter().try_for_each(ParameterDesign::check)?;
-        Ok(())
-    }
-}
-
-impl OptimizerConfig {
-    /// Checks the numbers in a table, or in one of a list.
-    fn check(&self, title: &KeyPath) -> Result<()> {
-        let at = |key: &str| title.clone().key(key);
-        for (key, value) in [
-            ("first_step", self.first_step),
-            ("stagnation", self.stagnation),
-            ("gradient_tolerance", self.gradient_tolerance),
-            ("time_limit", self.time_limit.unwrap_or(0.0)),
-            ("state_memory", self.state_memory),
-        ] {
-            let what = || at(key).told(format!("{key} = {value} must not be negative"));
-            ensure!(value.is_finite() && value >= 0.0, what());
-        }
-        let largest = self.largest_step;
-        let what = || at("largest_step").told(format!("largest_step = {largest} must be positive"));
-        ensure!(largest.is_finite() && largest > 0.0, what());
+        ensure!(
+            self.chamber.is_empty() || self.levels().iter().all(|level| level.time.is_none()),
+            "time of a level beside [[chamber]]: the slopes of a pressure belong to the \
+             time steps of the scene; design a [[parameter]] instead, or leave time out"
+        );
         Ok(())
     }
 }

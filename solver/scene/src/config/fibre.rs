@@ -6,64 +6,66 @@ use anyhow::{Result, ensure};
 use mechanics::energy::{Axis, Direction, Profile};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use program::table::{Range, direction, nested};
+use program::{KeyPath, Misfit, misfit};
 
 use super::SimConfig;
 use super::line::{AroundConfig, unit};
 use super::profile::Along;
 
-/// Most that an angle to an axis may be [°].
-const MOST_DEGREES: f64 = 360.0;
+/// Angles to an axis [°].
+pub(super) const ANGLE: Range = Range::between(-360.0, 360.0).unit("°");
 
-/// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
-/// beside that of the law. Several tables make several families. Stresses of result files are those of the law.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FibreConfig {
-    /// What numbers, reports and result files call it.
-    pub name: String,
-    /// The body or volume, which has a law of its own; all of them if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub on: Option<String>,
-    /// The same direction everywhere, a vector of any length; or `around` or `file`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f64; 3]>,
-    /// An axis, with `angle` or `radial`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub around: Option<AroundConfig>,
-    /// Angle between fibres and the axis [°]: 0 along it, 90 around it; positive for a right-handed screw. A table makes it
-    /// change along the axis.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub angle: Option<Along>,
-    /// Whether fibres lead away from the axis.
-    #[serde(default)]
-    pub radial: bool,
-    /// A file of vectors of any length: a `.npy` with three columns and a row for each tetrahedron or each vertex, in the
-    /// order of the mesh, or a `.vtu` with `field`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<PathBuf>,
-    /// Name of the vectors of the cells or points in a `.vtu`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub field: Option<String>,
-    /// Stiffness k1 [Pa]. At small strain, fibres add 4 k1 to Young's modulus along them. A table makes it change along
-    /// the axis of `around`, or along its own `line`.
-    pub k1: Along,
-    /// By how much the stiffness grows with strain [1]; 0 is the standard reinforcing model, ½ k1 E².
-    #[serde(default)]
-    pub k2: f64,
-    /// Dispersion κ [1], from 0 (all along the direction) to 1/3 (none preferred).
-    #[serde(default)]
-    pub dispersion: f64,
-    /// Whether fibres carry compression, too.
-    #[serde(default)]
-    pub compression: bool,
-    /// Strain E over which fibres become taut, where they carry tension only [1]: 1e-3 if not given, an
-    /// elongation of 0.05 %.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub slack: Option<f64>,
+program::table! {
+    /// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
+    /// beside that of the law. Several tables make several families. Stresses of result files are those of the law.
+    #[derive(Clone, Debug)]
+    pub struct FibreConfig {
+        /// What numbers, reports and result files call it.
+        name: String;
+        /// The body or volume, which has a law of its own.
+        on: Option<String> = None => "all";
+        /// The same direction everywhere, a vector of any length; or `around` or `file`.
+        direction: Option<[f64; 3]> = None, direction;
+        /// An axis, with `angle` or `radial`.
+        around: Option<AroundConfig> = None, nested;
+        /// Angle between fibres and the axis [°]: 0 along it, 90 around it; positive for a right-handed screw. A table makes it
+        /// change along the axis.
+        angle: Option<Along> = None, ANGLE;
+        /// Whether fibres lead away from the axis.
+        radial: bool = false;
+        /// A file of vectors of any length: a `.npy` with three columns and a row for each tetrahedron or each vertex, in the
+        /// order of the mesh, or a `.vtu` with `field`.
+        file: Option<PathBuf> = None;
+        /// Name of the vectors of the cells or points in a `.vtu`.
+        field: Option<String> = None;
+        /// Stiffness k1 [Pa]. At small strain, fibres add 4 k1 to Young's modulus along them. A table makes it change along
+        /// the axis of `around`, or along its own `line`.
+        k1: Along, Range::POSITIVE.unit("Pa");
+        /// By how much the stiffness grows with strain [1]; 0 is the standard reinforcing model, ½ k1 E².
+        k2: f64 = 0.0, Range::NOT_NEGATIVE.advice("; 0 is a stiffness that does not grow");
+        /// Dispersion κ [1], from 0 (all along the direction) to 1/3 (none preferred).
+        dispersion: f64 = 0.0, dispersion;
+        /// Whether fibres carry compression, too.
+        compression: bool = false;
+        /// Strain E over which fibres become taut, where they carry tension only [1].
+        slack: Option<f64> = None => "1e-3, an elongation of 0.05 %",
+            Range::above(0.0).at_most(1.0).advice("; the strain over which fibres become taut, such as 1e-3");
+    }
 }
+
+fn dispersion(at: &KeyPath, dispersion: &f64) -> Result<(), Misfit> {
+    match (0.0..=LARGEST_DISPERSION + 1e-12).contains(dispersion) {
+        true => Ok(()),
+        false => Err(misfit!(
+            at.clone(),
+            " = {dispersion}: must be from 0 (all fibres along the direction) to 1/3 (none preferred)"
+        )),
+    }
+}
+
+/// What gives an angle its axis, for messages.
+const AXIS: &str = "add around = { point = [0, 0, 0], axis = [0, 0, 1] }";
 
 /// Where the directions of fibres come from.
 #[derive(Clone, Debug)]
@@ -111,12 +113,12 @@ impl FibreConfig {
     /// k1 along an axis [Pa], where it is no number: that of `around`, or its own.
     pub fn stiffness(&self) -> Result<Option<Profile>> {
         let Some(profile) = self.k1.profile() else { return Ok(None) };
-        profile.build(&self.title().key("k1"), self.axis()?).map(Some)
+        profile.build(&self.title().key("k1"), self.axis()).map(Some)
     }
 
     /// The axis of `around`.
-    fn axis(&self) -> Result<Option<Axis>> {
-        self.around.as_ref().map(|around| around.line(&self.title())).transpose()
+    fn axis(&self) -> Option<Axis> {
+        self.around.as_ref().map(AroundConfig::line)
     }
 
     /// The angle along the axis [rad], where it is no number.
@@ -124,17 +126,7 @@ impl FibreConfig {
         let Some(profile) = self.angle.as_ref().and_then(Along::profile) else { return Ok(None) };
         let key = |key: &str| self.title().key(key);
         ensure!(!self.radial, misfit!(key("radial"), " beside angle: expected one of both"));
-        let built = profile.build(&key("angle"), self.axis()?)?;
-        for (place, angle) in profile.values.iter().enumerate() {
-            ensure!(
-                angle.abs() <= MOST_DEGREES,
-                misfit!(
-                    key("angle").key("values"),
-                    ": value {} is {angle}°; all must be from -{MOST_DEGREES} to {MOST_DEGREES}",
-                    place + 1
-                )
-            );
-        }
+        let built = profile.build(&key("angle"), self.axis())?;
         Ok(Some(built.times(1.0_f64.to_radians())))
     }
 
@@ -176,70 +168,17 @@ impl FibreConfig {
     /// Refuses keys that belong to another way to give the direction.
     fn check_companions(&self) -> Result<()> {
         let key = |key: &str| self.title().key(key);
-        let axis = "add around = { point = [0, 0, 0], axis = [0, 0, 1] }";
         ensure!(
             self.angle.is_none() || self.around.is_some(),
-            misfit!(key("angle"), " without an axis: {axis}")
+            misfit!(key("angle"), " without an axis: {AXIS}")
         );
         ensure!(
             !self.radial || self.around.is_some(),
-            misfit!(key("radial"), " without an axis: {axis}")
+            misfit!(key("radial"), " without an axis: {AXIS}")
         );
         ensure!(
             self.field.is_none() || self.file.is_some(),
             misfit!(key("field"), " without a file: add file = \"directions.vtu\"")
-        );
-        Ok(())
-    }
-
-    /// Whether the numbers of the law are admissible.
-    fn check_law(&self) -> Result<()> {
-        let key = |key: &str| self.title().key(key);
-        let Self { k2, dispersion, .. } = *self;
-        let positive = |k1: f64| k1 > 0.0 && k1.is_finite();
-        match &self.k1 {
-            Along::Number(k1) => ensure!(
-                positive(*k1),
-                misfit!(key("k1"), " = {k1} Pa: must be positive and finite")
-            ),
-            Along::Profile(profile) => {
-                for (place, k1) in profile.values.iter().enumerate() {
-                    ensure!(
-                        positive(*k1),
-                        misfit!(
-                            key("k1").key("values"),
-                            ": value {} is {k1} Pa; all must be positive and finite",
-                            place + 1
-                        )
-                    );
-                }
-            }
-        }
-        ensure!(
-            k2 >= 0.0 && k2.is_finite(),
-            misfit!(
-                key("k2"),
-                " = {k2}: must not be negative; 0 is a stiffness that does not grow"
-            )
-        );
-        ensure!(
-            (0.0..=LARGEST_DISPERSION + 1e-12).contains(&dispersion),
-            misfit!(
-                key("dispersion"),
-                " = {dispersion}: must be from 0 (all fibres along the direction) to 1/3 (none preferred)"
-            )
-        );
-        ensure!(
-            self.slack.is_none_or(|slack| slack > 0.0 && slack <= 1.0),
-            misfit!(
-                key("slack"),
-                " = {}: must be above 0 and at most 1; the strain over which fibres become taut, such as 1e-3",
-                self.slack.unwrap_or_default()
-            )
-        );
-        ensure!(
-            self.slack.is_none() || !self.compression,
-            misfit!(key("slack"), " beside compression = true: such fibres are never slack")
         );
         Ok(())
     }
@@ -267,49 +206,32 @@ impl Leads<'_> {
     /// The field.
     pub fn field(&self, title: &KeyPath) -> Result<Direction> {
         let key = |key: &str| title.clone().key(key);
-        match (self.direction, self.around) {
-            (Some(direction), None) => {
-                ensure!(
-                    self.angle.is_none(),
-                    misfit!(key("angle"), " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}")
-                );
-                ensure!(!self.radial, misfit!(key("radial"), " without an axis: expected around, not direction"));
-                Ok(Direction::Constant(unit(direction, &key("direction"))?))
+        let refused = match (self.direction, self.around, self.angle, self.radial) {
+            (Some(direction), None, None, false) => {
+                return Ok(Direction::Constant(unit(direction)));
             }
-            (None, Some(around)) => {
-                let axis = around.line(title)?;
-                match (self.angle, self.radial) {
-                    (Some(angle), false) => {
-                        ensure!(
-                            angle.is_finite() && angle.abs() <= MOST_DEGREES,
-                            misfit!(
-                                key("angle"),
-                                " = {angle}°: must be from -{MOST_DEGREES} to {MOST_DEGREES}"
-                            )
-                        );
-                        Ok(Direction::Helical(axis, angle.to_radians()))
-                    }
-                    (None, true) => Ok(Direction::Radial(axis)),
-                    (Some(_), true) => Err(misfit!(key("radial"), " beside angle: expected one of both").into()),
-                    (None, false) => Err(misfit!(
-                        key("around"),
-                        " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
-                    )
-                    .into()),
-                }
+            (None, Some(around), Some(angle), false) => {
+                return Ok(Direction::Helical(around.line(), angle.to_radians()));
             }
-            (Some(_), Some(_)) => Err(misfit!(key("direction"), " beside around: expected one of both").into()),
-            (None, None) if self.angle.is_some() => Err(misfit!(
-                key("angle"),
-                " without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
-            )
-            .into()),
-            (None, None) => Err(misfit!(
+            (None, Some(around), None, true) => return Ok(Direction::Radial(around.line())),
+            (Some(_), Some(_), ..) => {
+                misfit!(key("direction"), " beside around: expected one of both")
+            }
+            (_, None, Some(_), _) => misfit!(key("angle"), " without an axis: {AXIS}"),
+            (_, None, None, true) => misfit!(key("radial"), " without an axis: {AXIS}"),
+            (None, Some(_), Some(_), true) => {
+                misfit!(key("radial"), " beside angle: expected one of both")
+            }
+            (None, Some(_), None, false) => misfit!(
+                key("around"),
+                " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
+            ),
+            (None, None, None, false) => misfit!(
                 title.clone(),
                 " has no direction: expected direction = [x, y, z], or around = {{ point = …, axis = … }} with angle"
-            )
-            .into()),
-        }
+            ),
+        };
+        Err(refused.into())
     }
 }
 
@@ -329,11 +251,16 @@ pub(super) fn check_names<'a>(list: &str, names: impl Iterator<Item = &'a String
 }
 
 impl SimConfig {
-    /// Checks what can be checked of fibres without a body.
-    pub fn check_fibres(&self) -> Result<()> {
+    pub(super) fn check_fibres(&self) -> Result<()> {
         check_names("fibre", self.fibre.iter().map(|fibre| &fibre.name))?;
         for fibre in &self.fibre {
-            fibre.check_law()?;
+            ensure!(
+                fibre.slack.is_none() || !fibre.compression,
+                misfit!(
+                    fibre.title().key("slack"),
+                    " beside compression = true: such fibres are never slack"
+                )
+            );
             fibre.leads()?;
             fibre.stiffness()?;
         }

@@ -4,9 +4,10 @@
 
 use measure::written::ScheduleSchema;
 use mechanics::energy::GasLaw;
-use mechanics::energy::gas_law::{GAS_LAWS, Key, Row};
-use mechanics::schedule::Schedule;
+use mechanics::energy::gas_law::{GAS_LAWS, Key, Least, Row};
+use mechanics::schedule::{Schedule, Written};
 use program::schema::one_of;
+use program::table::Range;
 use program::{KeyPath, Misfit, misfit, read_key};
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value as Json, json};
@@ -14,23 +15,72 @@ use toml::{Table, Value};
 
 use crate::law_table;
 
-/// The law that the keys of a `[[chamber]]` select, `on` left out.
-pub fn read(keys: &Table) -> Result<Box<dyn GasLaw>, Misfit> {
-    let (law, selecting) = select(keys)?;
-    let missing =
-        |key: &Key| KeyPath::default().told(format!("missing field `{}` [{}]", key.name, key.unit));
-    let schedule: Option<Schedule> = read_key(keys, selecting.name).map_err(|what| {
-        let value = keys.get(selecting.name).map_or_else(String::new, Value::to_string);
-        what.titled(format!("{} = {value}", selecting.name))
-    })?;
-    let schedule = schedule.ok_or_else(|| missing(selecting))?;
-    let others = law.keys.iter().filter(|key| !key.selects);
-    let number = |key: &Key| match (keys.get(key.name), key.default) {
-        (Some(value), _) => number(key, value),
-        (None, default) => default.ok_or_else(|| missing(key)),
-    };
-    let numbers = others.map(number).collect::<Result<Vec<_>, _>>()?;
-    Ok((law.build)(selecting.name, schedule, &numbers))
+/// The gas of a chamber as it is written: a row of [`GAS_LAWS`], with its numbers.
+#[derive(Clone, Debug)]
+pub struct GasConfig {
+    row: &'static Row,
+    /// The key that selects the law.
+    selecting: &'static Key,
+    /// Its value: the one number that the gas follows over time.
+    pub value: Written,
+    /// Those of the other keys, in their order.
+    numbers: Vec<f64>,
+}
+
+impl GasConfig {
+    /// The law that the keys of a `[[chamber]]` select, `on` left out.
+    pub fn read(keys: &Table) -> Result<Self, Misfit> {
+        let (row, selecting) = select(keys)?;
+        let missing = |key: &Key| {
+            KeyPath::default().told(format!("missing field `{}` [{}]", key.name, key.unit))
+        };
+        let value: Option<Written> = read_key(keys, selecting.name).map_err(|what| {
+            let value = keys.get(selecting.name).map_or_else(String::new, Value::to_string);
+            what.titled(format!("{} = {value}", selecting.name))
+        })?;
+        let value = value.ok_or_else(|| missing(selecting))?;
+        let number = |key: &Key| match (keys.get(key.name), key.default) {
+            (Some(value), _) => number(key, value),
+            (None, default) => default.ok_or_else(|| missing(key)),
+        };
+        let numbers = others(row).map(number).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { row, selecting, value, numbers })
+    }
+
+    /// The key that selects the law.
+    pub fn key(&self) -> &'static str {
+        self.selecting.name
+    }
+
+    /// Unit of the number that it follows over time.
+    pub fn unit(&self) -> &'static str {
+        self.selecting.unit
+    }
+
+    /// The pressure, where the law prescribes it [Pa].
+    pub fn pressure(&self) -> Option<&Written> {
+        (self.key() == "pressure").then_some(&self.value)
+    }
+
+    /// The law with the values of the number that it follows.
+    pub fn law(&self, schedule: Schedule) -> Box<dyn GasLaw> {
+        (self.row.build)(self.selecting.name, schedule, &self.numbers)
+    }
+
+    /// The keys, as [`Self::read`] takes them.
+    pub fn written(&self) -> Table {
+        let value = Value::try_from(&self.value).expect("a number, a text or lists of numbers");
+        let numbers = self.numbers.iter().map(|number| Value::Float(*number));
+        let names = others(self.row).map(|key| key.name.to_owned());
+        let mut table: Table = names.zip(numbers).collect();
+        table.insert(self.selecting.name.to_owned(), value);
+        table
+    }
+}
+
+/// The keys of a law that do not select it.
+fn others(row: &'static Row) -> impl Iterator<Item = &'static Key> {
+    row.keys.iter().filter(|key| !key.selects)
 }
 
 /// The row that keys select, with the key that selects it.
@@ -67,19 +117,16 @@ fn select(keys: &Table) -> Result<(&'static Row, &'static Key), Misfit> {
 }
 
 fn number(key: &Key, value: &Value) -> Result<f64, Misfit> {
-    let wrong = || misfit!(KeyPath::of(key.name), " = {value}: expected a number [{}]", key.unit);
-    law_table::number(value).ok_or_else(wrong)
-}
-
-/// The keys of a law, as [`read`] takes them.
-pub fn written(law: &dyn GasLaw) -> Table {
-    let schedule = Value::try_from(law.schedule()).expect("a number, a text or lists of numbers");
-    let row = GAS_LAWS.iter().find(|row| row.keys.iter().any(|key| key.name == law.key()));
-    let others = row.into_iter().flat_map(|row| row.keys).filter(|key| !key.selects);
-    let numbers = law.numbers().into_iter().map(Value::Float);
-    let mut table: Table = others.map(|key| key.name.to_owned()).zip(numbers).collect();
-    table.insert(law.key().to_owned(), schedule);
-    table
+    let at = KeyPath::of(key.name);
+    let Some(number) = law_table::number(value) else {
+        return Err(misfit!(at, " = {value}: expected a number [{}]", key.unit));
+    };
+    let range = match key.least {
+        Least::Above(least) => Range::above(least),
+        Least::From(least) => Range::at_least(least),
+    };
+    let unit = if key.unit == "1" { "" } else { key.unit };
+    range.unit(unit).admit(&at, number).map(|()| number)
 }
 
 /// `[[chamber]]` of one of the laws, without `on`.
@@ -133,18 +180,11 @@ mod tests {
             "checked_supply = \"60e3*t\"\nresistance = 1e9\nleak = 0\nambient = 95e3",
         ] {
             let table: toml::Table = toml::from_str(text).expect("TOML");
-            let law = read(&table).expect(text);
-            let row = GAS_LAWS.iter().find(|row| row.keys.iter().any(|k| k.name == law.key()));
-            let row = row.expect("every law has a row");
-            let again = read(&written(law.as_ref())).expect("as it was written");
-            assert_eq!(written(again.as_ref()), written(law.as_ref()));
-            assert_eq!(again.schedule(), law.schedule());
-            let names = written(law.as_ref());
-            assert!(
-                names.keys().all(|name| row.keys.iter().any(|key| key.name == name)),
-                "{names:?}"
-            );
-            assert!(names.keys().eq(table.keys()), "{names:?}");
+            let gas = GasConfig::read(&table).expect(text);
+            let written = gas.written();
+            let again = GasConfig::read(&written).expect("as it was written");
+            assert_eq!((again.written(), again.value), (written.clone(), gas.value));
+            assert!(written.keys().eq(table.keys()), "{written:?}");
         }
     }
 
@@ -168,7 +208,8 @@ mod tests {
             ("supply = 1e5", &["missing field `resistance`"]),
             ("pressures = 1", &["unknown field `pressures`", "`pressure`, `fill`"]),
         ] {
-            let error = read(&toml::from_str(text).expect("TOML")).expect_err(text).to_string();
+            let error =
+                GasConfig::read(&toml::from_str(text).expect("TOML")).expect_err(text).to_string();
             assert!(words.iter().all(|w| error.contains(w)), "{text}: {error}");
         }
     }

@@ -2,76 +2,69 @@
 //! cascade, tag by tag, what counts, and how finely the scene is simulated.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use measure::written::Names;
-use program::{KeyPath, Misfit, misfit};
+use program::table::{Numbers, Range, Table, named, nested};
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::MOST_STEPS;
+use super::{DEGREE, STEPS};
 
-/// A level of the cascade, or several where its handles grow.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LevelConfig {
-    /// Number of handles.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub handles: Option<HandlesConfig>,
-    /// What vertices off the rims move freely.
-    #[serde(default)]
-    pub vertices: VerticesConfig,
-    /// Each tag as a whole moves along its normals: one variable a tag, in place of handles and vertices.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub offset: bool,
-    /// How a handle moves.
-    #[serde(default)]
-    pub motion: HandleMotion,
-    /// Accepted optimiser iterations.
-    pub iterations: usize,
-    /// Factors on the weights of objectives, by their names; 1 for the others.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub weights: BTreeMap<String, f64>,
-    /// Another mesh in place of the scene's, as modelled and with the same tags: the design moves to it and back.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mesh: Option<PathBuf>,
-    /// The body that `mesh` is of, in a scene with several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub body: Option<String>,
-    /// Degree of the displacement in place of the scene's: 1, 2 or 3.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub degree: Option<usize>,
-    /// Time steps in place of the scene's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time: Option<LevelTime>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub first_step: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub largest_step: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stagnation: Option<f64>,
-    /// In place of the design's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gradient_tolerance: Option<f64>,
-    /// In place of the design's [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_limit: Option<f64>,
+program::table! {
+    /// A level of the cascade, or several where its handles grow.
+    #[derive(Clone, Debug)]
+    pub struct LevelConfig {
+        /// Number of handles.
+        handles: Option<HandlesConfig> = None, Range::POSITIVE.advice("; expected one handle or more");
+        /// What vertices off the rims move freely.
+        vertices: VerticesConfig = VerticesConfig::default();
+        /// Each tag as a whole moves along its normals: one variable a tag, in place of handles and vertices.
+        offset: bool = false;
+        /// How a handle moves.
+        motion: HandleMotion = HandleMotion::Rigid;
+        /// Accepted optimiser iterations.
+        iterations: usize;
+        /// Factors on the weights of objectives, by their names; 1 for the others.
+        weights: BTreeMap<String, f64> = BTreeMap::new(), named::<f64>(Range::NOT_NEGATIVE);
+        /// Another mesh in place of the scene's, as modelled and with the same tags: the design moves to it and back.
+        mesh: Option<PathBuf> = None;
+        /// The body that `mesh` is of, in a scene with several.
+        body: Option<String> = None;
+        /// Degree of the displacement: 1, 2 or 3.
+        degree: Option<usize> = None => "the scene's", DEGREE;
+        /// Time steps.
+        time: Option<LevelTime> = None => "the scene's", nested;
+        /// First step, in mean edges [1].
+        first_step: Option<f64> = None => "the design's", Range::NOT_NEGATIVE;
+        /// Largest step, in mean edges [1].
+        largest_step: Option<f64> = None => "the design's", Range::POSITIVE;
+        /// Fall of the objective in an iteration at which the level ends, as a part [1].
+        stagnation: Option<f64> = None => "the design's", Range::NOT_NEGATIVE;
+        /// Norm of the gradient at which the level ends, as a part of that at its start [1].
+        gradient_tolerance: Option<f64> = None => "the design's", Range::NOT_NEGATIVE;
+        /// Computing time after which no iteration begins [s].
+        time_limit: Option<f64> = None => "the design's", Range::NOT_NEGATIVE.unit("s");
+    }
 }
 
-/// Time steps of equal length in a level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LevelTime {
-    /// Their number.
-    pub steps: usize,
-    /// End of the last, in place of the scene's [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub end: Option<f64>,
+impl Default for LevelConfig {
+    fn default() -> Self {
+        toml::from_str("iterations = 0").expect("all else has a default")
+    }
+}
+
+program::table! {
+    /// Time steps of equal length in a level.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct LevelTime {
+        /// Their number.
+        steps: usize, STEPS;
+        /// End of the last [s].
+        end: Option<f64> = None => "the scene's", Range::POSITIVE.unit("s");
+    }
 }
 
 /// `handles` of a level.
@@ -89,16 +82,27 @@ pub enum HandlesConfig {
     Tags(BTreeMap<String, usize>),
 }
 
-/// Numbers of handles n_i = n_0 a^i, rounded (Gjoka et al. 2024, section 4.5).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Growing {
-    /// n_0.
-    pub first: usize,
-    /// a, greater than 1.
-    pub factor: f64,
-    /// Number of levels.
-    pub levels: usize,
+program::table! {
+    /// Numbers of handles n_i = n_0 a^i, rounded (Gjoka et al. 2024, section 4.5).
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Growing {
+        /// n_0.
+        first: usize;
+        /// a, greater than 1.
+        factor: f64, Range::above(1.0);
+        /// Number of levels.
+        levels: usize, Range::POSITIVE;
+    }
+}
+
+impl Numbers for HandlesConfig {
+    fn numbers(&self) -> Vec<f64> {
+        match self {
+            Self::Each(count) => count.numbers(),
+            Self::Growing(growing) => growing.first.numbers(),
+            Self::Tags(tags) => tags.values().flat_map(Numbers::numbers).collect(),
+        }
+    }
 }
 
 /// `vertices` of a level.
@@ -243,17 +247,6 @@ impl LevelConfig {
                 " = \"{body}\" without mesh; expected mesh = \"FILE.msh\", another mesh of it"
             ));
         }
-        let time = |key: &str| KeyPath::of("time").key(key);
-        if let Some(LevelTime { steps, end }) = self.time {
-            ensure!(
-                (1..=MOST_STEPS).contains(&steps),
-                misfit!(time("steps"), " = {steps}: expected 1 to {MOST_STEPS}")
-            );
-            ensure!(
-                end.is_none_or(|end| end.is_finite() && end > 0.0),
-                misfit!(time("end"), " = {} s: must be positive", end.unwrap_or(f64::NAN))
-            );
-        }
         check_weights(&self.weights, objectives)
     }
 
@@ -286,36 +279,23 @@ impl LevelConfig {
     }
 }
 
-/// An error in `handles` of a level, whose message goes on with `what`.
-fn refused(what: impl Display) -> Misfit {
-    let key = KeyPath::list("shape.level").key("handles");
-    key.told(format!("[[shape.level]] handles{what}"))
-}
-
 impl HandlesConfig {
     fn check(&self, on: &[String], freed: &[String]) -> Result<()> {
+        let key = KeyPath::list("shape.level").key("handles");
         let tags = match self {
-            Self::Each(count) => {
-                ensure!(*count > 0, refused(" = 0: expected one handle or more"));
-                return Ok(());
-            }
-            Self::Growing(growing) => return growing.check(),
+            Self::Each(_) => return Ok(()),
+            Self::Growing(growing) => return growing.check(&key),
             Self::Tags(tags) => tags,
         };
-        let what = " = {}: expected a number, or one for each tag";
-        ensure!(!tags.is_empty(), refused(what));
-        for (tag, count) in tags {
+        ensure!(!tags.is_empty(), misfit!(key, " = {{}}: expected a number, or one for each tag"));
+        for tag in tags.keys() {
             ensure!(
                 on.contains(tag),
-                refused(format!(
-                    ": \"{tag}\": {}; or first, factor and levels together",
-                    expected(on)
-                ))
+                misfit!(key, ": \"{tag}\": {}; or first, factor and levels together", expected(on))
             );
-            ensure!(*count > 0, refused(format!(": {tag} = 0: expected one handle or more")));
             ensure!(
                 !freed.contains(tag),
-                refused(format!(" and vertices of \"{tag}\": expected one of them"))
+                misfit!(key, " and vertices of \"{tag}\": expected one of them")
             );
         }
         Ok(())
@@ -330,35 +310,26 @@ impl Growing {
         (0..self.levels).map(count)
     }
 
-    fn check(self) -> Result<()> {
-        let Self { first, factor, levels } = self;
-        let refused = |what: &str| {
-            let found = format!("first = {first}, factor = {factor}, levels = {levels}");
-            refused(format!(" = {{ {found} }}: {what}"))
-        };
-        ensure!(first > 0 && levels > 0, refused("first and levels must be 1 or more"));
-        ensure!(factor.is_finite() && factor > 1.0, refused("factor must be greater than 1"));
-        let last = first as f64 * factor.powf((levels - 1) as f64);
-        let many = format!("the last level has {last:.0} handles, more than a million");
-        ensure!(last < 1e6, refused(&many));
+    fn check(self, key: &KeyPath) -> Result<()> {
+        self.check_ranges(key)?;
+        let last = self.first as f64 * self.factor.powf((self.levels - 1) as f64);
+        ensure!(
+            last < 1e6,
+            misfit!(key.clone(), ": the last level has {last:.0} handles, more than a million")
+        );
         Ok(())
     }
 }
 
-/// Checks factors on the weights of objectives with these names.
+/// Checks that factors on weights are of objectives with these names.
 pub(super) fn check_weights(weights: &BTreeMap<String, f64>, objectives: &[&str]) -> Result<()> {
-    for (name, factor) in weights {
-        let at = KeyPath::of("weights").key(name);
+    for name in weights.keys() {
         ensure!(
             objectives.contains(&name.as_str()),
-            at.told(format!(
+            KeyPath::of("weights").key(name).told(format!(
                 "weights: there is no objective \"{name}\"; there are {}",
                 objectives.join(", ")
             ))
-        );
-        ensure!(
-            factor.is_finite() && *factor >= 0.0,
-            misfit!(at, " = {factor}: expected a factor of 0 or more")
         );
     }
     Ok(())
@@ -379,7 +350,10 @@ mod tests {
 
     fn problem(text: &str) -> String {
         let on = ["left", "skin"].map(str::to_owned);
-        format!("{:#}", level(text).check(&on, &["grip", "smooth"]).unwrap_err())
+        let level = level(text);
+        let ranges = level.check_ranges(&KeyPath::list("shape.level")).map_err(Into::into);
+        let checked = ranges.and_then(|()| level.check(&on, &["grip", "smooth"]));
+        format!("{:#}", checked.unwrap_err())
     }
 
     #[test]
@@ -416,7 +390,7 @@ mod tests {
             ("handles = { right = 2 }", "expected some of left, skin"),
             ("handles = { left = 2 }\nvertices = \"left\"", "vertices of \"left\""),
             ("vertices = [\"right\"]", "expected some of left, skin"),
-            ("handles = { first = 2, factor = 1, levels = 3 }", "greater than 1"),
+            ("handles = { first = 2, factor = 1, levels = 3 }", "factor = 1: must be above 1"),
             ("handles = { first = 2, factor = 10, levels = 9 }", "more than a million"),
             ("handles = 2\ntime = { steps = 0 }", "steps = 0"),
             ("handles = 2\ntime = { steps = 2, end = -1 }", "end = -1"),

@@ -1,27 +1,20 @@
 //! `[limit]`: how much more pressure than its loads a body bears.
 
 use anyhow::{Result, ensure};
+use program::table::Range;
 use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 
-/// How much more pressure than the full load a body bears before it balloons, buckles or tears. Pressures grow together
-/// from the state at the end, while all other loads, volumes and supports are held.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct LimitConfig {
-    /// Tags of the chambers whose pressures grow; all that have a pressure if not given.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub on: Vec<String>,
-    /// Factor up to which a limit is sought [1].
-    pub most: f64,
-}
-
-impl Default for LimitConfig {
-    fn default() -> Self {
-        Self { on: Vec::new(), most: 3.0 }
+program::table! {
+    /// How much more pressure than the full load a body bears before it balloons, buckles or tears. Pressures grow together
+    /// from the state at the end, while all other loads, volumes and supports are held.
+    #[derive(Clone, Debug)]
+    pub struct LimitConfig {
+        /// Tags of the chambers whose pressures grow.
+        on: Vec<String> = Vec::new() => "all that have a pressure";
+        /// Factor up to which a limit is sought [1].
+        most: f64 = 3.0, Range::above(1.0);
     }
 }
 
@@ -29,12 +22,7 @@ impl SimConfig {
     /// Checks `[limit]` against its scene.
     pub(super) fn check_limit(&self) -> Result<()> {
         let Some(limit) = &self.limit else { return Ok(()) };
-        let table = KeyPath::table("limit");
-        ensure!(
-            limit.most.is_finite() && limit.most > 1.0,
-            misfit!(table.key("most"), " = {}: must be above 1", limit.most)
-        );
-        self.check_growing(&table, &limit.on)
+        self.check_growing(&KeyPath::table("limit"), &limit.on)
     }
 
     /// Checks that the slope of the pressure can be kept, by what is at this place of a design.
@@ -52,7 +40,7 @@ impl SimConfig {
 
     /// Checks that pressures can grow at the end.
     fn check_growing(&self, place: &KeyPath, on: &[String]) -> Result<()> {
-        let moves = self.obstacle.iter().any(|o| !o.displacement.0.iter().all(|d| d.is_zero()));
+        let moves = self.obstacle.iter().any(|o| !o.displacement.is_zero());
         let history = [
             (self.time.is_some(), "[time]"),
             (!self.relaxation.is_empty(), "[[relaxation]]"),

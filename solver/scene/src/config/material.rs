@@ -96,8 +96,9 @@ impl JsonSchema for MaterialConfig {
         "MaterialConfig".into()
     }
 
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let mut volumes = law_table::volume_schemas();
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let laws = law_table::volume_schemas(generator);
+        let mut volumes = laws.clone();
         volumes.push(json_schema!({
             "type": "object",
             "title": "`silicone`",
@@ -110,7 +111,7 @@ impl JsonSchema for MaterialConfig {
         add_keys(&mut volumes, &[("on", on, true)]);
         let of_volumes = json_schema!({ "type": "array", "items": volumes });
         let mut forms = vec![silicone_name(), of_volumes];
-        forms.splice(1..1, law_table::volume_schemas());
+        forms.splice(1..1, laws);
         json_schema!({ "anyOf": forms })
     }
 }

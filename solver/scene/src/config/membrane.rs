@@ -3,45 +3,41 @@
 use crate::law_table;
 use anyhow::{Context, Result, bail, ensure};
 use program::schema::one_of;
+use program::table::{Range, direction, nested};
 use program::{KeyPath, misfit};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Serialize};
+use schemars::{Schema, SchemaGenerator};
 use toml::Value;
 
 use mechanics::energy::Direction;
 use mechanics::material::sheet::{LAWS, Specification};
 
 use super::SimConfig;
-use super::fibre::Leads;
+use super::fibre::{ANGLE, Leads};
 use super::line::AroundConfig;
 
-/// A sheet bonded to facets, on the boundary or inside.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MembraneConfig {
-    /// Tag of the facets, or a body for its whole boundary.
-    pub on: String,
-    /// Thickness at rest [m].
-    pub thickness: f64,
-    /// `kind` and the parameters of a law of `solver list --sheets`.
-    #[schemars(schema_with = "laws")]
-    pub material: Value,
-    /// Whether it wrinkles rather than carry compression.
-    #[serde(default)]
-    pub tension: bool,
-    /// Of a law with a warp, the direction of that: a vector of any length, of which the part in the sheet counts; or
-    /// `around`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f64; 3]>,
-    /// An axis, with `angle` or `radial`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub around: Option<AroundConfig>,
-    /// Angle between warp and axis [°]: 0 along it, 90 around it; positive for a right-handed screw.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub angle: Option<f64>,
-    /// Whether the warp leads away from the axis.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub radial: bool,
+program::table! {
+    /// A sheet bonded to facets, on the boundary or inside.
+    #[derive(Clone, Debug)]
+    pub struct MembraneConfig {
+        /// Tag of the facets, or a body for its whole boundary.
+        on: String;
+        /// Thickness at rest [m].
+        thickness: f64, Range::POSITIVE.unit("m").advice("; expected that of the sheet, such as 1e-4 for paper");
+        /// `kind` and the parameters of a law of `solver list --sheets`.
+        #[schemars(schema_with = "laws")]
+        material: Value;
+        /// Whether it wrinkles rather than carry compression.
+        tension: bool = false;
+        /// Of a law with a warp, the direction of that: a vector of any length, of which the part in the sheet counts; or
+        /// `around`.
+        direction: Option<[f64; 3]> = None, direction;
+        /// An axis, with `angle` or `radial`.
+        around: Option<AroundConfig> = None, nested;
+        /// Angle between warp and axis [°]: 0 along it, 90 around it; positive for a right-handed screw.
+        angle: Option<f64> = None, ANGLE;
+        /// Whether the warp leads away from the axis.
+        radial: bool = false;
+    }
 }
 
 fn laws(_: &mut SchemaGenerator) -> Schema {
@@ -93,18 +89,9 @@ impl SimConfig {
     /// Checks what can be checked of sheets without a body.
     pub(super) fn check_membranes(&self) -> Result<()> {
         for membrane in &self.membrane {
-            let MembraneConfig { on, thickness, .. } = membrane;
-            ensure!(
-                *thickness > 0.0 && thickness.is_finite(),
-                misfit!(
-                    membrane.title().key("thickness"),
-                    " = {thickness} m: must be positive and finite; expected that of the sheet, such as 1e-4 \
-                     for paper"
-                )
-            );
             membrane.leads()?;
             ensure!(
-                self.cuts().iter().flatten().all(|cut| cut != on),
+                self.cuts().iter().flatten().all(|cut| *cut != membrane.on),
                 misfit!(
                     membrane.title(),
                     ": the tag is a cut of [[symmetry]], where the whole body goes on: there is no surface \

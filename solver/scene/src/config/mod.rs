@@ -30,13 +30,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
-use program::{Change, KeyPath, Keys, Settings, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use program::table::{Range, Rule, each, named, nested};
+use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
 pub use fibre::{FibreConfig, Source};
+pub use gas::GasConfig;
 pub use limit::LimitConfig;
 pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
@@ -49,7 +49,7 @@ pub use parameter::ParameterDesign;
 pub use profile::{Along, ProfileConfig};
 pub use relaxation::RelaxationConfig;
 pub use rigid::RigidConfig;
-pub use scenario::{EXCESS, FactorConfig, RobustConfig, ScenarioConfig, WallConfig};
+pub use scenario::{ByName, EXCESS, RobustConfig, ScenarioConfig};
 pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
 pub use symmetric::{MirrorConfig, SymmetricConfig, TurnConfig};
 pub use symmetry::SymmetryConfig;
@@ -59,8 +59,9 @@ pub use design::{
 };
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;
+use mechanics::element::HIGHEST_DEGREE;
 use mechanics::forward::{Method, Steps};
-use mechanics::schedule::{Field, axes};
+use mechanics::schedule::{WrittenField, axes, is_free_name};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 pub use winding::{Climb, WindingConfig};
 
@@ -72,89 +73,71 @@ pub const BODY: &str = "body";
 const SCENE_KEYS: Keys =
     Keys { paths: &["mesh", "surface"], named: &["parameters", "numbers"], meaning: Some(meaning) };
 
-/// A scene: a tagged body, its material, supports and loads.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SimConfig {
-    /// Tagged tetrahedral mesh of the one body, as `tagger` writes it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mesh: Option<PathBuf>,
-    /// Polynomial degree of the displacement: 1, 2 or 3.
-    #[serde(default = "quadratic")]
-    pub degree: usize,
-    /// Degree to which energies are integrated exactly, from 5 to 12.
-    #[serde(default = "quintic")]
-    pub quadrature: usize,
-    /// Law of the one body.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<MaterialConfig>,
-    /// Several bodies, in place of `mesh` and `material`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub body: Vec<BodyConfig>,
-    /// Surfaces that bodies cannot pass.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub obstacle: Vec<ObstacleConfig>,
-    /// Tags that cannot move, or move as prescribed.
-    #[serde(default)]
-    pub fixed: Vec<Fixed>,
-    /// Planes in which the bodies are cut.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub symmetry: Vec<SymmetryConfig>,
-    /// Acceleration by gravity [m/s²].
-    #[serde(default)]
-    #[schemars(with = "FieldSchema")]
-    pub gravity: Field,
-    /// What happens where surfaces meet. Without it they pass through each other, and a run at whose
-    /// end they have is not usable, unless it is "ignored".
-    pub contact: Option<ContactChoice>,
-    /// Chambers; their energies have the order of the file.
-    #[serde(default)]
-    pub chamber: Vec<ChamberConfig>,
-    /// Thin sheets bonded to tags.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub membrane: Vec<MembraneConfig>,
-    /// Parts that keep their shape: fittings, glued discs, bodies that are lifted.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub rigid: Vec<RigidConfig>,
-    /// Families of fibres in bodies and volumes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub fibre: Vec<FibreConfig>,
-    /// Threads wound on tags.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub winding: Vec<WindingConfig>,
-    /// Overstress of viscoelastic bodies; several tables make a Prony series.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub relaxation: Vec<RelaxationConfig>,
-    /// Softening of bodies after a first stretch (Mullins effect).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub mullins: Vec<MullinsConfig>,
-    /// Forces on the whole body.
-    #[serde(default)]
-    pub body_force: Vec<BodyForceConfig>,
-    /// Forces on parts of the boundary.
-    #[serde(default)]
-    pub traction: Vec<TractionConfig>,
-    /// Numbers that are measured at every reported step.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub probe: Vec<ProbeConfig>,
-    /// How far numbers may be off: reports have error bars of the probes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub uncertainty: Option<UncertaintyConfig>,
-    /// At which factor of the pressures the state at the end balloons or buckles, and at which it tears.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub limit: Option<LimitConfig>,
-    /// Numbers that expressions may name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub parameters: BTreeMap<String, f64>,
-    /// Values of numbers by their paths, as `solver list --numbers` explains them, in place of those that the
-    /// tables give.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub numbers: BTreeMap<String, f64>,
-    /// Time steps; without them the loads grow together from nothing.
-    pub time: Option<TimeConfig>,
-    /// Numerical settings.
-    #[serde(default)]
-    pub solver: SolverConfig,
+/// Degrees of the displacement.
+const DEGREE: Range = Range::between(1.0, HIGHEST_DEGREE as f64);
+/// Numbers of time steps of a scene or a level: every step has a line of the report.
+const STEPS: Range = Range::between(1.0, 1e6);
+
+program::table! {
+    /// A scene: a tagged body, its material, supports and loads.
+    #[derive(Clone, Debug)]
+    pub struct SimConfig {
+        /// Tagged tetrahedral mesh of the one body, as `tagger` writes it.
+        mesh: Option<PathBuf> = None;
+        /// Polynomial degree of the displacement: 1, 2 or 3.
+        degree: usize = 2, DEGREE;
+        /// Degree to which energies are integrated exactly, from 5 to 12.
+        quadrature: usize = mechanics::element::quadrature::DEFAULT_DEGREE, Range::between(5.0, 12.0);
+        /// Law of the one body.
+        material: Option<MaterialConfig> = None;
+        /// Several bodies, in place of `mesh` and `material`.
+        body: Vec<BodyConfig> = Vec::new(), each(BodyConfig::title);
+        /// Surfaces that bodies cannot pass.
+        obstacle: Vec<ObstacleConfig> = Vec::new();
+        /// Tags that cannot move, or move as prescribed.
+        fixed: Vec<Fixed> = Vec::new(), each(Fixed::title);
+        /// Planes in which the bodies are cut.
+        symmetry: Vec<SymmetryConfig> = Vec::new();
+        /// Acceleration by gravity [m/s²].
+        #[schemars(with = "FieldSchema")]
+        gravity: WrittenField = WrittenField::default();
+        /// What happens where surfaces meet. Without it they pass through each other, and a run at whose
+        /// end they have is not usable, unless it is "ignored".
+        contact: Option<ContactChoice> = None, nested;
+        /// Chambers; their energies have the order of the file.
+        chamber: Vec<ChamberConfig> = Vec::new();
+        /// Thin sheets bonded to tags.
+        membrane: Vec<MembraneConfig> = Vec::new(), each(MembraneConfig::title);
+        /// Parts that keep their shape: fittings, glued discs, bodies that are lifted.
+        rigid: Vec<RigidConfig> = Vec::new(), each(RigidConfig::title);
+        /// Families of fibres in bodies and volumes.
+        fibre: Vec<FibreConfig> = Vec::new(), each(FibreConfig::title);
+        /// Threads wound on tags.
+        winding: Vec<WindingConfig> = Vec::new(), each(WindingConfig::title);
+        /// Overstress of viscoelastic bodies; several tables make a Prony series.
+        relaxation: Vec<RelaxationConfig> = Vec::new(), each(|_: &RelaxationConfig| KeyPath::list("relaxation"));
+        /// Softening of bodies after a first stretch (Mullins effect).
+        mullins: Vec<MullinsConfig> = Vec::new(), each(|_: &MullinsConfig| KeyPath::list("mullins"));
+        /// Forces on the whole body.
+        body_force: Vec<BodyForceConfig> = Vec::new();
+        /// Forces on parts of the boundary.
+        traction: Vec<TractionConfig> = Vec::new();
+        /// Numbers that are measured at every reported step.
+        probe: Vec<ProbeConfig> = Vec::new();
+        /// How far numbers may be off: reports have error bars of the probes.
+        uncertainty: Option<UncertaintyConfig> = None, nested;
+        /// At which factor of the pressures the state at the end balloons or buckles, and at which it tears.
+        limit: Option<LimitConfig> = None, nested;
+        /// Numbers that expressions may name.
+        parameters: BTreeMap<String, f64> = BTreeMap::new(), free_names;
+        /// Values of numbers by their paths, as `solver list --numbers` explains them, in place of those that the
+        /// tables give.
+        numbers: BTreeMap<String, f64> = BTreeMap::new();
+        /// Time steps; without them the loads grow together from nothing.
+        time: Option<TimeConfig> = None, nested;
+        /// Numerical settings.
+        solver: SolverConfig = SolverConfig::default(), nested;
+    }
 }
 
 impl SimConfig {
@@ -168,10 +151,20 @@ impl SimConfig {
         Settings::read(path, changes, SCENE_KEYS)
     }
 
-    /// The scene in a file.
+    /// The scene in a file, of which everything is sound that can be checked without a body.
     pub fn of(settings: &Settings) -> Result<Self> {
         refuse_outside_of_chambers(settings)?;
-        settings.parse()
+        let config: Self = settings.parse()?;
+        settings.checked(|_| config.check())?;
+        Ok(config)
+    }
+
+    /// These settings with others in place of some, checked as those of a file.
+    pub fn with(&self, change: impl FnOnce(&mut Self)) -> Result<Self> {
+        let mut changed = self.clone();
+        change(&mut changed);
+        changed.check()?;
+        Ok(changed)
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].
@@ -263,80 +256,73 @@ impl SimConfig {
     }
 }
 
-/// One of several bodies. Its tags are called `name.tag`, and `name` is its whole
-/// boundary.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct BodyConfig {
-    /// What tags and reports call it.
-    pub name: String,
-    /// Tagged tetrahedral mesh.
-    pub mesh: PathBuf,
-    /// Law of its material.
-    pub material: MaterialConfig,
-    /// Shift of the mesh [m].
-    #[serde(default)]
-    pub translate: [f64; 3],
-    /// Velocity at t = 0 [m/s].
-    #[serde(default)]
-    pub velocity: [f64; 3],
+program::table! {
+    /// One of several bodies. Its tags are called `name.tag`, and `name` is its whole
+    /// boundary.
+    #[derive(Clone, Debug)]
+    pub struct BodyConfig {
+        /// What tags and reports call it.
+        name: String;
+        /// Tagged tetrahedral mesh.
+        mesh: PathBuf;
+        /// Law of its material.
+        material: MaterialConfig;
+        /// Shift of the mesh [m].
+        translate: [f64; 3] = [0.0; 3], Range::FINITE.unit("m");
+        /// Velocity at t = 0 [m/s].
+        velocity: [f64; 3] = [0.0; 3], Range::FINITE.unit("m/s");
+    }
 }
 
-/// A rigid surface, open or closed.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ObstacleConfig {
-    /// What reports call it.
-    pub name: String,
-    /// Triangle surface, a file in metres.
-    pub surface: PathBuf,
-    /// How far it has moved [m].
-    #[serde(default)]
-    #[schemars(with = "FieldSchema")]
-    pub displacement: Field,
+impl BodyConfig {
+    /// What messages call it.
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("body").named(&self.name)
+    }
 }
 
-/// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TimeConfig {
-    /// End of the last step [s].
-    pub end: Option<f64>,
-    /// Number of steps of equal length.
-    pub steps: Option<usize>,
-    /// Ends of all steps [s].
-    pub at: Option<Vec<f64>>,
-    /// How the bodies go through time.
-    #[serde(default)]
-    #[schemars(with = "MethodSchema")]
-    pub method: Method,
+program::table! {
+    /// A rigid surface, open or closed.
+    #[derive(Clone, Debug)]
+    pub struct ObstacleConfig {
+        /// What reports call it.
+        name: String;
+        /// Triangle surface, a file in metres.
+        surface: PathBuf;
+        /// How far it has moved [m].
+        #[schemars(with = "FieldSchema")]
+        displacement: WrittenField = WrittenField::default();
+    }
 }
 
-fn quadratic() -> usize {
-    2
+program::table! {
+    /// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
+    #[derive(Clone, Debug)]
+    pub struct TimeConfig {
+        /// End of the last step [s].
+        end: Option<f64> = None, Range::POSITIVE.unit("s");
+        /// Number of steps of equal length.
+        steps: Option<usize> = None, STEPS;
+        /// Ends of all steps [s].
+        at: Option<Vec<f64>> = None, increasing;
+        /// How the bodies go through time.
+        #[schemars(with = "MethodSchema")]
+        method: Method = Method::default();
+    }
 }
 
-fn quintic() -> usize {
-    mechanics::element::quadrature::DEFAULT_DEGREE
-}
-
-/// A tag whose nodes do not move along some axes, or move as prescribed.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Fixed {
-    /// Tag name.
-    pub on: String,
-    /// The axes, such as "xyz" or "z".
-    #[serde(default = "all_axes")]
-    pub components: String,
-    /// Displacement, zero along axes that are not fixed [m].
-    #[serde(default)]
-    #[schemars(with = "FieldSchema")]
-    pub displacement: Field,
-}
-
-fn all_axes() -> String {
-    "xyz".to_owned()
+program::table! {
+    /// A tag whose nodes do not move along some axes, or move as prescribed.
+    #[derive(Clone, Debug)]
+    pub struct Fixed {
+        /// Tag name.
+        on: String;
+        /// The axes, such as "xyz" or "z".
+        components: String = "xyz".to_owned(), some_axes;
+        /// Displacement, zero along axes that are not fixed [m].
+        #[schemars(with = "FieldSchema")]
+        displacement: WrittenField = WrittenField::default();
+    }
 }
 
 impl Fixed {
@@ -344,26 +330,88 @@ impl Fixed {
     pub fn axes(&self) -> [bool; 3] {
         axes(&self.components)
     }
+
+    /// What messages call it.
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("fixed").on(&self.on)
+    }
+
+    fn check(&self) -> Result<()> {
+        for (held, value) in self.axes().into_iter().zip(&self.displacement.0) {
+            ensure!(
+                held || value.is_zero(),
+                misfit!(
+                    self.title().key("displacement"),
+                    " {value}: must be zero along axes that are not in components = \"{}\"",
+                    self.components
+                )
+            );
+        }
+        Ok(())
+    }
 }
 
-/// A force per rest volume.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct BodyForceConfig {
-    /// Force per volume, for gravity density times acceleration [N/m³].
-    #[schemars(with = "FieldSchema")]
-    pub force: Field,
+program::table! {
+    /// A force per rest volume.
+    #[derive(Clone, Debug)]
+    pub struct BodyForceConfig {
+        /// Force per volume, for gravity density times acceleration [N/m³].
+        #[schemars(with = "FieldSchema")]
+        force: WrittenField;
+    }
 }
 
-/// A force per rest area.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TractionConfig {
-    /// Tag name.
-    pub on: String,
-    /// Force per area [Pa].
-    #[schemars(with = "FieldSchema")]
-    pub traction: Field,
+program::table! {
+    /// A force per rest area.
+    #[derive(Clone, Debug)]
+    pub struct TractionConfig {
+        /// Tag name.
+        on: String;
+        /// Force per area [Pa].
+        #[schemars(with = "FieldSchema")]
+        traction: WrittenField;
+    }
+}
+
+/// The rule of axes.
+fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
+    let count = axes(components).iter().filter(|axis| **axis).count();
+    match components.len() == count && count > 0 {
+        true => Ok(()),
+        false => {
+            Err(misfit!(at.clone(), " = \"{components}\": must be some of x, y, z, each once"))
+        }
+    }
+}
+
+/// The rule of the ends of time steps.
+fn increasing(at: &KeyPath, times: &Option<Vec<f64>>) -> Result<(), Misfit> {
+    let Some(times) = times else { return Ok(()) };
+    if times.is_empty() {
+        return Err(misfit!(at.clone(), " is empty"));
+    }
+    let from_rest: Vec<f64> = [0.0].iter().chain(times).copied().collect();
+    let is_wrong = |pair: &&[f64]| !(pair[0] < pair[1] && pair[1] < f64::INFINITY);
+    match from_rest.windows(2).find(is_wrong) {
+        None => Ok(()),
+        Some(pair) => Err(misfit!(
+            at.clone(),
+            " has {} s after {} s: times must be finite and increase from 0",
+            pair[1],
+            pair[0]
+        )),
+    }
+}
+
+/// The rule of numbers that expressions may name.
+fn free_names(at: &KeyPath, parameters: &BTreeMap<String, f64>) -> Result<(), Misfit> {
+    match parameters.keys().find(|name| !is_free_name(name)) {
+        None => named::<f64>(Range::FINITE).check(&at.clone().as_table(), parameters),
+        Some(name) => Err(at.clone().as_table().key(name).told(format!(
+            "[parameters]: \"{name}\" cannot be a name; expected letters, digits and _, and no name that \
+             expressions know"
+        ))),
+    }
 }
 
 /// `path` as seen from the folder of the file `from`.

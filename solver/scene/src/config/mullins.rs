@@ -3,28 +3,26 @@
 use anyhow::{Result, ensure};
 use mechanics::forward::Method;
 use mechanics::material::OgdenRoxburgh;
+use program::table::Range;
 use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 
-/// Softening of bodies by what they were stretched before, after Ogden and Roxburgh: the isochoric stress of the
-/// law times η = 1 − erf((W_m − W)/(m + beta W_m))/r. W is the isochoric energy density of the law, and W_m the
-/// largest one that the point has had at the end of a time step.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MullinsConfig {
-    /// The body or volume; all of them if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub on: Option<String>,
-    /// Stress falls by 1/r of itself at most; above 1 [1].
-    pub r: f64,
-    /// How slowly it falls after small stretches: an energy density; 0 or more [Pa].
-    pub m: f64,
-    /// How slowly it falls after large stretches; 0, as in the original law, or more, and not 0 together with m [1].
-    #[serde(default)]
-    pub beta: f64,
+program::table! {
+    /// Softening of bodies by what they were stretched before, after Ogden and Roxburgh: the isochoric stress of the
+    /// law times η = 1 − erf((W_m − W)/(m + beta W_m))/r. W is the isochoric energy density of the law, and W_m the
+    /// largest one that the point has had at the end of a time step.
+    #[derive(Clone, Debug)]
+    pub struct MullinsConfig {
+        /// The body or volume.
+        on: Option<String> = None => "all";
+        /// Stress falls by 1/r of itself at most; above 1 [1].
+        r: f64, Range::above(1.0).advice(", as stress falls by 1/r of itself at most; such as 2");
+        /// How slowly it falls after small stretches: an energy density; 0 or more [Pa].
+        m: f64, Range::NOT_NEGATIVE.unit("Pa");
+        /// How slowly it falls after large stretches; 0, as in the original law, or more, and not 0 together with m [1].
+        beta: f64 = 0.0, Range::NOT_NEGATIVE;
+    }
 }
 
 impl MullinsConfig {
@@ -45,39 +43,17 @@ impl MullinsConfig {
 }
 
 impl SimConfig {
-    /// Checks what can be checked of softening without a body.
-    pub fn check_mullins(&self) -> Result<()> {
-        let key = |key: &str| KeyPath::list("mullins").key(key);
-        for MullinsConfig { r, m, beta, .. } in &self.mullins {
-            ensure!(
-                *r > 1.0 && r.is_finite(),
-                misfit!(
-                    key("r"),
-                    " = {r}: must be above 1 and finite, as stress falls by 1/r of itself at most; expected a \
-                     number such as 2"
-                )
-            );
-            ensure!(
-                *m >= 0.0 && m.is_finite(),
-                misfit!(key("m"), " = {m} Pa: must be 0 or more and finite")
-            );
-            ensure!(
-                *beta >= 0.0 && beta.is_finite(),
-                misfit!(key("beta"), " = {beta}: must be 0 or more and finite")
-            );
+    /// Checks that a scene with softening has states in an order, each of which follows from the last.
+    pub(super) fn check_mullins(&self) -> Result<()> {
+        for MullinsConfig { m, beta, .. } in &self.mullins {
             ensure!(
                 *m + *beta > 0.0,
                 misfit!(
-                    key("m"),
+                    KeyPath::list("mullins").key("m"),
                     " = 0 Pa and beta = 0: m + beta W_m divides an energy density; expected one of both above 0"
                 )
             );
         }
-        self.check_history_of_mullins()
-    }
-
-    /// Checks that a scene with softening has states in an order, each of which follows from the last.
-    fn check_history_of_mullins(&self) -> Result<()> {
         if self.mullins.is_empty() {
             return Ok(());
         }

@@ -1,27 +1,34 @@
 //! `[[parameter]]` of a design: a number of the scene that may change.
 
-use anyhow::{Result, ensure};
-use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use program::table::{Numbers, Range};
+use program::{KeyPath, Misfit, misfit};
 
-/// A number of the scene that may change, such as a peak pressure or a delay.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ParameterDesign {
-    /// The name in the scene's `[parameters]`, or the path of a number of `solver list --numbers`.
-    pub name: String,
-    /// Smallest and largest value.
-    pub bounds: [f64; 2],
-    /// Largest change in one iteration.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub change: Option<f64>,
-    /// Keeps it small: `small × (value / scale)²` is a term of the objective with its name.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub small: Option<f64>,
-    /// The value that counts as `small`; the larger of the bounds if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scale: Option<f64>,
+program::table! {
+    /// A number of the scene that may change, such as a peak pressure or a delay.
+    #[derive(Clone, Debug)]
+    pub struct ParameterDesign {
+        /// The name in the scene's `[parameters]`, or the path of a number of `solver list --numbers`.
+        name: String;
+        /// Smallest and largest value.
+        bounds: [f64; 2], rising::<[f64; 2]>("");
+        /// Largest change in one iteration.
+        change: Option<f64> = None, Range::POSITIVE;
+        /// Keeps it small: `small × (value / scale)²` is a term of the objective with its name.
+        small: Option<f64> = None, Range::POSITIVE;
+        /// The value that counts as `small`.
+        scale: Option<f64> = None => "the larger of the bounds", Range::POSITIVE;
+    }
+}
+
+/// The rule of two bounds in a unit, if they are given: the smaller comes first.
+pub(super) fn rising<T: Numbers>(unit: &str) -> impl Fn(&KeyPath, &T) -> Result<(), Misfit> {
+    move |at, bounds| match bounds.numbers()[..] {
+        [low, high] if !(low < high && low.is_finite() && high.is_finite()) => Err(misfit!(
+            at.clone(),
+            " = [{low}, {high}]{unit}; expected two numbers, the smaller first"
+        )),
+        _ => Ok(()),
+    }
 }
 
 impl ParameterDesign {
@@ -31,30 +38,8 @@ impl ParameterDesign {
         Some(self.scale.unwrap_or(largest) / self.small?.sqrt())
     }
 
-    pub(super) fn check(&self) -> Result<()> {
-        let Self { name, bounds: [low, high], change, small, scale } = self;
-        let title = KeyPath::list("parameter").named(name);
-        ensure!(
-            low < high && low.is_finite() && high.is_finite(),
-            misfit!(
-                title.key("bounds"),
-                " = [{low}, {high}]; expected two numbers, the smaller first"
-            )
-        );
-        for (key, value) in [("change", change), ("small", small), ("scale", scale)] {
-            ensure!(
-                value.is_none_or(|value| value.is_finite() && value > 0.0),
-                misfit!(
-                    title.clone().key(key),
-                    " = {:?} must be positive",
-                    value.unwrap_or(f64::NAN)
-                )
-            );
-        }
-        ensure!(
-            scale.is_none() || small.is_some(),
-            misfit!(title.key("scale"), " without small: expected small = 1.0, its weight")
-        );
-        Ok(())
+    /// What messages call it.
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("parameter").named(&self.name)
     }
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::energy::{Axis, Profile};
+use program::table::{Numbers, Range, Table, nested};
 use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
@@ -22,20 +23,26 @@ pub enum Along {
     Profile(ProfileConfig),
 }
 
-/// A number that changes along an axis: a B-spline of the height, which begins at the first of its values, ends at the
-/// last, and lies between the smallest and the largest. Beyond both ends it is constant.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ProfileConfig {
-    /// Control values, from 2 to 64, at equal steps of the spline between both ends.
-    pub values: Vec<f64>,
-    /// Height of the first, along the axis from its point [m].
-    pub start: f64,
-    /// Height of the last [m].
-    pub end: f64,
-    /// The axis, where the table around has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub line: Option<AroundConfig>,
+program::table! {
+    /// A number that changes along an axis: a B-spline of the height, which begins at the first of its values, ends at the
+    /// last, and lies between the smallest and the largest. Beyond both ends it is constant.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct ProfileConfig {
+        /// Control values, from 2 to 64, at equal steps of the spline between both ends.
+        values: Vec<f64>, Range::FINITE;
+        /// Height of the first, along the axis from its point [m].
+        start: f64, Range::FINITE.unit("m");
+        /// Height of the last [m].
+        end: f64, Range::FINITE.unit("m");
+        /// The axis, where the table around has none.
+        line: Option<AroundConfig> = None, nested;
+    }
+}
+
+impl Numbers for Along {
+    fn numbers(&self) -> Vec<f64> {
+        self.values().to_vec()
+    }
 }
 
 impl From<f64> for Along {
@@ -81,11 +88,28 @@ impl Along {
 impl ProfileConfig {
     /// The profile at a key, in the unit of the file, along the axis of the table around it, or along its own line.
     pub fn build(&self, key: &KeyPath, around: Option<Axis>) -> Result<Profile> {
-        self.check(key)?;
         let below = |name: &str| key.clone().key(name);
+        let Self { values, start, end, .. } = self;
+        self.check_ranges(key)?;
+        ensure!(
+            (2..=Profile::MOST_VALUES).contains(&values.len()),
+            misfit!(
+                below("values"),
+                ": {} values; expected 2 to {}, as one alone is written as a number, without a table",
+                values.len(),
+                Profile::MOST_VALUES
+            )
+        );
+        ensure!(
+            start < end,
+            misfit!(
+                below("end"),
+                " = {end} m, with start = {start} m: expected the end above the start"
+            )
+        );
         let axis = match (around, &self.line) {
             (Some(axis), None) => axis,
-            (None, Some(line)) => line.line_at(&below("line"))?,
+            (None, Some(line)) => line.line(),
             (Some(_), Some(_)) => {
                 return Err(
                     misfit!(below("line"), " beside around: heights are along that axis").into()
@@ -100,43 +124,8 @@ impl ProfileConfig {
                 .into());
             }
         };
-        let Self { values, start, end, .. } = self;
         let profile = Profile::new(axis, [*start, *end], values.clone());
         profile.context("a profile that was checked")
-    }
-
-    /// Whether its numbers are admissible.
-    fn check(&self, key: &KeyPath) -> Result<()> {
-        let below = |name: &str| key.clone().key(name);
-        let Self { values, start, end, .. } = self;
-        let count = values.len();
-        ensure!(
-            count >= 2,
-            misfit!(
-                below("values"),
-                " = {values:?}: expected two values or more; one alone is written as a number, without a table"
-            )
-        );
-        ensure!(
-            count <= Profile::MOST_VALUES,
-            misfit!(
-                below("values"),
-                ": {count} values; expected {} or fewer",
-                Profile::MOST_VALUES
-            )
-        );
-        ensure!(
-            values.iter().all(|value| value.is_finite()),
-            misfit!(below("values"), " = {values:?}: all must be finite")
-        );
-        ensure!(
-            start.is_finite() && end.is_finite() && start < end,
-            misfit!(
-                below("end"),
-                " = {end} m, with start = {start} m: expected finite heights, the end above the start"
-            )
-        );
-        Ok(())
     }
 }
 
@@ -196,40 +185,5 @@ mod tests {
         assert_eq!(again.k1, file.k1);
         let profile = file.k1.profile().unwrap().build(&KeyPath::of("k1"), Some(axis())).unwrap();
         assert_eq!((profile.value(-1.0), profile.value(0.04), profile.value(0.1)), (1.0, 2.5, 4.0));
-    }
-
-    #[test]
-    fn what_is_neither_says_what_was_expected() {
-        for (value, words) in [
-            ("\"stiff\"", &["invalid type: string \"stiff\"", "a number, or a table { values"][..]),
-            ("[1, 2]", &["invalid type: sequence", "a number, or a table { values"]),
-            ("{ values = [1, 2], start = 0 }", &["missing field `end`"]),
-            ("{ values = [1, 2], from = 0 }", &["unknown field `from`", "`values`", "`line`"]),
-            ("{ values = 3, start = 0, end = 1 }", &["invalid type: integer `3`"]),
-        ] {
-            let error = read(value).unwrap_err().to_string();
-            assert!(words.iter().all(|word| error.contains(word)), "{error}");
-        }
-    }
-
-    #[test]
-    fn what_is_no_profile_is_refused_with_its_numbers() {
-        let line = "line = { point = [0, 0, 0], axis = [0, 0, 1] }";
-        let many = format!("{:?}", vec![1.0; 65]);
-        for (values, ends, more, around, words) in [
-            ("[1]", "start = 0, end = 1", "", true, &["k1: values = [1.0]", "without a table"][..]),
-            (&*many, "start = 0, end = 1", "", true, &["65 values", "64 or fewer"]),
-            ("[1, inf]", "start = 0, end = 1", "", true, &["inf", "finite"]),
-            ("[1, 2]", "start = 0.1, end = 0", "", true, &["end = 0 m, with start = 0.1 m"]),
-            ("[1, 2]", "start = 0, end = nan", "", true, &["end = NaN m"]),
-            ("[1, 2]", "start = 0, end = 1", line, true, &["line beside around"]),
-            ("[1, 2]", "start = 0, end = 1", "", false, &["no axis", "line = {"]),
-        ] {
-            let comma = if more.is_empty() { "" } else { ", " };
-            let value = read(&format!("{{ values = {values}, {ends}{comma}{more} }}")).unwrap();
-            let built = value.profile().unwrap().build(&KeyPath::of("k1"), around.then(axis));
-            let error = built.unwrap_err().to_string();
-            assert!(words.iter().all(|word| error.contains(word)), "{error}");
-        }
     }
 }

@@ -1,24 +1,23 @@
 //! `[[relaxation]]`: stress that a material has for a while beside that of its law.
 
 use anyhow::{Result, ensure};
+use program::table::Range;
 use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 
-/// A Maxwell branch beside the laws of bodies: one term of a Prony series. The law alone is what is
-/// left after a long time; stresses of result files are those of the law.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RelaxationConfig {
-    /// The body or volume; all of them if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub on: Option<String>,
-    /// Isochoric stress that a sudden strain adds, as a part of that of the law [1].
-    pub overstress: f64,
-    /// Relaxation time, after which 1/e of it is left under constant strain [s].
-    pub time: f64,
+program::table! {
+    /// A Maxwell branch beside the laws of bodies: one term of a Prony series. The law alone is what is
+    /// left after a long time; stresses of result files are those of the law.
+    #[derive(Clone, Debug)]
+    pub struct RelaxationConfig {
+        /// The body or volume.
+        on: Option<String> = None => "all";
+        /// Isochoric stress that a sudden strain adds, as a part of that of the law [1].
+        overstress: f64, Range::POSITIVE.advice("; expected a part of the stress of the law, such as 0.1");
+        /// Relaxation time, after which 1/e of it is left under constant strain [s].
+        time: f64, Range::POSITIVE.unit("s");
+    }
 }
 
 impl RelaxationConfig {
@@ -34,23 +33,7 @@ impl RelaxationConfig {
 }
 
 impl SimConfig {
-    /// Checks what can be checked of relaxation without a body.
-    pub fn check_relaxation(&self) -> Result<()> {
-        let key = |key: &str| KeyPath::list("relaxation").key(key);
-        for RelaxationConfig { overstress, time, .. } in &self.relaxation {
-            ensure!(
-                *overstress > 0.0 && overstress.is_finite(),
-                misfit!(
-                    key("overstress"),
-                    " = {overstress}: must be positive and finite; expected a part of the stress of the law, \
-                     such as 0.1"
-                )
-            );
-            ensure!(
-                *time > 0.0 && time.is_finite(),
-                misfit!(key("time"), " = {time} s: must be positive and finite")
-            );
-        }
+    pub(super) fn check_relaxation(&self) -> Result<()> {
         ensure!(
             self.relaxation.is_empty() || self.time.is_some(),
             misfit!(

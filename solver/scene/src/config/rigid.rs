@@ -2,46 +2,33 @@
 
 use anyhow::{Result, ensure};
 use measure::written::FieldSchema;
-use mechanics::schedule::{Field, Schedule, axes};
+use mechanics::schedule::{WrittenField, axes};
+use program::table::Range;
 use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use super::SimConfig;
+use super::{SimConfig, some_axes};
 
-/// A part that moves without changing its shape: what a tag is glued to, such as a fitting or a disc, or a whole
-/// body.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RigidConfig {
-    /// Tag that is glued to it, or a body of which all is rigid.
-    pub on: String,
-    /// The axes along which it may move, such as "xyz" or "z"; where these are not all, it cannot turn.
-    #[serde(default = "all_axes")]
-    pub along: String,
-    /// Whether it may turn.
-    #[serde(default = "yes")]
-    pub turns: bool,
-    /// Mass, spread evenly over the tag; a body has that of its density [kg].
-    #[serde(default)]
-    pub mass: f64,
-    /// Force on the middle of the tag, or of the body's surface [N].
-    #[serde(default)]
-    #[schemars(with = "FieldSchema")]
-    pub force: Field,
-    /// Moments about axes through it that keep the directions of x, y and z [N m]. Each works by the angle by which the
-    /// part has turned about its axis, as seen along that: up to half a turn.
-    #[serde(default)]
-    #[schemars(with = "FieldSchema")]
-    pub moment: Field,
-}
-
-fn all_axes() -> String {
-    "xyz".to_owned()
-}
-
-fn yes() -> bool {
-    true
+program::table! {
+    /// A part that moves without changing its shape: what a tag is glued to, such as a fitting or a disc, or a whole
+    /// body.
+    #[derive(Clone, Debug)]
+    pub struct RigidConfig {
+        /// Tag that is glued to it, or a body of which all is rigid.
+        on: String;
+        /// The axes along which it may move, such as "xyz" or "z"; where these are not all, it cannot turn.
+        along: String = "xyz".to_owned(), some_axes;
+        /// Whether it may turn.
+        turns: bool = true;
+        /// Mass, spread evenly over the tag; a body has that of its density [kg].
+        mass: f64 = 0.0, Range::NOT_NEGATIVE.unit("kg");
+        /// Force on the middle of the tag, or of the body's surface [N].
+        #[schemars(with = "FieldSchema")]
+        force: WrittenField = WrittenField::default();
+        /// Moments about axes through it that keep the directions of x, y and z [N m]. Each works by the angle by which the
+        /// part has turned about its axis, as seen along that: up to half a turn.
+        #[schemars(with = "FieldSchema")]
+        moment: WrittenField = WrittenField::default();
+    }
 }
 
 impl RigidConfig {
@@ -56,26 +43,14 @@ impl RigidConfig {
     }
 
     fn check(&self) -> Result<()> {
-        let Self { along, turns, mass, .. } = self;
-        let count = self.axes().iter().filter(|axis| **axis).count();
+        let Self { along, turns, .. } = self;
         ensure!(
-            along.len() == count && count > 0,
-            misfit!(
-                self.title().key("along"),
-                " = \"{along}\": must be some of x, y, z, each once; a part that does not move at all is [[fixed]]"
-            )
-        );
-        ensure!(
-            count == 3 || !turns,
+            self.axes() == [true; 3] || !turns,
             misfit!(
                 self.title().key("along"),
                 " = \"{along}\" beside turns = true: a part that is guided along axes cannot turn; write \
                  turns = false, too"
             )
-        );
-        ensure!(
-            mass.is_finite() && *mass >= 0.0,
-            misfit!(self.title().key("mass"), " = {mass} kg: must be 0 or more")
         );
         for (axis, moment) in ["x", "y", "z"].into_iter().zip(&self.moment.0) {
             ensure!(
@@ -109,8 +84,7 @@ impl SimConfig {
                 self.rigid[..i].iter().all(|other| other.on != part.on),
                 misfit!(part.title(), " is given twice")
             );
-            let counts =
-                self.method().has_inertia() || !self.gravity.0.iter().all(Schedule::is_zero);
+            let counts = self.method().has_inertia() || !self.gravity.is_zero();
             ensure!(
                 part.mass == 0.0 || counts,
                 misfit!(

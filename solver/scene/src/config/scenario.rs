@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
-use program::{KeyPath, misfit};
+use program::table::{Range, Rule, Table, named};
+use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -13,108 +14,84 @@ use super::level::check_weights;
 /// Name of the term that the objectives of scenarios are more than their mean by.
 pub const EXCESS: &str = "excess";
 
-/// A case that the design is simulated in. What is left out is as the scene has it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ScenarioConfig {
-    /// What histories call it.
-    pub name: String,
-    /// How much it counts beside the others [1].
-    #[serde(default = "one")]
-    pub weight: f64,
-    /// Every wall outward along its normal, or those with tags [m].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub wall: Option<WallConfig>,
-    /// Factor on all stresses of all materials, or of those of volumes or bodies by name [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub modulus: Option<FactorConfig>,
-    /// Factor on the density of every body, or of volumes or bodies by name [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub density: Option<FactorConfig>,
-    /// Factor on the thickness of every membrane, or as well on its modulus; or of those on tags [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub membrane: Option<FactorConfig>,
-    /// Factor on the coefficient of friction [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction: Option<f64>,
-    /// Added to the pressure or fill of every chamber [Pa].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pressure: Option<f64>,
-    /// Values of numbers of the scene by their paths, as `solver list --numbers` explains them.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub numbers: BTreeMap<String, f64>,
-    /// Values in place of the scene's `[parameters]`.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub parameters: BTreeMap<String, f64>,
-    /// Factors on the weights of objectives, by their names; 1 for the others.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub weights: BTreeMap<String, f64>,
+program::table! {
+    /// A case that the design is simulated in. What is left out is as the scene has it.
+    #[derive(Clone, Debug)]
+    pub struct ScenarioConfig {
+        /// What histories call it.
+        name: String;
+        /// How much it counts beside the others [1].
+        weight: f64 = 1.0, Range::POSITIVE;
+        /// Every wall outward along its normal, or those with tags [m].
+        wall: Option<ByName> = None, each_is(Range::FINITE.unit("m"));
+        /// Factor on all stresses of all materials, or of those of volumes or bodies by name [1].
+        modulus: Option<ByName> = None, each_is(Range::POSITIVE);
+        /// Factor on the density of every body, or of volumes or bodies by name [1].
+        density: Option<ByName> = None, each_is(Range::POSITIVE);
+        /// Factor on the thickness of every membrane, or as well on its modulus; or of those on tags [1].
+        membrane: Option<ByName> = None, each_is(Range::POSITIVE);
+        /// Factor on the coefficient of friction [1].
+        friction: Option<f64> = None, Range::POSITIVE;
+        /// Added to the pressure or fill of every chamber [Pa].
+        pressure: Option<f64> = None, Range::FINITE.unit("Pa");
+        /// Values of numbers of the scene by their paths, as `solver list --numbers` explains them.
+        numbers: BTreeMap<String, f64> = BTreeMap::new(), named::<f64>(Range::FINITE);
+        /// Values in place of the scene's `[parameters]`.
+        parameters: BTreeMap<String, f64> = BTreeMap::new();
+        /// Factors on the weights of objectives, by their names; 1 for the others.
+        weights: BTreeMap<String, f64> = BTreeMap::new(), named::<f64>(Range::NOT_NEGATIVE);
+    }
 }
 
-/// `wall` of a scenario [m].
+/// One number for all, or several by the names of what they are for.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a distance [m], or a table with one for each tag")]
-pub enum WallConfig {
-    /// All.
+#[serde(untagged, expecting = "expected a number, or a table with one for each name")]
+pub enum ByName {
+    /// For all.
     All(f64),
-    /// Those with tags.
-    Tags(BTreeMap<String, f64>),
-}
-
-/// A factor of a scenario [1].
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a factor, or a table with one for each name")]
-pub enum FactorConfig {
-    /// On all.
-    All(f64),
-    /// On those with names; 1 on the others.
+    /// For those with names.
     Named(BTreeMap<String, f64>),
 }
 
-impl FactorConfig {
-    /// Each factor with the name that it is on; none for all.
+impl ByName {
+    /// Each number with the name that it is for; none for all.
     pub fn each(&self) -> Vec<(Option<&str>, f64)> {
         match self {
-            Self::All(factor) => vec![(None, *factor)],
-            Self::Named(factors) => {
-                factors.iter().map(|(name, factor)| (Some(name.as_str()), *factor)).collect()
+            Self::All(number) => vec![(None, *number)],
+            Self::Named(numbers) => {
+                numbers.iter().map(|(name, number)| (Some(name.as_str()), *number)).collect()
             }
         }
     }
 }
 
-/// One objective from those of the scenarios: their mean without this table.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RobustConfig {
-    /// Standard deviations that are added to the mean [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub deviations: Option<f64>,
-    /// The largest in place of the mean, smoothed over this difference [unit of the objective].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub worst: Option<f64>,
+/// The rule of numbers that are in a range, one or more.
+fn each_is(range: Range) -> impl Fn(&KeyPath, &Option<ByName>) -> Result<(), Misfit> {
+    move |at, numbers| match numbers {
+        None => Ok(()),
+        Some(ByName::All(number)) => range.admit(at, *number),
+        Some(ByName::Named(numbers)) if numbers.is_empty() => {
+            Err(misfit!(at.clone(), " = {{}}: expected a number, or one for each of some names"))
+        }
+        Some(ByName::Named(numbers)) => named::<f64>(range).check(at, numbers),
+    }
 }
 
-fn one() -> f64 {
-    1.0
+program::table! {
+    /// One objective from those of the scenarios: their mean without this table.
+    #[derive(Clone, Copy, Debug)]
+    pub struct RobustConfig {
+        /// Standard deviations that are added to the mean [1].
+        deviations: Option<f64> = None, Range::NOT_NEGATIVE;
+        /// The largest in place of the mean, smoothed over this difference [unit of the objective].
+        worst: Option<f64> = None, Range::POSITIVE.advice("; differences of the objective below it do not count");
+    }
 }
 
 impl Default for ScenarioConfig {
     /// The scene as it is.
     fn default() -> Self {
-        Self {
-            name: String::new(),
-            weight: one(),
-            wall: None,
-            modulus: None,
-            density: None,
-            membrane: None,
-            friction: None,
-            pressure: None,
-            numbers: BTreeMap::new(),
-            parameters: BTreeMap::new(),
-            weights: BTreeMap::new(),
-        }
+        toml::from_str("name = ''").expect("all else has a default")
     }
 }
 
@@ -126,53 +103,15 @@ impl ScenarioConfig {
 
     /// How far each wall is off: the tag, or none for all, and the distance [m].
     pub fn walls(&self) -> Vec<(Option<&str>, f64)> {
-        match &self.wall {
-            None => Vec::new(),
-            Some(WallConfig::All(distance)) => vec![(None, *distance)],
-            Some(WallConfig::Tags(tags)) => {
-                tags.iter().map(|(tag, distance)| (Some(tag.as_str()), *distance)).collect()
-            }
-        }
+        self.wall.iter().flat_map(ByName::each).collect()
     }
 
     /// Whether it makes sense, outside of a design.
     pub fn check_alone(&self) -> Result<()> {
-        let weighted: Vec<&str> = self.weights.keys().map(String::as_str).collect();
-        self.check(&weighted, &[])
+        Ok(self.check_ranges(&KeyPath::default())?)
     }
 
     fn check(&self, objectives: &[&str], designed: &[&str]) -> Result<()> {
-        let Self { weight, modulus, density, membrane, friction, pressure, .. } = self;
-        let named = [("modulus", modulus), ("density", density), ("membrane", membrane)];
-        for (key, factors) in named {
-            ensure!(
-                factors.as_ref().is_none_or(|factors| !factors.each().is_empty()),
-                misfit!(
-                    KeyPath::of(key),
-                    " = {{}}: expected a factor, or one for each of some names"
-                )
-            );
-            for (name, factor) in factors.iter().flat_map(FactorConfig::each) {
-                let title = name.map_or_else(|| key.to_owned(), |name| format!("{key} of {name}"));
-                check_factor(&title, factor)?;
-            }
-        }
-        for (key, factor) in friction.iter().map(|&f| ("friction", f)).chain([("weight", *weight)])
-        {
-            check_factor(key, factor)?;
-        }
-        let pressure = pressure.iter().map(|&difference| ("pressure", difference));
-        let walls =
-            self.walls().into_iter().map(|(tag, distance)| (tag.unwrap_or("wall"), distance));
-        for (key, number) in pressure.chain(walls) {
-            ensure!(number.is_finite(), misfit!(KeyPath::of(key), " = {number}: must be finite"));
-        }
-        for (path, value) in &self.numbers {
-            ensure!(
-                value.is_finite(),
-                misfit!(KeyPath::of("numbers"), ": {path} = {value}: must be finite")
-            );
-        }
         for name in self.parameters.keys() {
             ensure!(
                 !designed.contains(&name.as_str()),
@@ -184,14 +123,6 @@ impl ScenarioConfig {
         }
         check_weights(&self.weights, objectives)
     }
-}
-
-fn check_factor(title: &str, factor: f64) -> Result<()> {
-    ensure!(
-        factor.is_finite() && factor > 0.0,
-        misfit!(KeyPath::of(title), " = {factor}: must be positive")
-    );
-    Ok(())
 }
 
 /// Checks the scenarios of a design with these objectives and designed parameters.
@@ -230,22 +161,5 @@ pub(super) fn check(
         deviations.is_some() != worst.is_some(),
         misfit!(robust, ": expected deviations or worst, one of them")
     );
-    if let Some(deviations) = deviations {
-        ensure!(
-            deviations.is_finite() && deviations >= 0.0,
-            robust
-                .key("deviations")
-                .told(format!("[robust] deviations = {deviations}: must not be negative"))
-        );
-    }
-    if let Some(worst) = worst {
-        ensure!(
-            worst.is_finite() && worst > 0.0,
-            robust.key("worst").told(format!(
-                "[robust] worst = {worst}: must be positive; differences of the objective below it do \
-                 not count"
-            ))
-        );
-    }
     Ok(())
 }

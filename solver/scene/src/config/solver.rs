@@ -1,7 +1,8 @@
 //! `[solver]`: numerical settings.
 
 use anyhow::{Result, ensure};
-use program::KeyPath;
+use program::table::Range;
+use program::{KeyPath, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,55 +11,45 @@ use super::SimConfig;
 /// First increment of the load of a path that is followed by its arc length.
 const FIRST_OF_PATH: f64 = 0.05;
 
-/// Numerical settings of the equilibrium.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct SolverConfig {
-    /// First load increment as a fraction of a time step, in a static scene of
-    /// the full load [1]; the largest if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub first_load_step: Option<f64>,
-    /// Largest load increment, for smooth curves over the load [1]: 1 if not given, or 0.1 with `simulate --curve`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub largest_load_step: Option<f64>,
-    /// Increment below which the load counts as unreachable [1].
-    pub smallest_load_step: f64,
-    /// Newton iterations allowed in one load step: 30 if not given, 200 with
-    /// contact, where an impact takes many.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub newton_iterations: Option<usize>,
-    /// Unbalanced force relative to the forces that balance, and gap of a
-    /// prescribed volume relative to it [1].
-    pub relative_tolerance: f64,
-    /// Unbalanced force that counts as none [N]. If not given, that which would strain the bodies by
-    /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub absolute_tolerance: Option<f64>,
-    /// Where the change of volume counts: what a law says of it alone, such as ½ bulk ln²J.
-    pub dilatation: Dilatation,
-    /// What becomes of an equilibrium in which an element is turned inside out somewhere.
-    pub inside_out: InsideOut,
-    /// When `solver simulate` estimates by how much the state at the end would change with elements of
-    /// the next degree, or with `dilatation = "mean"`. That costs an assembly and a factorisation with those.
-    pub locking: Locking,
-    /// What leads from one state of a static scene to the next.
-    #[serde(skip_serializing_if = "Follow::is_load")]
-    pub follow: Follow,
-    /// Number of states at which a path that is followed by its arc length ends, if it has not come to the
-    /// full load: 200 if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub path_states: Option<usize>,
-    /// Volume of a chamber over that at rest, beyond which such a path ends [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub path_volume_factor: Option<f64>,
-    /// Whether the path alone is wanted: a run that ends after `path_states` before it has come to the full load is
-    /// usable then.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub path_only: bool,
-    /// Whether `solver simulate` reports the stability of the state at the end. That costs a factorisation
-    /// in double precision; of states that are followed by their arc length it is always reported.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub stability: bool,
+program::table! {
+    /// Numerical settings of the equilibrium.
+    #[derive(Clone, Debug)]
+    pub struct SolverConfig {
+        /// First load increment as a fraction of a time step, in a static scene of the full load [1].
+        first_load_step: Option<f64> = None => "the largest", Range::above(0.0).at_most(1.0);
+        /// Largest load increment, for smooth curves over the load [1].
+        largest_load_step: Option<f64> = None => "1, or 0.1 with `simulate --curve`", Range::above(0.0);
+        /// Increment below which the load counts as unreachable [1].
+        smallest_load_step: f64 = 1e-3, Range::above(0.0);
+        /// Newton iterations allowed in one load step.
+        newton_iterations: Option<usize> = None => "30, or 200 with contact, where an impact takes many", Range::POSITIVE;
+        /// Unbalanced force relative to the forces that balance, and gap of a
+        /// prescribed volume relative to it [1].
+        relative_tolerance: f64 = 1e-10, Range::above(0.0).below(1.0);
+        /// Unbalanced force that counts as none [N]. If not given, that which would strain the bodies by
+        /// 1e-11, shear modulus times volume to the power 2/3, but at most 1e-6 of the forces that balance.
+        absolute_tolerance: Option<f64> = None, Range::NOT_NEGATIVE.unit("N");
+        /// Where the change of volume counts: what a law says of it alone, such as ½ bulk ln²J.
+        dilatation: Dilatation = Dilatation::Pointwise;
+        /// What becomes of an equilibrium in which an element is turned inside out somewhere.
+        inside_out: InsideOut = InsideOut::Refused;
+        /// When `solver simulate` estimates by how much the state at the end would change with elements of
+        /// the next degree, or with `dilatation = "mean"`. That costs an assembly and a factorisation with those.
+        locking: Locking = Locking::Likely;
+        /// What leads from one state of a static scene to the next.
+        follow: Follow = Follow::Load;
+        /// Number of states at which a path that is followed by its arc length ends, if it has not come to the
+        /// full load.
+        path_states: Option<usize> = None => "200", Range::POSITIVE;
+        /// Volume of a chamber over that at rest, beyond which such a path ends [1].
+        path_volume_factor: Option<f64> = None, Range::above(1.0);
+        /// Whether the path alone is wanted: a run that ends after `path_states` before it has come to the full load is
+        /// usable then.
+        path_only: bool = false;
+        /// Whether `solver simulate` reports the stability of the state at the end. That costs a factorisation
+        /// in double precision; of states that are followed by their arc length it is always reported.
+        stability: bool = false;
+    }
 }
 
 /// What leads from one state of a static scene to the next.
@@ -122,27 +113,6 @@ pub enum InsideOut {
     Tolerated,
 }
 
-impl Default for SolverConfig {
-    fn default() -> Self {
-        Self {
-            first_load_step: None,
-            largest_load_step: None,
-            smallest_load_step: 1e-3,
-            newton_iterations: None,
-            relative_tolerance: 1e-10,
-            absolute_tolerance: None,
-            dilatation: Dilatation::Pointwise,
-            inside_out: InsideOut::Refused,
-            locking: Locking::Likely,
-            follow: Follow::Load,
-            path_states: None,
-            path_volume_factor: None,
-            path_only: false,
-            stability: false,
-        }
-    }
-}
-
 impl SolverConfig {
     /// First load increment: as large as it may be, if none is given; a smaller one of a path.
     pub fn first_load_step(&self) -> f64 {
@@ -161,46 +131,22 @@ impl SolverConfig {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        let (s, first, largest) = (self, self.first_load_step(), self.largest_load_step());
-        let refused = |key: &str, what: String| {
-            KeyPath::table("solver").key(key).told(format!("{key} = {what}"))
-        };
-        let [smallest, relative] = [s.smallest_load_step, s.relative_tolerance];
-        ensure!(largest > 0.0, refused("largest_load_step", format!("{largest}: must be above 0")));
+        let (first, largest) = (self.first_load_step(), self.largest_load_step());
+        let key = |key: &str| KeyPath::table("solver").key(key);
         ensure!(
-            first > 0.0 && first <= 1.0,
-            refused("first_load_step", format!("{first}: must be above 0 and at most 1"))
-        );
-        ensure!(
-            smallest > 0.0 && smallest <= first,
-            refused(
-                "smallest_load_step",
-                format!("{smallest}: must be above 0 and at most first_load_step = {first}")
+            self.smallest_load_step <= first,
+            misfit!(
+                key("smallest_load_step"),
+                " = {}: must be at most first_load_step = {first}",
+                self.smallest_load_step
             )
         );
         ensure!(
             largest >= first,
-            refused(
-                "largest_load_step",
-                format!("{largest}: must be at least first_load_step = {first}")
+            misfit!(
+                key("largest_load_step"),
+                " = {largest}: must be at least first_load_step = {first}"
             )
-        );
-        ensure!(
-            relative > 0.0 && relative < 1.0,
-            refused("relative_tolerance", format!("{relative}: must be above 0 and below 1"))
-        );
-        if let Some(absolute) = s.absolute_tolerance {
-            ensure!(
-                absolute >= 0.0 && absolute.is_finite(),
-                refused(
-                    "absolute_tolerance",
-                    format!("{absolute} N: must be finite and not negative")
-                )
-            );
-        }
-        ensure!(
-            s.newton_iterations != Some(0),
-            refused("newton_iterations", "0: must be positive".into())
         );
         Ok(())
     }
@@ -230,19 +176,9 @@ impl SimConfig {
             return Err(refused("follow", &what).into());
         }
         ensure!(
-            s.path_states != Some(0),
-            refused("path_states", "= 0: a path has one state or more")
+            s.path_volume_factor.is_none() || !self.chamber.is_empty(),
+            refused("path_volume_factor", "needs a [[chamber]], of which there is none")
         );
-        if let Some(factor) = s.path_volume_factor {
-            ensure!(
-                factor.is_finite() && factor > 1.0,
-                refused("path_volume_factor", &format!("= {factor}: must be above 1"))
-            );
-            ensure!(
-                !self.chamber.is_empty(),
-                refused("path_volume_factor", "needs a [[chamber]], of which there is none")
-            );
-        }
         Ok(())
     }
 

@@ -2,53 +2,51 @@
 
 use anyhow::{Result, ensure};
 use measure::written::Names;
+use program::table::{Range, direction, nested};
 use program::{KeyPath, Misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::{Axis, HandlesConfig, LevelConfig, Moves, ShapeConfig};
 
 /// How near the number of images of a whole turn must be to a whole number [1].
 const WHOLE: f64 = 1e-9;
 
-/// Tags of which the first has the handles and the others are its images; or one tag, which is its own image.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SymmetricConfig {
-    /// The tags that move alike.
-    pub of: Names,
-    /// The second, or the other half of the one, is the mirror image.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mirror: Option<MirrorConfig>,
-    /// Each next one is the one before, shifted by this [m].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shift: Option<[f64; 3]>,
-    /// Each next one is the one before, turned; or the one tag is all of its images.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub turn: Option<TurnConfig>,
+program::table! {
+    /// Tags of which the first has the handles and the others are its images; or one tag, which is its own image.
+    #[derive(Clone, Debug)]
+    pub struct SymmetricConfig {
+        /// The tags that move alike.
+        of: Names;
+        /// The second, or the other half of the one, is the mirror image.
+        mirror: Option<MirrorConfig> = None, nested;
+        /// Each next one is the one before, shifted by this [m].
+        shift: Option<[f64; 3]> = None, direction;
+        /// Each next one is the one before, turned; or the one tag is all of its images.
+        turn: Option<TurnConfig> = None, nested;
+    }
 }
 
-/// A plane across an axis.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MirrorConfig {
-    /// The axis across which it lies.
-    pub axis: Axis,
-    /// The coordinate on that axis [m].
-    pub at: f64,
+program::table! {
+    /// A plane across an axis.
+    #[derive(Clone, Debug)]
+    pub struct MirrorConfig {
+        /// The axis across which it lies.
+        axis: Axis;
+        /// The coordinate on that axis [m].
+        at: f64, Range::FINITE.unit("m");
+    }
 }
 
-/// A turn about an axis.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TurnConfig {
-    /// The direction of the axis.
-    pub axis: Axis,
-    /// A point on it [m].
-    #[serde(default)]
-    pub through: [f64; 3],
-    /// From one to the next, about the axis as a right-handed screw turns [deg].
-    pub angle: f64,
+program::table! {
+    /// A turn about an axis.
+    #[derive(Clone, Debug)]
+    pub struct TurnConfig {
+        /// The direction of the axis.
+        axis: Axis;
+        /// A point on it [m].
+        through: [f64; 3] = [0.0; 3], Range::FINITE.unit("m");
+        /// From one to the next, about the axis as a right-handed screw turns [deg].
+        angle: f64, Range::above(-360.0).below(360.0).unit("°");
+    }
 }
 
 impl SymmetricConfig {
@@ -93,25 +91,14 @@ impl SymmetricConfig {
     }
 
     fn check_numbers(&self, tags: usize) -> Result<()> {
-        if let Some(MirrorConfig { at, .. }) = self.mirror {
-            let what = format!(", mirror: {tags} tags; expected two, or one that is its own image");
-            ensure!(tags <= 2, self.refused("of", &what));
-            let what = format!(", mirror: at = {at} m; expected a number");
-            ensure!(at.is_finite(), self.refused("mirror", &what));
-        }
-        if let Some(shift) = self.shift {
-            let what = ", shift: one tag; expected two or more, each the one before, shifted";
-            ensure!(tags > 1, self.refused("of", what));
-            let length = shift.iter().map(|s| s * s).sum::<f64>();
-            let what = format!(", shift = {shift:?} m: must have a direction");
-            ensure!(length.is_finite() && length > 0.0, self.refused("shift", &what));
-        }
-        if let Some(TurnConfig { angle, through, .. }) = self.turn {
-            let what = format!(", turn: through = {through:?} m; expected numbers");
-            ensure!(through.iter().all(|x| x.is_finite()), self.refused("turn", &what));
+        let what = format!(", mirror: {tags} tags; expected two, or one that is its own image");
+        ensure!(self.mirror.is_none() || tags <= 2, self.refused("of", &what));
+        let what = ", shift: one tag; expected two or more, each the one before, shifted";
+        ensure!(self.shift.is_none() || tags > 1, self.refused("of", what));
+        if let Some(TurnConfig { angle, .. }) = self.turn {
             let parts = 360.0 / angle.abs();
-            let what = format!(", turn: angle = {angle}°; expected more than 0°, less than 360°");
-            ensure!(parts.is_finite() && parts > 1.0, self.refused("turn", &what));
+            let what = ", turn: angle = 0°; expected more than 0°, less than 360°";
+            ensure!(parts.is_finite(), self.refused("turn", what));
             let what = format!(
                 ", turn: angle = {angle}° goes {parts:.4} times into 360°; expected a whole number"
             );

@@ -3,18 +3,17 @@
 use anyhow::{Result, ensure};
 use measure::written::Names;
 use program::KeyPath;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 use crate::meaning::cut;
 
-/// A plane of symmetry.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SymmetryConfig {
-    /// Tags of the cut, all of which lie in the plane.
-    pub on: Names,
+program::table! {
+    /// A plane of symmetry.
+    #[derive(Clone, Debug)]
+    pub struct SymmetryConfig {
+        /// Tags of the cut, all of which lie in the plane.
+        on: Names;
+    }
 }
 
 impl SimConfig {

@@ -4,9 +4,8 @@ use anyhow::{Result, ensure};
 use measure::written::Names;
 use mechanics::energy::Profile;
 use mechanics::material::slack::DEFAULT_SLACK;
+use program::table::{Range, nested};
 use program::{KeyPath, misfit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::SimConfig;
 use super::fibre::check_names;
@@ -16,57 +15,45 @@ use super::profile::Along;
 /// Most turns of a helix.
 const MOST_TURNS: f64 = 10_000.0;
 
-/// A thread that is bonded to a tag: a helix about an axis, or a line through points. It carries tension only,
-/// and has no stiffness against bending and no mass.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct WindingConfig {
-    /// What numbers and reports call it.
-    pub name: String,
-    /// Tag of the facets, on the boundary or inside, in one layer around the axis; or a list, such as that of a
-    /// wall and of the sheet below the thread.
-    pub on: Names,
-    /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread. It may change along the
-    /// axis, as `pitch` and `angle` may.
-    pub stiffness: Along,
-    /// The axis of a helix; or `points`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub around: Option<AroundConfig>,
-    /// Height that a turn climbs along the axis [m]; negative for a left-handed screw.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pitch: Option<Along>,
-    /// Angle between the thread and the axis [°], in place of `pitch`, at the mean distance of the tag from the
-    /// axis; negative for a left-handed screw.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub angle: Option<Along>,
-    /// Height of the start along the axis, from its point [m]; if not given, the lowest vertex of the tag.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub start: Option<f64>,
-    /// Height of the end [m]; if not given, the highest vertex of the tag.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub end: Option<f64>,
-    /// Angle of the start around the axis [°], from the x axis; from the y axis where the axis is along x.
-    #[serde(default)]
-    pub phase: f64,
-    /// Whether a second thread of the other hand crosses it, from the same start.
-    #[serde(default)]
-    pub double: bool,
-    /// Points of a line [m], which are moved to the nearest ones of the tag.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub points: Vec<[f64; 3]>,
-    /// Force of the thread while the body has its shape at rest [N].
-    #[serde(default)]
-    pub pretension: f64,
-    /// Force at which the thread breaks [N]: the report has the margin, and a run warns where the thread would break.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub strength: Option<f64>,
-    /// Elongation over which the thread becomes taut [1].
-    #[serde(default = "default_slack")]
-    pub slack: f64,
-}
-
-fn default_slack() -> f64 {
-    DEFAULT_SLACK
+program::table! {
+    /// A thread that is bonded to a tag: a helix about an axis, or a line through points. It carries tension only,
+    /// and has no stiffness against bending and no mass.
+    #[derive(Clone, Debug)]
+    pub struct WindingConfig {
+        /// What numbers and reports call it.
+        name: String;
+        /// Tag of the facets, on the boundary or inside, in one layer around the axis; or a list, such as that of a
+        /// wall and of the sheet below the thread.
+        on: Names;
+        /// Stiffness EA [N]: Young's modulus times the area of the section, E π d²/4 of a solid thread. It may change along the
+        /// axis, as `pitch` and `angle` may.
+        stiffness: Along, Range::POSITIVE.unit("N").advice("; expected E π d²/4, as 212 N of E = 3e9 Pa and d = 0.3e-3 m");
+        /// The axis of a helix; or `points`.
+        around: Option<AroundConfig> = None, nested;
+        /// Height that a turn climbs along the axis [m]; negative for a left-handed screw.
+        pitch: Option<Along> = None, Range::FINITE.unit("m");
+        /// Angle between the thread and the axis [°], in place of `pitch`, at the mean distance of the tag from the
+        /// axis; negative for a left-handed screw.
+        angle: Option<Along> = None, Range::above(-90.0).below(90.0).unit("°")
+            .advice(": a helix is between 0 (along the axis) and 90 (around it), or their negatives");
+        /// Height of the start along the axis, from its point [m].
+        start: Option<f64> = None => "the lowest vertex of the tag", Range::FINITE.unit("m");
+        /// Height of the end [m].
+        end: Option<f64> = None => "the highest vertex of the tag", Range::FINITE.unit("m");
+        /// Angle of the start around the axis [°], from the x axis; from the y axis where the axis is along x.
+        phase: f64 = 0.0, Range::FINITE.unit("°");
+        /// Whether a second thread of the other hand crosses it, from the same start.
+        double: bool = false;
+        /// Points of a line [m], which are moved to the nearest ones of the tag.
+        points: Vec<[f64; 3]> = Vec::new(), Range::FINITE.unit("m");
+        /// Force of the thread while the body has its shape at rest [N].
+        pretension: f64 = 0.0, Range::NOT_NEGATIVE.unit("N").advice(": a thread only pulls");
+        /// Force at which the thread breaks [N]: the report has the margin, and a run warns where the thread would break.
+        strength: Option<f64> = None, Range::POSITIVE.unit("N").advice("; the force at which the thread breaks");
+        /// Elongation over which the thread becomes taut [1].
+        slack: f64 = DEFAULT_SLACK,
+            Range::above(0.0).at_most(1.0).advice("; the elongation over which the thread becomes taut, such as 1e-3");
+    }
 }
 
 /// How a helix climbs.
@@ -114,11 +101,11 @@ impl WindingConfig {
         }
         match (&self.pitch, &self.angle) {
             (Some(pitch), None) => {
-                self.check_pitch(pitch)?;
+                check_hand(&self.title().key("pitch"), pitch, " m")?;
                 Ok(Some(Climb::Pitch(pitch)))
             }
             (None, Some(angle)) => {
-                self.check_angle(angle)?;
+                check_hand(&self.title().key("angle"), angle, "°")?;
                 Ok(Some(Climb::Angle(angle)))
             }
             (Some(_), Some(_)) => {
@@ -131,34 +118,6 @@ impl WindingConfig {
             )
             .into()),
         }
-    }
-
-    fn check_pitch(&self, pitch: &Along) -> Result<()> {
-        let key = self.title().key("pitch");
-        for pitch in pitch.values() {
-            ensure!(
-                *pitch != 0.0 && pitch.is_finite(),
-                misfit!(
-                    key.clone(),
-                    " = {pitch} m: must be finite and not 0, such as 3e-3; negative for a left-handed screw"
-                )
-            );
-        }
-        check_hand(&key, pitch, "m")
-    }
-
-    fn check_angle(&self, angle: &Along) -> Result<()> {
-        let key = self.title().key("angle");
-        for angle in angle.values() {
-            ensure!(
-                angle.abs() > 0.0 && angle.abs() < 90.0,
-                misfit!(
-                    key.clone(),
-                    " = {angle}°: a helix is between 0 (along the axis) and 90 (around it), or their negatives; expected pitch for a narrow one"
-                )
-            );
-        }
-        check_hand(&key, angle, "°")
     }
 
     /// Heights of the ends of a helix, on a tag between two heights [m].
@@ -185,10 +144,9 @@ impl WindingConfig {
         Ok(())
     }
 
-    /// Whether its numbers are admissible.
+    /// Whether it is one course.
     fn check(&self) -> Result<()> {
         let key = |key: &str| self.title().key(key);
-        let Self { pretension, slack, phase, .. } = *self;
         ensure!(
             !self.on.all().is_empty(),
             misfit!(
@@ -196,38 +154,6 @@ impl WindingConfig {
                 " = []: no tag; expected one that the thread is wound on, or several"
             )
         );
-        for stiffness in self.stiffness.values() {
-            ensure!(
-                *stiffness > 0.0 && stiffness.is_finite(),
-                misfit!(
-                    key("stiffness"),
-                    " = {stiffness} N: must be positive and finite; expected E π d²/4, as 212 N of E = 3e9 Pa and d = 0.3e-3 m"
-                )
-            );
-        }
-        ensure!(
-            pretension >= 0.0 && pretension.is_finite(),
-            misfit!(
-                key("pretension"),
-                " = {pretension} N: must be finite and not negative: a thread only pulls"
-            )
-        );
-        ensure!(
-            slack > 0.0 && slack <= 1.0,
-            misfit!(
-                key("slack"),
-                " = {slack}: must be above 0 and at most 1; the elongation over which the thread becomes taut, such as 1e-3"
-            )
-        );
-        ensure!(
-            self.strength.is_none_or(|strength| strength > 0.0 && strength.is_finite()),
-            misfit!(
-                key("strength"),
-                " = {} N: must be positive and finite; the force at which the thread breaks",
-                self.strength.unwrap_or_default()
-            )
-        );
-        ensure!(phase.is_finite(), misfit!(key("phase"), " = {phase}°: must be finite"));
         let Some(_) = self.climb()? else { return self.check_points() };
         let around = self.around.as_ref().ok_or_else(|| {
             misfit!(
@@ -235,27 +161,19 @@ impl WindingConfig {
                 ": a helix without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
             )
         })?;
-        let axis = around.line(&self.title())?;
+        let axis = around.line();
         for (name, along) in [("pitch", &self.pitch), ("angle", &self.angle)] {
             if let Some(profile) = along.as_ref().and_then(Along::profile) {
                 profile.build(&key(name), Some(axis))?;
             }
         }
-        self.stiffness_profile()?;
-        let ends = [("start", self.start), ("end", self.end)];
-        for (end, height) in ends {
-            ensure!(
-                height.is_none_or(f64::is_finite),
-                misfit!(key(end), " = {} m: must be finite", height.unwrap_or_default())
-            );
-        }
-        Ok(())
+        self.stiffness_profile().map(drop)
     }
 
     /// The stiffness by the height, if it changes: along the axis of a helix, or the line of its table.
     pub fn stiffness_profile(&self) -> Result<Option<Profile>> {
         let Some(profile) = self.stiffness.profile() else { return Ok(None) };
-        let axis = self.around.as_ref().map(|around| around.line(&self.title())).transpose()?;
+        let axis = self.around.as_ref().map(AroundConfig::line);
         profile.build(&self.title().key("stiffness"), axis).map(Some)
     }
 
@@ -278,13 +196,12 @@ impl WindingConfig {
             )
             .into());
         }
-        let legs = self.points.windows(2);
-        let good = self.points.len() > 1 && legs.clone().all(|leg| leg[0] != leg[1]);
+        let mut legs = self.points.windows(2);
         ensure!(
-            good && self.points.iter().flatten().all(|x| x.is_finite()),
+            self.points.len() > 1 && legs.all(|leg| leg[0] != leg[1]),
             misfit!(
                 key("points"),
-                ": {} points; expected two or more, finite, each other than the one before",
+                ": {} points; expected two or more, each other than the one before",
                 self.points.len()
             )
         );
@@ -292,14 +209,21 @@ impl WindingConfig {
     }
 }
 
-/// Refuses values of both hands: somewhere between them a thread would not climb.
+/// Refuses 0, and values of both hands: somewhere between them a thread would not climb.
 fn check_hand(key: &KeyPath, along: &Along, unit: &str) -> Result<()> {
     let values = along.values();
+    ensure!(
+        values.iter().all(|value| *value != 0.0),
+        misfit!(
+            key.clone(),
+            " = 0{unit}: must not be 0, such as 3e-3 m or 80°; negative for a left-handed screw"
+        )
+    );
     ensure!(
         values.iter().all(|value| value.signum() == values[0].signum()),
         misfit!(
             key.clone(),
-            ".values = {values:?} {unit}: positive and negative; a thread cannot change its hand, expected two windings \
+            ".values = {values:?}{unit}: positive and negative; a thread cannot change its hand, expected two windings \
              that meet, with the end of one as the start of the other"
         )
     );
@@ -307,8 +231,7 @@ fn check_hand(key: &KeyPath, along: &Along, unit: &str) -> Result<()> {
 }
 
 impl SimConfig {
-    /// Checks what can be checked of threads without a body.
-    pub fn check_windings(&self) -> Result<()> {
+    pub(super) fn check_windings(&self) -> Result<()> {
         check_names("winding", self.winding.iter().map(|winding| &winding.name))?;
         self.winding.iter().try_for_each(WindingConfig::check)?;
         if let (Some(winding), false) = (self.winding.first(), self.symmetry.is_empty()) {

@@ -30,6 +30,7 @@ impl Scene {
         let moments = self.config.moments();
         let (mut chambers, mut prescribed, mut remembered) = (Vec::new(), 0, 0);
         for config in &self.config.chamber {
+            let gas = self.config.gas_law(config);
             let mut facets = Vec::new();
             for tag in config.on.all() {
                 facets.extend(body.facets(tag).with_context(context)?);
@@ -47,7 +48,7 @@ impl Scene {
                 wall = wall.plugged();
             }
             let volume = wall.volume(space, |n| nodes[n]);
-            if config.gas.needs_space() && volume <= 0.0 {
+            if gas.needs_space() && volume <= 0.0 {
                 bail!(config.title().told(format!(
                     "{}: \"{}\": the volume behind the wall is {volume:.3e} m³, must be \
                      positive\n  the tag is not the wall of a chamber",
@@ -55,10 +56,10 @@ impl Scene {
                     config.name
                 )));
             }
-            let wanted = |t: f64| config.gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
+            let wanted = |t: f64| gas.wanted(volume, t).map(|wanted| (t, wanted.volume));
             for (t, wanted) in moments.iter().filter_map(|&t| wanted(t)) {
                 // at the start nothing is measured against it
-                let sound = if config.gas.needs_space() { wanted > 0.0 } else { wanted != 0.0 };
+                let sound = if gas.needs_space() { wanted > 0.0 } else { wanted != 0.0 };
                 ensure!(
                     sound || (volume == 0.0 && t == 0.0),
                     config.title().told(format!(
@@ -66,16 +67,16 @@ impl Scene {
                          must be {}",
                         self.path.display(),
                         config.title(),
-                        if config.gas.needs_space() { "positive" } else { "another than 0" }
+                        if gas.needs_space() { "positive" } else { "another than 0" }
                     ))
                 );
             }
-            let multiplier = config.gas.wanted(volume, 0.0).map(|_| prescribed);
+            let multiplier = gas.wanted(volume, 0.0).map(|_| prescribed);
             prescribed += usize::from(multiplier.is_some());
-            let remembers = self.config.time.is_some() && config.gas.remembers().is_some();
+            let remembers = self.config.time.is_some() && gas.remembers().is_some();
             let memory = remembers.then_some(internal + remembered);
             remembered += usize::from(remembers);
-            let chamber = Chamber { multiplier, memory, ..Chamber::new(wall, config.gas.clone()) };
+            let chamber = Chamber { multiplier, memory, ..Chamber::new(wall, gas) };
             chambers.push((config.name.clone(), chamber));
         }
         Ok(chambers)

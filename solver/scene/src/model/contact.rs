@@ -43,8 +43,8 @@ impl Scene {
             check_unit(&surface.vertices, &body.mesh.vertices)
                 .with_context(|| path.display().to_string())?;
             let (surface, mirrored) = self.complete(surface, obstacle, body)?;
-            let moves = obstacle.displacement.0.iter().any(|s| !s.is_zero());
-            let displacement = obstacle.displacement.clone();
+            let moves = !obstacle.displacement.is_zero();
+            let displacement = self.config.field(&obstacle.displacement);
             let motion = move |place: Vec3, load: f64| {
                 let mut motion = displacement.at(place, load);
                 mirrored.iter().for_each(|mirror| mirror.turn(place, &mut motion));

@@ -37,9 +37,7 @@ use mechanics::stretch::Limits;
 use mesh::Vec3;
 use program::{KeyPath, Settings, misfit};
 
-use crate::config::{
-    BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, SolverConfig, TimeConfig,
-};
+use crate::config::{BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, TimeConfig};
 use crate::memory;
 use crate::supports::Supports;
 
@@ -83,10 +81,9 @@ pub struct ScenePart {
 impl Scene {
     /// This scene with the degree and the time steps of a level of a design.
     pub fn with_fidelity(&self, level: &LevelConfig) -> Result<Self> {
-        let mut scene = self.clone();
-        scene.config.degree = level.degree.unwrap_or(self.config.degree);
+        let mut time = self.config.time.clone();
         if let Some(LevelTime { steps, end }) = level.time {
-            let own = scene.config.time.as_mut().ok_or_else(|| {
+            let own = time.as_mut().ok_or_else(|| {
                 KeyPath::list("shape.level").key("time").told(
                     "[[shape.level]] time: the scene has no [time]; expected a level without it",
                 )
@@ -94,9 +91,12 @@ impl Scene {
             let end = end.unwrap_or_else(|| self.end());
             *own = TimeConfig { end: Some(end), steps: Some(steps), at: None, method: own.method };
         }
+        let changed = self.config.with(|config| {
+            config.degree = level.degree.unwrap_or(config.degree);
+            config.time = time;
+        });
         let context = || format!("{}, as a [[shape.level]] has it", self.path.display());
-        scene.config = scene.config.bound().with_context(context)?;
-        Ok(scene)
+        Ok(Self { config: changed.with_context(context)?, ..self.clone() })
     }
 
     /// Density of a body or volume [kg/m³].
@@ -177,7 +177,7 @@ impl Scene {
     /// Refuses a scene that has nothing to move a body; loads that are zero may be one case of many.
     pub fn check_loads(&self) -> Result<()> {
         let flies = self.parts.iter().any(|part| part.config.velocity != [0.0; 3]);
-        let mut config = self.config.clone();
+        let config = &self.config;
         if flies || config.schedules().iter().any(|(_, _, value)| !value.is_zero()) {
             return Ok(());
         }
@@ -218,10 +218,14 @@ impl Scene {
 
     /// The fixed degrees of freedom on a body with this scene's tags.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
-        let new =
-            if self.config.may_float() { Supports::new } else { Supports::without_rigid_motions };
-        new(&self.fixed(body), &self.config.moments(), body, space)
-            .with_context(|| self.path.display().to_string())
+        let supports = || {
+            let supports = Supports::new(&self.fixed(body), &self.config.moments(), body, space)?;
+            if !self.config.may_float() {
+                supports.check_rigid_motions(space)?;
+            }
+            Ok::<_, anyhow::Error>(supports)
+        };
+        supports().with_context(|| self.path.display().to_string())
     }
 
     /// The bodies at t = 0, and their time integration.
@@ -240,7 +244,7 @@ impl Scene {
 
     /// Whether the density of a law matters, by its place among all.
     pub fn weighs(&self, law: usize) -> bool {
-        let falls = self.config.gravity.0.iter().any(|g| !g.is_zero());
+        let falls = !self.config.gravity.is_zero();
         let known = self.laws[law].material.density.is_some();
         known && (falls || self.config.method().has_inertia())
     }
@@ -266,18 +270,21 @@ impl Scene {
         self.check_apart(body, space)?;
         self.check_symmetric(body)?;
         let nodes = space.node_positions(&body.mesh.vertices);
-        self.check_field(KeyPath::of("gravity"), &self.config.gravity, &nodes)?;
+        let gravity = self.config.field(&self.config.gravity);
+        self.check_field(KeyPath::of("gravity"), &gravity, &nodes)?;
         for load in &self.config.body_force {
-            self.check_field(KeyPath::list("body_force").key("force"), &load.force, &nodes)?;
-            energies = energies.with(BodyForce::whole(load.force.clone()));
+            let force = self.config.field(&load.force);
+            self.check_field(KeyPath::list("body_force").key("force"), &force, &nodes)?;
+            energies = energies.with(BodyForce::whole(force));
         }
         for (place, load) in self.config.traction.iter().enumerate() {
             let facets = body.facets(&load.on)?;
             let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
             let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
             let name = KeyPath::list("traction").on(&load.on).key("traction");
-            self.check_field(name, &load.traction, &places)?;
-            let traction = Traction::new(space, &facets, load.traction.clone());
+            let traction = self.config.field(&load.traction);
+            self.check_field(name, &traction, &places)?;
+            let traction = Traction::new(space, &facets, traction);
             energies.extend([Term::of(Traction::owner(place), traction)]);
         }
         Ok(energies)
@@ -292,7 +299,7 @@ impl Scene {
         let others = problem.energies.terms().skip(own.len()).cloned();
         let mut energies: Energies = own.iter().cloned().chain(others).collect();
         energies.change(|place, chamber: &Chamber| Chamber {
-            gas: self.config.chamber[place].gas.clone(),
+            gas: self.config.gas_law(&self.config.chamber[place]),
             ..chamber.clone()
         });
         let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
@@ -325,9 +332,8 @@ impl Scene {
 
     /// The terms of all bodies and volumes, but for inertia: elastic energy, overstress, softening and weight of each.
     fn bodies(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Term>> {
-        let (gravity, mut terms) = (&self.config.gravity, Vec::new());
-        let falls = gravity.0.iter().any(|g| !g.is_zero());
-        let mut internal = 0;
+        let gravity = self.config.field(&self.config.gravity);
+        let (mut terms, mut internal) = (Vec::new(), 0);
         for (place, law) in self.laws.iter().enumerate() {
             let tets = law.elements(body);
             let elastic = self.elastic(law, tets.clone())?;
@@ -341,7 +347,7 @@ impl Scene {
                 internal += InternalVariables::count(&own, space);
                 terms.push(Term::of_both(of_law, Mullins::owner(place), own));
             }
-            if falls {
+            if !self.config.gravity.is_zero() {
                 let weight = BodyForce::weight(gravity.clone(), self.density(law)?, tets);
                 terms.push(Term::of(BodyForce::weight_owner(place), weight));
             }
@@ -384,31 +390,17 @@ impl Scene {
 
     /// How to approach the full load.
     pub fn stepping(&self) -> Stepping {
-        let SolverConfig {
-            first_load_step: _,
-            largest_load_step: _,
-            smallest_load_step,
-            newton_iterations: _,
-            relative_tolerance,
-            absolute_tolerance,
-            dilatation: _,
-            inside_out: _,
-            locking: _,
-            follow: _,
-            path_states: _,
-            path_volume_factor: _,
-            path_only: _,
-            stability: _,
-        } = self.config.solver;
+        let solver = &self.config.solver;
+        let absolute = solver.absolute_tolerance;
         Stepping {
-            first: self.config.solver.first_load_step(),
-            largest: self.config.solver.largest_load_step(),
-            smallest: smallest_load_step,
+            first: solver.first_load_step(),
+            largest: solver.largest_load_step(),
+            smallest: solver.smallest_load_step,
             newton: Newton {
                 iterations: self.config.newton_iterations(),
-                relative: relative_tolerance,
-                absolute: absolute_tolerance.unwrap_or(0.0),
-                negligible: absolute_tolerance.map_or_else(|| self.negligible_force(), |_| 0.0),
+                relative: solver.relative_tolerance,
+                absolute: absolute.unwrap_or(0.0),
+                negligible: absolute.map_or_else(|| self.negligible_force(), |_| 0.0),
                 ballooned: None,
             },
         }

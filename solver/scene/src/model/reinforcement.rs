@@ -219,7 +219,7 @@ impl<'a> Support<'a> {
             return Ok(None);
         };
         let (facets, x) = (&self.facets, self.vertices);
-        let axis = around.line(&winding.title())?;
+        let axis = around.line();
         let climb = match climb {
             Climb::Pitch(pitch) => {
                 energy::Lead::Pitch(along(pitch, &winding.title().key("pitch"), axis, 1.0)?)

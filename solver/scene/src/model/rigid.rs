@@ -8,14 +8,14 @@ use mechanics::element::FunctionSpace;
 use mechanics::energy::{Energies, MassPoint, Rigid, RigidLoad, RigidMass, RigidMoment, Term};
 use mechanics::material::sheet::Strain;
 use mechanics::rigid::{Moves, RigidSet};
-use mechanics::schedule::{Field, Schedule};
+use mechanics::schedule::{Written, WrittenField};
 use mechanics::symmetry::AXES;
 use mesh::Vec3;
 use program::misfit;
 
 use super::{Scene, nodes_of};
-use crate::config::{Fixed, RigidConfig, is_pressure};
-use crate::supports::Supports;
+use crate::config::{RigidConfig, is_pressure};
+use crate::supports::{Support, Supports};
 
 /// How far points that hinge a part may be off a line, over its length.
 const STRAIGHT: f64 = 1e-6;
@@ -23,17 +23,12 @@ const STRAIGHT: f64 = 1e-6;
 impl Scene {
     /// Supports that guide rigid parts: axes along which they do not move, and those across planes of symmetry
     /// that cut them.
-    pub(super) fn guides(&self, body: &Body) -> Vec<Fixed> {
+    pub(super) fn guides(&self, body: &Body) -> Vec<Support> {
         let guide = |part: &RigidConfig| {
             let cut = self.planes_through(part, body);
             let held = |axis: &usize| !part.axes()[*axis] || cut.contains(axis);
-            let components: String = (0..3).filter(held).map(|axis| AXES[axis]).collect();
-            let on = part.on.clone();
-            (!components.is_empty()).then(|| Fixed {
-                on,
-                components,
-                displacement: Default::default(),
-            })
+            let axes: [bool; 3] = std::array::from_fn(|axis| held(&axis));
+            axes.contains(&true).then(|| Support::still(&part.on, axes))
         };
         self.config.rigid.iter().filter_map(guide).collect()
     }
@@ -101,14 +96,14 @@ impl Scene {
         let parts = &self.config.rigid;
         energies.change(|place, own: &RigidLoad| {
             let mut load = own.clone();
-            load.force.clone_from(&parts[place].force);
-            load.gravity.clone_from(&self.config.gravity);
+            load.force = self.config.field(&parts[place].force);
+            load.gravity = self.config.field(&self.config.gravity);
             load.mass = parts[place].mass;
             load
         });
         energies.change(|place, own: &RigidMoment| {
             let mut moment = own.clone();
-            moment.moment.clone_from(&parts[place].moment);
+            moment.moment = self.config.field(&parts[place].moment);
             moment
         });
         energies.change(|place, own: &RigidMass| {
@@ -227,11 +222,10 @@ impl Scene {
             let points = spread(set, &body.facets(&part.on)?, &body.mesh.vertices)
                 .with_context(|| part.title())?;
             let middle = middle(set, &points);
-            let gravity = self.config.gravity.clone();
+            let gravity = self.config.field(&self.config.gravity);
             let has_mass = part.mass > 0.0 && self.config.method().has_inertia();
-            let is_turned = part.moment.0.iter().any(|moment| !moment.is_zero());
-            let moment = is_turned
-                .then(|| RigidMoment::new(set, &positions, part.moment.clone()))
+            let moment = (!part.moment.is_zero())
+                .then(|| RigidMoment::new(set, &positions, self.config.field(&part.moment)))
                 .transpose()
                 .map_err(|lever| {
                     misfit!(
@@ -243,7 +237,8 @@ impl Scene {
             let stiffness = (set.masters().len() > 1)
                 .then(|| Rigid::new(set, &positions, self.shear_modulus_of(part, set)));
             let mass = has_mass.then(|| RigidMass::new(set, part.mass, &points));
-            let load = RigidLoad::new(set, middle, part.force.clone(), gravity, part.mass);
+            let force = self.config.field(&part.force);
+            let load = RigidLoad::new(set, middle, force, gravity, part.mass);
             terms.extend(stiffness.map(|own| Term::of(Rigid::owner(place), own)));
             terms.extend(mass.map(|own| Term::of(RigidMass::owner(place), own)));
             terms.push(Term::of(RigidLoad::owner(place), load));
@@ -266,9 +261,12 @@ impl Scene {
     fn shear_modulus_of(&self, part: &RigidConfig, set: &RigidSet) -> f64 {
         let size = set.extents().iter().copied().fold(0.0, f64::max);
         let times = self.config.moments();
-        let most =
-            |schedule: &Schedule| times.iter().map(|t| schedule.at(*t).abs()).fold(0.0, f64::max);
-        let length = |field: &Field| field.0.iter().map(most).map(|f| f * f).sum::<f64>().sqrt();
+        let most = |written: &Written| {
+            let schedule = self.config.schedule(written);
+            times.iter().map(|t| schedule.at(*t).abs()).fold(0.0, f64::max)
+        };
+        let length =
+            |field: &WrittenField| field.0.iter().map(most).map(|f| f * f).sum::<f64>().sqrt();
         let weight = part.mass * length(&self.config.gravity);
         let on_part =
             (length(&part.force) + weight) / size.powi(2) + length(&part.moment) / size.powi(3);
@@ -279,7 +277,7 @@ impl Scene {
         let threads = threads.map(|stiffness| stiffness / size.powi(2));
         let fibres = self.config.fibre.iter().flat_map(|fibre| fibre.k1.values()).copied();
         let pressures = self.config.chamber.iter().filter(|chamber| is_pressure(chamber.gas.key()));
-        let pressures = pressures.map(|chamber| most(chamber.gas.schedule()));
+        let pressures = pressures.map(|chamber| most(&chamber.gas.value));
         let tractions = self.config.traction.iter().map(|load| length(&load.traction));
         let all = sheets.chain(threads).chain(fibres).chain(pressures).chain(tractions);
         let largest = all.fold(self.largest_soft_shear_modulus().max(on_part), f64::max);

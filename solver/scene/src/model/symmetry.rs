@@ -10,34 +10,37 @@ use mesh::{SurfaceMesh, Vec3};
 use program::{KeyPath, misfit};
 
 use super::Scene;
-use crate::config::{Fixed, ObstacleConfig};
+use crate::config::ObstacleConfig;
 use crate::meaning::cut;
+use crate::supports::Support;
 
 /// How far an obstacle may be off its mirror image, in its diagonals [1].
 const OFF_PLANE: f64 = 1e-6;
 
 impl Scene {
     /// All supports of a body: those of the scene, then those in planes of symmetry, then what guides rigid parts.
-    pub(super) fn fixed(&self, body: &Body) -> Vec<Fixed> {
+    pub(super) fn fixed(&self, body: &Body) -> Vec<Support> {
         let held = |plane: &Plane| {
-            let components = AXES[plane.axis].to_owned();
-            let one = move |tag: &String| Fixed {
-                on: tag.clone(),
-                components: components.clone(),
-                displacement: Field::default(),
-            };
-            plane.tags.iter().map(one).collect::<Vec<_>>()
+            let axes = std::array::from_fn(|axis| axis == plane.axis);
+            let still = plane.tags.iter().map(|tag| Support::still(tag, axes));
+            still.collect::<Vec<_>>()
         };
-        let own = self.config.fixed.iter().cloned();
+        let own = self.config.fixed.iter().map(|fixed| Support {
+            on: fixed.on.clone(),
+            axes: fixed.axes(),
+            displacement: self.config.field(&fixed.displacement),
+        });
         own.chain(body.planes.iter().flat_map(held)).chain(self.guides(body)).collect()
     }
 
     /// Forces per volume and velocities must not point across a plane of symmetry there.
     pub(super) fn check_symmetric(&self, body: &Body) -> Result<()> {
         for plane in &body.planes {
-            self.check_across("gravity", &self.config.gravity, plane, body)?;
+            let gravity = self.config.field(&self.config.gravity);
+            self.check_across("gravity", &gravity, plane, body)?;
             for load in &self.config.body_force {
-                self.check_across("[[body_force]]: force", &load.force, plane, body)?;
+                let force = self.config.field(&load.force);
+                self.check_across("[[body_force]]: force", &force, plane, body)?;
             }
             for (part, own) in self.parts.iter().zip(&body.parts) {
                 let is_cut = plane.vertices().iter().any(|v| own.vertices.contains(v));
@@ -156,8 +159,9 @@ impl Scene {
                 )
             );
         }
+        let motion = self.config.field(&config.displacement);
         for t in self.config.moments().into_iter().rev() {
-            let across = config.displacement.at(Vec3::zeros(), t)[plane.axis];
+            let across = motion.at(Vec3::zeros(), t)[plane.axis];
             ensure!(
                 across == 0.0,
                 misfit!(

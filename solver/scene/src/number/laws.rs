@@ -4,6 +4,7 @@ use crate::SceneLaw;
 use anyhow::{Result, ensure};
 use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Membrane, Mullins, Owner, Viscous};
 use mechanics::material::{Law, Specification};
+use program::table::Table;
 
 use super::{Entry, Kind, Setting, Swept, any};
 
@@ -84,7 +85,7 @@ pub(super) const RELAXATION: Kind = Kind {
     set: Setting::By(|scene, _, [table, k], value| {
         let table = &mut scene.config.relaxation[table];
         *[&mut table.overstress, &mut table.time][k] = value;
-        scene.config.check_relaxation()?;
+        scene.config.check()?;
         scene.set_branches()
     }),
     check: any,
@@ -115,7 +116,7 @@ pub(super) const MULLINS: Kind = Kind {
     set: Setting::By(|scene, _, [table, k], value| {
         let table = &mut scene.config.mullins[table];
         *[&mut table.r, &mut table.m, &mut table.beta][k] = value;
-        scene.config.check_mullins()?;
+        scene.config.check()?;
         scene.set_mullins()
     }),
     check: any,
@@ -156,7 +157,7 @@ pub(super) const MEMBRANE: Kind = Kind {
     check: |scene, [sheet, _]| {
         let sheet = &scene.membranes[sheet];
         positive("the thickness of a membrane", sheet.thickness)?;
-        sheet.config.leads()?;
+        sheet.config.check_ranges(&sheet.config.title())?;
         Ok(sheet.material.law.check(&sheet.material.values)?)
     },
     derivative: |swept, [sheet, k]| {

@@ -8,7 +8,7 @@ use mechanics::energy::{
     BodyForce, ChamberId, Friction, RigidLoad, RigidMass, RigidMoment, Traction,
 };
 use mechanics::forward::Problem;
-use mechanics::schedule::Schedule;
+use mechanics::schedule::Written;
 use mesh::Vec3;
 
 use super::laws::{positive, total};
@@ -20,13 +20,12 @@ pub(super) const CHAMBER: Kind = Kind {
     path: "chamber.TAG.KEY",
     meaning: "what is added to the pressure, fill, volume_change, volume_factor or injected volume of a chamber",
     list: |scene| {
-        let unit = |chamber: &ChamberConfig| {
-            let rows = mechanics::energy::gas_law::GAS_LAWS.iter().flat_map(|row| row.keys);
-            let mut own = rows.filter(|key| key.name == chamber.gas.key());
-            own.next().map_or("1", |key| key.unit)
-        };
         let chambers = scene.config.chamber.iter().enumerate();
-        chambers.map(|(i, c)| (format!("{}.{}", c.name, c.gas.key()), unit(c), [i, 0])).collect()
+        let number = |(i, chamber): (usize, &ChamberConfig)| {
+            let ChamberConfig { name, gas, .. } = chamber;
+            (format!("{name}.{}", gas.key()), gas.unit(), [i, 0])
+        };
+        chambers.map(number).collect()
     },
     value: nothing_added,
     set: Setting::AddedTo(chamber),
@@ -38,7 +37,7 @@ pub(super) const CHAMBER: Kind = Kind {
         let by = |id: ChamberId| steps.clone().map(move |n| swept.by.parameters.sum(n, id.owner()));
         own.map(|(id, _)| by(id).sum::<f64>()).sum()
     },
-    scale: Some(|scene, [chamber, _]| largest(scene, scene.config.chamber[chamber].gas.schedule())),
+    scale: Some(|scene, [chamber, _]| largest(scene, &scene.config.chamber[chamber].gas.value)),
 };
 
 pub(super) const FRICTION: Kind = Kind {
@@ -68,7 +67,7 @@ pub(super) const GRAVITY: Kind = Kind {
     list: |scene| {
         let heavy = scene.config.rigid.iter().any(|part| part.mass > 0.0);
         let falls = (heavy || (0..scene.laws.len()).any(|law| scene.weighs(law)))
-            && scene.config.gravity.0.iter().any(|g| !g.is_zero());
+            && !scene.config.gravity.is_zero();
         let axes = AXES.iter().enumerate().filter(|_| falls);
         axes.map(|(k, axis)| ((*axis).to_owned(), "m/s²", [0, k])).collect()
     },
@@ -200,28 +199,29 @@ pub(super) const VELOCITY: Kind = Kind {
     scale: Some(|_, _| 1.0),
 };
 
-fn chamber(config: &mut SimConfig, [chamber, _]: Place) -> &mut Schedule {
-    config.chamber[chamber].gas.schedule_mut()
+fn chamber(config: &mut SimConfig, [chamber, _]: Place) -> &mut Written {
+    &mut config.chamber[chamber].gas.value
 }
 
-fn gravity(config: &mut SimConfig, [_, axis]: Place) -> &mut Schedule {
+fn gravity(config: &mut SimConfig, [_, axis]: Place) -> &mut Written {
     &mut config.gravity.0[axis]
 }
 
-fn traction(config: &mut SimConfig, [load, axis]: Place) -> &mut Schedule {
+fn traction(config: &mut SimConfig, [load, axis]: Place) -> &mut Written {
     &mut config.traction[load].traction.0[axis]
 }
 
-fn rigid_force(config: &mut SimConfig, [part, axis]: Place) -> &mut Schedule {
+fn rigid_force(config: &mut SimConfig, [part, axis]: Place) -> &mut Written {
     &mut config.rigid[part].force.0[axis]
 }
 
-fn rigid_moment(config: &mut SimConfig, [part, axis]: Place) -> &mut Schedule {
+fn rigid_moment(config: &mut SimConfig, [part, axis]: Place) -> &mut Written {
     &mut config.rigid[part].moment.0[axis]
 }
 
 /// The largest of a number over time, without sign, at the ends of time steps.
-fn largest(scene: &Scene, schedule: &Schedule) -> f64 {
+fn largest(scene: &Scene, written: &Written) -> f64 {
+    let schedule = scene.config.schedule(written);
     scene.times().iter().map(|&t| schedule.at(t).abs()).fold(0.0, f64::max)
 }
 

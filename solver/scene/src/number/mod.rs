@@ -17,7 +17,7 @@ use anyhow::{Result, bail, ensure};
 use mechanics::adjoint::Gradient;
 use mechanics::energy::ParameterGradients;
 use mechanics::forward::Problem;
-use mechanics::schedule::Schedule;
+use mechanics::schedule::Written;
 use mesh::Vec3;
 use program::{KeyPath, did_you_mean};
 
@@ -71,7 +71,7 @@ enum Setting {
     /// By a function.
     By(fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>),
     /// It is added to this function of time.
-    AddedTo(fn(&mut SimConfig, Place) -> &mut Schedule),
+    AddedTo(fn(&mut SimConfig, Place) -> &mut Written),
 }
 
 /// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
@@ -186,15 +186,12 @@ impl Number {
                 *given = if self.is_wall() { *given + value } else { value };
                 Ok(())
             }
-            Setting::AddedTo(of) => {
-                let known = scene.config.parameters.clone();
-                Ok(of(&mut scene.config, self.place).add(value, &known)?)
-            }
+            Setting::AddedTo(of) => Ok(of(&mut scene.config, self.place).add(value)?),
         }
     }
 
     /// The function of time to which it is added, where it is added to one.
-    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Schedule> {
+    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Written> {
         match self.kind.set {
             Setting::By(_) => None,
             Setting::AddedTo(of) => Some(of(config, self.place)),
@@ -220,9 +217,7 @@ impl Number {
             "{} is {schedule}, a function of time or of the position; expected a constant",
             self.path
         );
-        let before = schedule.clone();
         *schedule = value.into();
-        schedule.begin_with(&before);
         Ok(())
     }
 

@@ -31,7 +31,7 @@ pub(super) const FIBRE: Kind = Kind {
         law.chain(angles).skip(k).take(1).for_each(|number| *number = value);
         Ok(())
     }),
-    check: |scene, _| scene.config.check_fibres(),
+    check: |scene, _| scene.config.check(),
     derivative: |swept, [family, k]| {
         let by = total(swept, Fibres::owner(family), k);
         let law = swept.scene.config.fibre[family].k1.values().len() + 2;
@@ -83,7 +83,7 @@ pub(super) const WINDING: Kind = Kind {
         }
         Ok(())
     }),
-    check: |scene, _| scene.config.check_windings(),
+    check: |scene, _| scene.config.check(),
     derivative: |swept, [thread, k]| total(swept, Winding::owner(thread), k),
     scale: None,
 };
@@ -117,7 +117,7 @@ pub(super) const COURSE: Kind = Kind {
         }
         Ok(())
     }),
-    check: |scene, _| scene.config.check_windings(),
+    check: |scene, _| scene.config.check(),
     derivative: |swept, [thread, k]| {
         let by = total(swept, Winding::owner(thread), k);
         let winding = &swept.scene.config.winding[thread];

@@ -1,7 +1,7 @@
 //! The scene of a scenario: that of the design with other numbers.
 
 use anyhow::{Context, Result, ensure};
-use scene::config::{FactorConfig, ScenarioConfig};
+use scene::config::{ByName, ScenarioConfig};
 use scene::{Scene, SceneLaw};
 
 use crate::optimize::offset::Offset;
@@ -26,26 +26,24 @@ pub fn under(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
     let ScenarioConfig { modulus, density, membrane, friction, pressure, parameters, .. } =
         scenario;
     let mut changed = scene.clone();
-    let own = &mut changed.config.parameters;
-    for (name, value) in parameters {
-        let known: Vec<&str> = own.keys().map(String::as_str).collect();
+    let known: Vec<&str> = scene.config.parameters.keys().map(String::as_str).collect();
+    for name in parameters.keys() {
         ensure!(
-            own.contains_key(name),
+            scene.config.parameters.contains_key(name),
             "parameters: {} has no {name} in [parameters]; expected some of: {}",
             scene.path.display(),
             known.join(", ")
         );
-        own.insert(name.clone(), *value);
     }
-    changed.config = changed.config.bound()?;
+    changed.config = scene.config.with(|config| config.parameters.extend(parameters.clone()))?;
     type Of = fn(&Scene, Option<&str>) -> Group;
-    let factors: [(&str, &Option<FactorConfig>, Of); 3] = [
+    let factors: [(&str, &Option<ByName>, Of); 3] = [
         ("modulus", modulus, Group::modulus),
         ("density", density, Group::density),
         ("membrane", membrane, Group::membrane),
     ];
     for (key, factors, group) in factors {
-        for (on, factor) in factors.iter().flat_map(FactorConfig::each) {
+        for (on, factor) in factors.iter().flat_map(ByName::each) {
             let about = on.map_or_else(|| key.to_owned(), |on| format!("{key} of \"{on}\""));
             let group = group(scene, on);
             ensure!(!group.numbers.is_empty(), "{about}: {}", lacking(scene, key, on));

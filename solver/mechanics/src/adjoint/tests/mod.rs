@@ -1,6 +1,7 @@
 //! Taylor tests of whole runs: small bodies that fall on each other, slide with friction
 //! and are inflated.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use mesh::{TetMesh, Vec3, topology};
@@ -19,7 +20,7 @@ use crate::forward::{Integrator, Method, Newton, Stepping, TimeStepper};
 use crate::material::MooneyRivlin;
 use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::schedule::{Field, Schedule};
+use crate::schedule::{Field, Schedule, Written};
 use crate::testing::{check_gradient, cube, flat, points};
 
 mod inside;
@@ -150,9 +151,8 @@ impl Case {
 
     /// What acts in full at the end of each step.
     fn steady(&self, value: f64) -> Schedule {
-        let mut schedule = Schedule::from(value);
-        schedule.begin(self.dt);
-        schedule
+        let written = Written::from(value);
+        written.schedule(&BTreeMap::new(), self.dt).expect("a number")
     }
 
     fn prescribes_volume(&self) -> bool {

@@ -6,7 +6,7 @@
 //! p_a  ambient pressure [Pa]
 //! γ    1 isothermal, 1.4 adiabatic for air
 
-use super::{GasLaw, Key, Moment, Potential, Refused, Row, check_full};
+use super::{BelowVacuum, GasLaw, Key, Least, Moment, Potential, Row, check_full};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
@@ -18,11 +18,12 @@ pub(super) const ROW: Row = Row {
             "Pa",
             "P₀, gauge pressure in the rest volume, where the chamber is closed",
         ),
-        Key::number("ambient", "Pa", "p_a, ambient pressure"),
+        Key::number("ambient", "Pa", "p_a, ambient pressure", Least::Above(0.0)),
         Key::number(
             "exponent",
             "1",
             "γ ≥ 1, polytropic exponent: 1 isothermal, 1.4 adiabatic for air",
+            Least::From(1.0),
         ),
     ],
     source: "polytropic law",
@@ -75,20 +76,8 @@ impl GasLaw for IdealGas {
         &mut self.fill
     }
 
-    fn key(&self) -> &'static str {
-        "fill"
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        vec![self.ambient, self.exponent]
-    }
-
-    fn check(&self, moments: &[f64]) -> Result<(), Refused> {
-        let &Self { ref fill, ambient, exponent } = self;
-        if !(ambient > 0.0 && exponent >= 1.0 && (ambient + exponent).is_finite()) {
-            return Err(Refused::Gas { ambient, exponent });
-        }
-        check_full(self.key(), fill, ambient, moments)
+    fn check(&self, moments: &[f64]) -> Result<(), BelowVacuum> {
+        check_full("fill", &self.fill, self.ambient, moments)
     }
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, _: &Moment) -> Option<f64> {

@@ -7,7 +7,7 @@
 //!
 //! As C → 0 the volume is prescribed: V = V₀ + V_i.
 
-use super::{GasLaw, Key, Moment, Potential, Refused, Row};
+use super::{GasLaw, Key, Least, Moment, Potential, Row};
 use crate::schedule::Schedule;
 
 pub(super) const ROW: Row = Row {
@@ -23,6 +23,7 @@ pub(super) const ROW: Row = Row {
             "compliance",
             "m³/Pa",
             "C > 0, volume that tubing and syringe take up per pressure",
+            Least::Above(0.0),
         ),
     ],
     source: "conservation of volume",
@@ -56,20 +57,6 @@ impl GasLaw for InjectedLiquid {
 
     fn schedule_mut(&mut self) -> &mut Schedule {
         &mut self.injected
-    }
-
-    fn key(&self) -> &'static str {
-        "injected"
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        vec![self.compliance]
-    }
-
-    fn check(&self, _: &[f64]) -> Result<(), Refused> {
-        let compliance = self.compliance;
-        let good = compliance > 0.0 && compliance.is_finite();
-        if good { Ok(()) } else { Err(Refused::Compliance { compliance }) }
     }
 
     fn needs_space(&self) -> bool {

@@ -34,10 +34,6 @@ impl GasLaw for Isobaric {
         &mut self.pressure
     }
 
-    fn key(&self) -> &'static str {
-        "pressure"
-    }
-
     fn pressure(&self) -> Option<&Schedule> {
         Some(&self.pressure)
     }

@@ -26,6 +26,7 @@ pub const GAS_LAWS: &[Row] =
     &[isobaric::ROW, ideal_gas::ROW, prescribed_volume::ROW, injected::ROW, supplied::ROW];
 
 /// A gas law: what to write, what it means, how to build it.
+#[derive(Debug)]
 pub struct Row {
     /// What lists call it.
     pub name: &'static str,
@@ -42,6 +43,7 @@ pub struct Row {
 }
 
 /// A key of a gas law in `[[chamber]]`.
+#[derive(Debug)]
 pub struct Key {
     /// As it is written.
     pub name: &'static str,
@@ -53,62 +55,47 @@ pub struct Key {
     pub selects: bool,
     /// What it is where it is not written; none where it has to be.
     pub default: Option<f64>,
+    /// How small it may be, if it is a number.
+    pub least: Least,
+}
+
+/// How small a number may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Least {
+    /// Above this.
+    Above(f64),
+    /// This or more.
+    From(f64),
 }
 
 impl Key {
     /// A key that selects its law.
     const fn selecting(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
-        Self { name, unit, meaning, selects: true, default: None }
+        let least = Least::From(f64::NEG_INFINITY);
+        Self { name, unit, meaning, selects: true, default: None, least }
     }
 
     /// A number that has to be written.
-    const fn number(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
-        Self { name, unit, meaning, selects: false, default: None }
+    const fn number(
+        name: &'static str,
+        unit: &'static str,
+        meaning: &'static str,
+        least: Least,
+    ) -> Self {
+        Self { name, unit, meaning, selects: false, default: None, least }
     }
 }
 
-/// A gas that cannot be.
+/// A fill or supply below a vacuum.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Refused {
-    /// A constant of the gas is out of range.
-    #[error(
-        "ambient = {ambient} Pa must be positive, exponent = {exponent} at least 1, both finite"
-    )]
-    Gas {
-        /// Ambient pressure [Pa].
-        ambient: f64,
-        /// Polytropic exponent [1].
-        exponent: f64,
-    },
-    /// The compliance is out of range.
-    #[error("compliance = {compliance} m³/Pa must be positive and finite")]
-    Compliance {
-        /// Volume per pressure [m³/Pa].
-        compliance: f64,
-    },
-    /// A constant of a line is out of range.
-    #[error(
-        "resistance = {resistance} Pa s/m³ and ambient = {ambient} Pa must be positive, leak = {leak} m³/(Pa s) \
-         at least 0, all finite"
-    )]
-    Line {
-        /// Pressure per flow [Pa s/m³].
-        resistance: f64,
-        /// Flow per pressure [m³/(Pa s)].
-        leak: f64,
-        /// Ambient pressure [Pa].
-        ambient: f64,
-    },
-    /// The fill or supply is below a vacuum.
-    #[error("ambient + {key} = {full} Pa at t = {t} must be positive")]
-    Vacuum {
-        /// What is added to the ambient pressure.
-        key: &'static str,
-        /// Absolute pressure [Pa].
-        full: f64,
-        /// Time [s].
-        t: f64,
-    },
+#[error("ambient + {key} = {full} Pa at t = {t} must be positive")]
+pub struct BelowVacuum {
+    /// What is added to the ambient pressure.
+    pub key: &'static str,
+    /// Absolute pressure [Pa].
+    pub full: f64,
+    /// Time [s].
+    pub t: f64,
 }
 
 /// A gas law with its numbers.
@@ -120,14 +107,8 @@ pub trait GasLaw: Debug + Send + Sync {
     fn schedule(&self) -> &Schedule;
     /// The schedule of that number, to be changed.
     fn schedule_mut(&mut self) -> &mut Schedule;
-    /// Key of that number in `[[chamber]]`.
-    fn key(&self) -> &'static str;
-    /// The numbers of the other keys, in the order of [`Row::keys`].
-    fn numbers(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    /// Checks what can be checked without a body, at the moments of the scene [s].
-    fn check(&self, _moments: &[f64]) -> Result<(), Refused> {
+    /// Checks its schedule at the moments of the scene [s].
+    fn check(&self, _moments: &[f64]) -> Result<(), BelowVacuum> {
         Ok(())
     }
     /// The pressure, where the law prescribes it [Pa].
@@ -212,10 +193,10 @@ fn check_full(
     gauge: &Schedule,
     ambient: f64,
     moments: &[f64],
-) -> Result<(), Refused> {
+) -> Result<(), BelowVacuum> {
     let full = |&t: &f64| (t, gauge.at(t) + ambient);
     match moments.iter().map(full).find(|&(_, full)| full.is_nan() || full <= 0.0) {
-        Some((t, full)) => Err(Refused::Vacuum { key, full, t }),
+        Some((t, full)) => Err(BelowVacuum { key, full, t }),
         None => Ok(()),
     }
 }

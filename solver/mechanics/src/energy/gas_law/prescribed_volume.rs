@@ -79,13 +79,6 @@ impl GasLaw for PrescribedVolume {
         by
     }
 
-    fn key(&self) -> &'static str {
-        match self {
-            Self::Change(_) => CHANGE,
-            Self::Factor(_) => FACTOR,
-        }
-    }
-
     fn needs_space(&self) -> bool {
         matches!(self, Self::Factor(_))
     }

@@ -20,7 +20,7 @@
 //! Source: conservation of mass, Boyle's law; a flow in proportion to the difference of pressures is that of
 //! Hagen and Poiseuille in a thin line.
 
-use super::{GasLaw, Key, Moment, Past, Potential, Refused, Row, check_full};
+use super::{BelowVacuum, GasLaw, Key, Least, Moment, Past, Potential, Row, check_full};
 use crate::schedule::Schedule;
 
 const SUPPLY: &str = "supply";
@@ -44,6 +44,7 @@ pub(super) const ROW: Row = Row {
             "resistance",
             "Pa s/m³",
             "R > 0 of the line: pressure per flow of volume at ambient pressure",
+            Least::Above(0.0),
         ),
         Key {
             name: "leak",
@@ -51,6 +52,7 @@ pub(super) const ROW: Row = Row {
             meaning: "L ≥ 0, flow out of the chamber per gauge pressure, measured as that of the line",
             selects: false,
             default: Some(0.0),
+            least: Least::From(0.0),
         },
         Key {
             name: "ambient",
@@ -58,6 +60,7 @@ pub(super) const ROW: Row = Row {
             meaning: "p_a, ambient pressure",
             selects: false,
             default: Some(101_325.0),
+            least: Least::Above(0.0),
         },
     ],
     source: "conservation of mass, Boyle's law, Hagen–Poiseuille",
@@ -158,21 +161,9 @@ impl GasLaw for SuppliedGas {
         &mut self.supply
     }
 
-    fn key(&self) -> &'static str {
-        if self.checked { CHECKED } else { SUPPLY }
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        vec![self.resistance, self.leak, self.ambient]
-    }
-
-    fn check(&self, moments: &[f64]) -> Result<(), Refused> {
-        let &Self { ref supply, resistance, leak, ambient, .. } = self;
-        let sound = resistance > 0.0 && ambient > 0.0 && leak >= 0.0;
-        if !(sound && (resistance + ambient + leak).is_finite()) {
-            return Err(Refused::Line { resistance, leak, ambient });
-        }
-        check_full(self.key(), supply, ambient, moments)
+    fn check(&self, moments: &[f64]) -> Result<(), BelowVacuum> {
+        let key = if self.checked { CHECKED } else { SUPPLY };
+        check_full(key, &self.supply, self.ambient, moments)
     }
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, moment: &Moment) -> Option<f64> {
