@@ -31,7 +31,7 @@ PAGES = [
      "solver schema design --markdown"),
     ("keys-mold", "mold.toml",
      "How a body is cast, for `fab`. Lengths are metres. Every key has a default.",
-     "fab keys"),
+     "fab schema mold --markdown"),
     ("keys-sweep", "sweep.toml",
      "Many cases of a body, for `make sweep`: see [Many cases, here or on a cluster](sweep.md).",
      "pipelines/sweep/schema.py --markdown"),
