@@ -234,6 +234,8 @@ fn derivatives_belong_to_the_simulations() {
 #[test]
 fn a_number_of_a_law_needs_the_volume_of_the_law() {
     let dir = volumes(TWO);
+    dir.write("top.csv", "t [s], height [mm]\n1, 1\n");
+    dir.write("air.csv", "volume [ml], side\n1, left\n");
     let experiment = EXPERIMENTS.replace("sim.toml", "p1.toml");
     dir.write("calibrate.toml", &format!("[[number]]\nof = \"young\"\n{experiment}"));
     let said = dir.solver("calibrate calibrate.toml -o out");

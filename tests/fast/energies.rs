@@ -70,7 +70,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The slope is 2, or the remainder is nothing but rounding because the term is linear along the direction.
 fn assert_taylor(name: &str, directional: f64, value: impl Fn(f64) -> f64) {
-    const EPSILON: f64 = 2e-5;
+    const EPSILON: f64 = 5e-6;
     let along = |e: f64| Ok::<f64, std::convert::Infallible>(value(e));
     let Ok(result) = taylor(EPSILON, 5, directional, along);
     let linear = result.remainder[0] <= 1e-10 * (EPSILON * directional).abs();

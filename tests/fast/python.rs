@@ -189,7 +189,7 @@ fn program_and_package_report_the_same_of_every_body() {
         simulate.args(["-q", "simulate"]).arg(&scene).args(["--output", "made"]).args(set);
         let done = simulate.current_dir(dir.path("")).output().unwrap();
         // 2: refused, as its meshes are not made, or a time step is not one that it can make
-        if !done.status.code().is_some_and(|code| code < 2) {
+        if done.status.code().is_none_or(|code| code >= 2) {
             let why = String::from_utf8_lossy(&done.stderr).into_owned();
             skip(&format!("{}: {}", scene.display(), why.lines().next().unwrap_or_default()));
             continue;

@@ -28,7 +28,7 @@ fn what_is_set_is_simulated_and_reported() {
     for (set, words) in [
         ("chamber.cavty.pressure=4e3", "[[chamber]] has no cavty; did you mean `cavity`?"),
         ("chamber.cavity.presure=4e3", "unknown field `presure`; did you mean `pressure`?"),
-        ("degree=7", "p1.toml: --set degree=7: degree = 7: must be 1, 2 or 3"),
+        ("degree=7", "p1.toml: --set degree=7: degree = 7: must lie between 1 and 3"),
         ("fixed.seat.on=seta", "unknown tag \"seta\"; did you mean `seat`?"),
     ] {
         dir.solver(&format!("{run} {set}")).assert_refused(2, &["p1.toml", words, "^"]);

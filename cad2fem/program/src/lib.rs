@@ -11,7 +11,6 @@ mod json;
 mod lock;
 mod memory;
 mod nearest;
-mod owner;
 mod pattern;
 mod picked;
 mod progress;
@@ -19,6 +18,7 @@ pub mod schema;
 mod settings;
 mod shell;
 pub mod table;
+mod temporary;
 mod terminal;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
@@ -30,7 +30,6 @@ pub use json::write_json;
 pub use lock::FolderLock;
 pub use memory::peak_rss_mb;
 pub use nearest::{did_you_mean, nearest, unknown};
-pub use owner::{is_as_safe_as_program, is_own_folder, temporary_folder};
 pub use pattern::fits;
 pub use picked::{Picked, Recognized};
 pub use progress::{Heartbeat, Progress, Spinner};
@@ -39,4 +38,5 @@ pub use settings::{
     read_toml,
 };
 pub use shell::parse;
+pub use temporary::temporary_folder;
 pub use terminal::{Stdout, stdout};

@@ -103,7 +103,7 @@ fn is_comment(token: &[u8]) -> bool {
 
 fn reach(word: &[u8]) -> Option<&'static str> {
     let ends = |name: &&str| word.ends_with(name.as_bytes());
-    let known = WORDS.iter().find(|(_, words)| words.iter().any(|name| ends(&name)));
+    let known = WORDS.iter().find(|(_, words)| words.iter().any(&ends));
     let path = word.ends_with(b"FileName") && word != b"CurrentFileName";
     known.map(|&(what, _)| what).or(path.then_some("names a file"))
 }

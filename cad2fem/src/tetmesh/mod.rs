@@ -1,9 +1,9 @@
 //! Closed surface → tetrahedra: checks before and after the mesher.
 //!
-//! - [`config`]: `cad2fem.toml`
-//! - [`fragments`]: removes small components that a mesher has cut off, and spikes
-//! - [`planar`]: planar faces of the input stay planar, and keep their rims
-//! - [`cache`]: meshes kept from earlier runs
+//! - [`config`] — `cad2fem.toml`
+//! - [`fragments`] — removes small components that a mesher has cut off, and spikes
+//! - [`planar`] — planar faces of the input stay planar, and keep their rims
+//! - [`cache`] — meshes kept from earlier runs
 
 pub mod cache;
 pub mod config;

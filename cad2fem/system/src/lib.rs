@@ -1,4 +1,4 @@
-//! What differs between operating systems: how files are owned, how a program is interrupted and ends,
+//! What differs between operating systems: how a program is interrupted and ends,
 //! how much memory there is, and how paths are written.
 //!
 //! `unix` is for Linux and macOS, `windows` for Windows; both have the same functions. Other crates ask no system for
@@ -12,10 +12,7 @@ mod paths;
 mod this;
 
 pub use paths::{canonical, portable};
-pub use this::{
-    available_memory, host, is_changed_by_others, on_interruption, owner, peak_memory, permissions,
-    unblock_in, user,
-};
+pub use this::{available_memory, host, on_interruption, peak_memory, permissions, unblock_in};
 
 /// What asked a program to end.
 #[derive(Clone, Debug)]

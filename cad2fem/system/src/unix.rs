@@ -1,7 +1,7 @@
 //! Linux and macOS.
 
-use std::fs::{Metadata, Permissions};
-use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
@@ -12,22 +12,6 @@ use crate::Interruption;
 /// Permissions of a new file, of which the mask of the user is still taken away; nothing where files have none.
 pub fn permissions(mode: u32) -> Option<Permissions> {
     Some(Permissions::from_mode(mode))
-}
-
-/// Number of a file's owner, where files have one.
-pub fn owner(found: &Metadata) -> Option<u32> {
-    Some(found.uid())
-}
-
-/// Number of the user who runs the program, where files have owners.
-pub fn user() -> Option<u32> {
-    Some(nix::unistd::geteuid().as_raw())
-}
-
-/// Whether everybody, or the group of a folder of someone else, may write there. The own group is often a group of one.
-pub fn is_changed_by_others(found: &Metadata) -> bool {
-    let mode = found.mode();
-    mode & 0o002 != 0 || (mode & 0o020 != 0 && owner(found) != user())
 }
 
 /// From now on `act` is called when the process is asked to end, in a thread of its own. To be called before the first

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "functions of the system")]
 
-use std::fs::{Metadata, Permissions};
+use std::fs::Permissions;
 use std::mem::size_of;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
@@ -19,21 +19,6 @@ use crate::Interruption;
 /// Permissions of a new file: those of its folder.
 pub fn permissions(_mode: u32) -> Option<Permissions> {
     None
-}
-
-/// Number of a file's owner: owners have no numbers here.
-pub fn owner(_found: &Metadata) -> Option<u32> {
-    None
-}
-
-/// Number of the user who runs the program: users have none here.
-pub fn user() -> Option<u32> {
-    None
-}
-
-/// Whether others may write there. The folders of a user are closed to others here.
-pub fn is_changed_by_others(_found: &Metadata) -> bool {
-    false
 }
 
 type Act = Box<dyn FnOnce(Interruption) + Send>;

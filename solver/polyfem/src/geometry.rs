@@ -170,13 +170,13 @@ fn body(path: &Path) -> Result<Read> {
 
 /// x ↦ scale x + translation.
 fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
-    if let Some(refinements) = key.get("n_refs") {
-        if refinements.count()? != 0 {
-            return Err(refinements.wrong(&format!(
-                "{}: bodies are not refined here; expected 0 and a fine mesh",
-                refinements.value
-            )));
-        }
+    if let Some(refinements) = key.get("n_refs")
+        && refinements.count()? != 0
+    {
+        return Err(refinements.wrong(&format!(
+            "{}: bodies are not refined here; expected 0 and a fine mesh",
+            refinements.value
+        )));
     }
     let Some(transformation) = key.get("transformation") else { return Ok(()) };
     for name in ["rotation", "dimensions"] {

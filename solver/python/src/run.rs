@@ -59,7 +59,7 @@ impl Run {
                 simulation::foresee(&scene);
                 match run::Run::new(scene, start)? {
                     Ok(own) => Ok(Ok((own.verdict()?, own))),
-                    Err(none) => anyhow::Ok(Err(none.message())),
+                    Err(none) => anyhow::Ok(Err(none.in_words())),
                 }
             });
             let run = found?.map(|(verdict, own)| Self::judged(own, &verdict, warnings));

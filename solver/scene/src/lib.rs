@@ -10,7 +10,7 @@ pub mod config; // what people write
 pub mod supports; // Dirichlet conditions: fixed degrees of freedom
 pub mod model; // config and meshes to objects
 pub mod number; // the numbers of a scene, one row for each kind
-mod read; // files to scenes with the values of their numbers
+pub mod read; // files to scenes with the values of their numbers
 
 /// Name and version of the program, in reports and checkpoints.
 pub const PROGRAM: &str = concat!("solver ", env!("CARGO_PKG_VERSION"));

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, ensure};
 use mesh::io::MshFile;
 use program::{Change, Settings};
 
-use crate::Scene;
 use crate::config::{BodyConfig, SimConfig, beside};
+use crate::model::Scene;
 use crate::number;
 
 impl Scene {

@@ -194,7 +194,7 @@ mod tests {
             gradient.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
             rest_of_along = others;
         }
-        check_gradient(&theta, &gradient, 1e-2, value);
+        check_gradient(&theta, &gradient, 1e-3, value);
     }
 
     /// Of all kinds, alone and with an image beside them.

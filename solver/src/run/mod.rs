@@ -66,7 +66,7 @@ pub struct NoEquilibrium {
 
 impl NoEquilibrium {
     /// Why there is no equilibrium, and what to do.
-    pub fn message(mut self) -> String {
+    pub fn in_words(mut self) -> String {
         let solver = (&self.problem, &mut self.workspace);
         Diagnosis::new(&self.scene, &self.scene.body, solver, &self.unreached).message
     }

@@ -30,8 +30,8 @@
 //! the key and the value. An
 //! enumeration is an `enum` with serde's attributes: its words come from there. Between the meaning and the key may
 //! stand one `#[serde(…)]` and then one `#[schemars(…)]` of the field, such as `#[schemars(with = "FieldSchema")]`.
-//! Types have to be `Serialize`, as the schema states the defaults; a value that is the default is not written again. A
-//! table of which each key has a default is `Default`.
+//! Types have to be `Serialize`, as the schema states the defaults; a default that states
+//! nothing, such as an empty list, is not written. A table of which each key has a default is `Default`.
 
 mod range;
 
@@ -121,10 +121,13 @@ pub fn state(schema: &mut Schema, key: &str, default: Option<Value>, words: &[&s
     }
 }
 
-/// A value that is to be written, as it is not what its key has without it.
+/// A value that is to be written: defaults are, so that a report says them, but not those that state nothing.
 #[doc(hidden)]
-pub fn unless_default<'a, T: Serialize>(value: &'a T, default: &T) -> Option<&'a T> {
-    (stated(value) != stated(default)).then_some(value)
+pub fn unless_nothing<'a, T: Serialize>(value: &'a T, default: &T) -> Option<&'a T> {
+    let value_is = stated(value);
+    let is_nothing = matches!(&value_is, Some(Value::Null))
+        || value_is.as_ref().and_then(Value::as_array).is_some_and(Vec::is_empty);
+    (!is_nothing || value_is != stated(default)).then_some(value)
 }
 
 /// A default as JSON.
@@ -248,7 +251,7 @@ macro_rules! table {
     };
     (@written $value:expr, $type:ty) => { Some(&$value) };
     (@written $value:expr, $type:ty, $default:expr) => {
-        $crate::table::unless_default::<$type>(&$value, &$default)
+        $crate::table::unless_nothing::<$type>(&$value, &$default)
     };
     (@stated $type:ty) => { None };
     (@stated $type:ty, $default:expr) => { $crate::table::stated::<$type>(&$default) };

@@ -87,7 +87,7 @@ fn what_is_left_out_has_its_default() {
     let case = read(text).unwrap();
     assert_eq!(case.lid, Lid { gap: Some(1e-3), ..Lid::default() });
     assert_eq!((case.thread[0].hand, case.thread[0].angle.len()), (Hand::Left, 2));
-    let written = "copies = 1\n\n[lid]\ngap = 0.001\n\n[[thread]]\nname = \"a\"\nangle = [3.0, 4.0]\nhand = \"left\"\n";
+    let written = "copies = 1\ntitle = \"case\"\n\n[lid]\nbolt = 0.0017\ngap = 0.001\n\n[[thread]]\nname = \"a\"\nangle = [3.0, 4.0]\nhand = \"left\"\n";
     assert_eq!(toml::to_string(&case).unwrap(), written);
 }
 

@@ -101,8 +101,11 @@ pub struct Sample {
     /// The numbers that the term is made with, in the order of the derivatives by them.
     pub numbers: Vec<f64>,
     /// The term by such numbers.
-    pub term: Box<dyn Fn(&[f64]) -> Box<dyn Energy>>,
+    pub term: ByNumbers,
 }
+
+/// A term by its numbers.
+type ByNumbers = Box<dyn Fn(&[f64]) -> Box<dyn Energy>>;
 
 impl Sample {
     fn own(&self) -> Box<dyn Energy> {
@@ -174,14 +177,13 @@ fn loads() -> Vec<Sample> {
     let facets = mesh::topology::boundary(&mesh).facets;
     let all = 0..mesh.tets.len();
     let field = |values: &[f64]| Field([0, 1, 2].map(|axis| Schedule::held(values[axis])));
-    let sample =
-        |name: &str, numbers: &[f64], term: Box<dyn Fn(&[f64]) -> Box<dyn Energy>>| Sample {
-            name: name.to_owned(),
-            case: Arc::clone(&case),
-            sizes: [1e-2; 2],
-            numbers: numbers.to_vec(),
-            term,
-        };
+    let sample = |name: &str, numbers: &[f64], term: ByNumbers| Sample {
+        name: name.to_owned(),
+        case: Arc::clone(&case),
+        sizes: [1e-2; 2],
+        numbers: numbers.to_vec(),
+        term,
+    };
     let (elements, on, own) = (all.clone(), facets.clone(), Arc::clone(&case));
     let mut samples = vec![
         sample("weight", &[3.0, 1.0, -2.0, 0.5], {

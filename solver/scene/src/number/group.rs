@@ -1,7 +1,7 @@
 //! Numbers that change together.
 
-use crate::Scene;
 use crate::config::is_pressure;
+use crate::model::Scene;
 use anyhow::Result;
 
 use super::{KINDS, Number, Swept, Walls};

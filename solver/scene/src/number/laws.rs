@@ -1,6 +1,6 @@
 //! Numbers of materials: of volumes, and of sheets.
 
-use crate::SceneLaw;
+use crate::model::SceneLaw;
 use anyhow::{Result, ensure};
 use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Membrane, Mullins, Owner, Viscous};
 use mechanics::material::{Law, Specification};

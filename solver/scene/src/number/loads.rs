@@ -1,7 +1,7 @@
 //! Numbers of loads and of the state at the start.
 
 use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
-use crate::{Scene, ScenePart, nodes_of};
+use crate::model::{Scene, ScenePart, nodes_of};
 use anyhow::ensure;
 use mechanics::body::Body;
 use mechanics::energy::{

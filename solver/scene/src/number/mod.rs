@@ -21,8 +21,8 @@ use mechanics::schedule::Written;
 use mesh::Vec3;
 use program::{KeyPath, did_you_mean};
 
-use crate::Scene;
 use crate::config::SimConfig;
+use crate::model::Scene;
 
 pub use group::{Change, Group};
 pub use loads::velocity_vjp;

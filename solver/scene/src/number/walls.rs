@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Scene;
+use crate::model::Scene;
 use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 use mesh::offset::shifts;

@@ -8,14 +8,15 @@ use reports::{Ended, Optimization};
 use crate::optimize::Checkpoint;
 use crate::report::results;
 
-/// The report in the folder, if there is one.
+/// The report of a design in the folder, if there is one; those of other commands are none.
 pub(super) fn report(folder: &Path) -> Result<Option<Optimization>> {
     let path = folder.join("report.json");
     if !path.exists() {
         return Ok(None);
     }
     let report = serde_json::from_str(&mesh::io::read_own_text(&path)?);
-    report.with_context(|| path.display().to_string()).map(Some)
+    let report: serde_json::Value = report.with_context(|| path.display().to_string())?;
+    Ok(serde_json::from_value(report).ok())
 }
 
 /// Whether the folder holds a finished design.

@@ -25,7 +25,7 @@ const HELICAL: Direction = Direction::Helical(
 );
 
 /// First steps of Taylor tests: no point comes to another state [m].
-const SIZES: [f64; 2] = [5e-5, 2e-5];
+const SIZES: [f64; 2] = [5e-5, 5e-6];
 
 /// What is the same for all points of the sheets: λ₁ and λ₂ in the plane.
 const STRETCHES: [(&str, [f64; 2]); 4] = [
