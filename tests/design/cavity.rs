@@ -59,6 +59,6 @@ fn a_motion_lost_in_rounding_fails_the_check() {
     let dir = chamber::workdir();
     let command = "check design.toml --design-only --handles 2";
     dir.solver(command).assert_good();
-    let lost = format!("{command} --motion 1e-14");
+    let lost = format!("{command} --motion 1e-11");
     dir.solver(&lost).assert_refused(1, &["slope is not 2", "cannot be measured"]);
 }

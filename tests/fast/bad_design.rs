@@ -32,6 +32,14 @@ fn a_corrected_problem_starts_in_the_same_folder() {
 }
 
 #[test]
+fn a_target_that_is_missing_is_named() {
+    let dir = chamber::workdir();
+    dir.write("design.toml", &dir.text("design.toml").replace("target.stl", "none.stl"));
+    let run = dir.solver("optimize design.toml -o out");
+    run.assert_refused(2, &["none.stl", "No such file"]);
+}
+
+#[test]
 fn arguments_of_the_check() {
     let dir = chamber::workdir();
     let words: &[&str] = &["1000 handles", "33 vertices"];

@@ -12,17 +12,17 @@ use crate::tidy::{before_tests, files};
 ///
 /// Tests are modules behind `#[cfg(test)]`, in their file or in one of their own, and what lies in a folder `tests`.
 const BUDGETS: &[(&str, usize, usize)] = &[
-    ("cad2fem", 30_000, 8_000),
-    ("fab", 18_200, 5_000),
-    ("solver", 74_500, 15_000),
-    ("tagger", 2_400, 600),
-    ("tests/benches", 0, 1_800),
-    ("tests/convergence", 0, 4_000),
-    ("tests/design", 0, 1_200),
-    ("tests/fast", 0, 14_000),
-    ("tests/slow", 0, 1_400),
-    ("tests/support", 0, 4_000),
-    ("tests/torture", 0, 1_000),
+    ("cad2fem", 28_300, 8_100),
+    ("fab", 15_900, 4_600),
+    ("solver", 72_300, 13_300),
+    ("tagger", 2_200, 650),
+    ("tests/benches", 0, 750),
+    ("tests/convergence", 0, 3_800),
+    ("tests/design", 0, 1_100),
+    ("tests/fast", 0, 11_950),
+    ("tests/slow", 0, 1_100),
+    ("tests/support", 0, 3_300),
+    ("tests/torture", 0, 550),
 ];
 
 /// Files of modules behind `#[cfg(test)]`, without extension; those below are tests, too.

@@ -113,6 +113,10 @@ shape.sphere = { center = [0, 0, 2], radius = 5 }
 name = "seat"
 normal = [0, 0, -1]
 offset = 0
+
+[[region]]
+name = "seat"
+cut = "seat"
 "#;
 
 impl Section<'_> {
@@ -130,13 +134,17 @@ impl Section<'_> {
                 false => sound.replacen(&old, &new, 1),
             };
             dir.write(self.file, &changed);
+            let had_report = dir.path("out/report.json").exists();
             let (program, arguments) =
                 self.command.split_once(' ').expect("a program and arguments");
             let run = dir.run(program, arguments);
             let said = |words: &str| run.stderr.contains(&words.replace("\\n", "\n"));
-            let good = run.code == Some(2) && words.split(" & ").chain([self.file]).all(said);
+            let good = run.code == Some(2)
+                && words.split(" & ").all(said)
+                && [self.file, "body.msh"].into_iter().any(said);
             assert!(good, "{}: {case}\n{:?} {}", self.sample, run.code, run.stderr);
-            assert!(!dir.path("out/report.json").exists(), "{}: {case}", self.sample);
+            let has_report = dir.path("out/report.json").exists();
+            assert_eq!(has_report, had_report, "{}: {case}", self.sample);
         }
     }
 }
