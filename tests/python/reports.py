@@ -7,5 +7,5 @@ import softpuffer as sp
 
 scene, folder, *changes = sys.argv[1:]
 warnings.simplefilter("ignore")
-run = sp.read(scene, set=changes).simulate(progress=False, unusable="return")
+run = sp.load(scene, set=changes).simulate(progress=False, unusable="return")
 run.save(folder)
