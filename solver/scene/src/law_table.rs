@@ -3,6 +3,7 @@
 //! All of it follows from the rows of [`material::LAWS`] and [`sheet::LAWS`].
 
 use anyhow::{Context, Result, bail, ensure};
+use mechanics::energy::Slot;
 use mechanics::material::response::Mode;
 use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
 use program::schema::{add_keys, add_kind, add_table, take_keys};
@@ -94,6 +95,26 @@ pub fn sheet(table: &Table) -> Result<sheet::Specification> {
     let mut parameters = table.clone();
     let law = law(&mut parameters, sheet::LAWS, "solver list --sheets")?;
     Ok(sheet::Specification { law, values: values(law, &parameters)? })
+}
+
+/// The numbers of a law of a sheet in its table, in the order of the law.
+pub(crate) fn sheet_numbers(table: &mut Value) -> Vec<(Slot, &mut f64)> {
+    let Value::Table(table) = table else { return Vec::new() };
+    let kind = table.get("kind").and_then(Value::as_str);
+    let Some(law) = sheet::LAWS.iter().find(|law| Some(law.key) == kind) else { return Vec::new() };
+    let place = |key: &str| law.parameters.iter().position(|own| own.name == key);
+    let mut numbers: Vec<(usize, &mut f64)> = Vec::new();
+    for (key, value) in table.iter_mut() {
+        if let Value::Integer(whole) = value {
+            *value = Value::Float(*whole as f64);
+        }
+        if let (Some(place), Value::Float(number)) = (place(key), value) {
+            numbers.push((place, number));
+        }
+    }
+    numbers.sort_by_key(|(place, _)| *place);
+    let slot = |place: usize| Slot::new(law.parameters[place].name, law.parameters[place].unit);
+    numbers.into_iter().map(|(place, number)| (slot(place), number)).collect()
 }
 
 /// The law of a `kind`.

@@ -201,7 +201,7 @@ fn numbers(scene: &Scene, config: &UncertaintyConfig) -> Result<Vec<Off>> {
         all.push(Off::new("density", None, both(off), Group::density(scene, None)));
     }
     if let Some(off) = config.membrane {
-        let tags = scene.membranes.iter().map(|sheet| &sheet.config.on);
+        let tags = scene.config.membrane.iter().map(|sheet| &sheet.on);
         let each = tags.map(|on| (on.clone(), Group::membrane(scene, Some(on))));
         let (whole, each) = (Group::membrane(scene, None), if_several(each.collect()));
         all.extend(Off::each("membrane", both(off), whole, each));

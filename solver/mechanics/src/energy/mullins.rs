@@ -22,7 +22,7 @@ use std::sync::Arc;
 use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
     Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature, Owner, PastCotangent,
-    TimeStep, chord,
+    Slot, TimeStep, chord,
 };
 use crate::element::FunctionSpace;
 use crate::material::{Isochoric, Material, OgdenRoxburgh, Softened};
@@ -258,6 +258,10 @@ impl Energy for Mullins {
                 out.internal[self.first + point.place] += point.weight * by.by_largest * along;
             }
         }
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        ["r", "m", "beta"].map(|key| Slot::new(key, if key == "m" { "Pa" } else { "1" })).to_vec()
     }
 
     fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {

@@ -60,9 +60,7 @@ impl SimConfig {
     fn check_parts(&self) -> Result<()> {
         self.fixed.iter().try_for_each(Fixed::check)?;
         self.check_symmetry()?;
-        self.check_membranes()?;
-        self.check_fibres()?;
-        self.check_windings()?;
+        self.rooms().into_iter().try_for_each(|room| room.check(&self.cuts()))?;
         self.check_relaxation()?;
         self.check_mullins()?;
         self.check_rigid()?;

@@ -6,16 +6,12 @@ mod chamber;
 mod check;
 mod contact;
 mod design;
-mod fibre;
 mod gas;
 mod level;
 mod limit;
-mod line;
 mod material;
-mod membrane;
 mod mullins;
 mod parameter;
-mod profile;
 mod relaxation;
 mod rigid;
 mod scenario;
@@ -23,7 +19,6 @@ mod solver;
 mod symmetric;
 mod symmetry;
 mod uncertainty;
-mod winding;
 
 use measure::written::{FieldSchema, MethodSchema};
 use std::collections::BTreeMap;
@@ -35,18 +30,14 @@ use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
-pub use fibre::{FibreConfig, Source};
 pub use gas::GasConfig;
 pub use limit::LimitConfig;
-pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::constraint::ConstraintConfig;
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
-pub use membrane::MembraneConfig;
 pub use mullins::MullinsConfig;
 pub use parameter::ParameterDesign;
-pub use profile::{Along, ProfileConfig};
 pub use relaxation::RelaxationConfig;
 pub use rigid::RigidConfig;
 pub use scenario::{ByName, EXCESS, RobustConfig, ScenarioConfig};
@@ -63,9 +54,12 @@ use mechanics::element::HIGHEST_DEGREE;
 use mechanics::forward::{Method, Steps};
 use mechanics::schedule::{WrittenField, axes, is_free_name};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
-pub use winding::{Climb, WindingConfig};
 
 use crate::meaning::meaning;
+use crate::term::Room;
+use crate::term::fibre::FibreConfig;
+use crate::term::membrane::MembraneConfig;
+use crate::term::winding::WindingConfig;
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
@@ -165,6 +159,21 @@ impl SimConfig {
         change(&mut changed);
         changed.check()?;
         Ok(changed)
+    }
+
+    /// The rooms of terms, in the order in which their energies are added.
+    pub fn rooms(&self) -> [&dyn Room; 3] {
+        [&self.membrane, &self.fibre, &self.winding]
+    }
+
+    /// The same, to be changed.
+    pub fn rooms_mut(&mut self) -> [&mut dyn Room; 3] {
+        [&mut self.membrane, &mut self.fibre, &mut self.winding]
+    }
+
+    /// The room of a list of `sim.toml`, if it is one.
+    pub fn room(&self, list: &str) -> Option<&dyn Room> {
+        self.rooms().into_iter().find(|room| room.list() == list)
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].

@@ -12,11 +12,11 @@ use mechanics::schedule::Written;
 use mesh::Vec3;
 
 use super::laws::{positive, total};
-use super::{Kind, Place, Setting, any, nothing_added};
+use super::{Place, Row, Setting, any, nothing_added};
 
 const AXES: [&str; 3] = mechanics::symmetry::AXES;
 
-pub(super) const CHAMBER: Kind = Kind {
+pub(super) const CHAMBER: Row = Row {
     path: "chamber.TAG.KEY",
     meaning: "what is added to the pressure, fill, volume_change, volume_factor or injected volume of a chamber",
     list: |scene| {
@@ -40,7 +40,7 @@ pub(super) const CHAMBER: Kind = Kind {
     scale: Some(|scene, [chamber, _]| largest(scene, &scene.config.chamber[chamber].gas.value)),
 };
 
-pub(super) const FRICTION: Kind = Kind {
+pub(super) const FRICTION: Row = Row {
     path: "contact.friction",
     meaning: "the coefficient of friction, where there is some",
     list: |scene| {
@@ -61,7 +61,7 @@ pub(super) const FRICTION: Kind = Kind {
     scale: None,
 };
 
-pub(super) const GRAVITY: Kind = Kind {
+pub(super) const GRAVITY: Row = Row {
     path: "gravity.x, .y or .z",
     meaning: "what is added to a component of gravity",
     list: |scene| {
@@ -77,8 +77,10 @@ pub(super) const GRAVITY: Kind = Kind {
     derivative: |swept, [_, axis]| {
         let laws = 0..swept.scene.laws.len();
         let parts = 0..swept.scene.config.rigid.len();
-        let of_laws = laws.map(|law| total(swept, BodyForce::weight_owner(law), 1 + axis));
-        let of_parts = parts.map(|part| total(swept, RigidLoad::owner(part), 4 + axis));
+        let of_laws =
+            laws.map(|law| swept.by(BodyForce::weight_owner(law), &component("gravity", axis)));
+        let of_parts =
+            parts.map(|part| swept.by(RigidLoad::owner(part), &component("gravity", axis)));
         of_laws.chain(of_parts).sum()
     },
     scale: Some(|scene, _| {
@@ -86,7 +88,7 @@ pub(super) const GRAVITY: Kind = Kind {
     }),
 };
 
-pub(super) const TRACTION: Kind = Kind {
+pub(super) const TRACTION: Row = Row {
     path: "traction.TAG.x, .y or .z",
     meaning: "what is added to a component of the traction on a tag that has one",
     list: |scene| {
@@ -103,14 +105,14 @@ pub(super) const TRACTION: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(traction),
     check: any,
-    derivative: |swept, [load, axis]| total(swept, Traction::owner(load), axis),
+    derivative: |swept, [load, axis]| swept.by(Traction::owner(load), &component("traction", axis)),
     scale: Some(|scene, [load, _]| {
         let components = &scene.config.traction[load].traction.0;
         components.iter().map(|t| largest(scene, t)).fold(0.0, f64::max)
     }),
 };
 
-pub(super) const RIGID_MASS: Kind = Kind {
+pub(super) const RIGID_MASS: Row = Row {
     path: "rigid.PART.mass",
     meaning: "the mass of a rigid part, where it has one",
     list: |scene| {
@@ -124,13 +126,13 @@ pub(super) const RIGID_MASS: Kind = Kind {
     }),
     check: |scene, place| positive("a mass", (RIGID_MASS.value)(scene, place)),
     derivative: |swept, [part, _]| {
-        let of = |id| total(swept, id, 0);
+        let of = |owner| swept.by(owner, "mass");
         of(RigidLoad::owner(part)) + of(RigidMass::owner(part))
     },
     scale: None,
 };
 
-pub(super) const RIGID_FORCE: Kind = Kind {
+pub(super) const RIGID_FORCE: Row = Row {
     path: "rigid.PART.force.x, .y or .z",
     meaning: "what is added to a component of the force on a rigid part that has one",
     list: |scene| {
@@ -146,14 +148,14 @@ pub(super) const RIGID_FORCE: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(rigid_force),
     check: any,
-    derivative: |swept, [part, axis]| total(swept, RigidLoad::owner(part), 1 + axis),
+    derivative: |swept, [part, axis]| swept.by(RigidLoad::owner(part), &component("force", axis)),
     scale: Some(|scene, [part, _]| {
         let components = &scene.config.rigid[part].force.0;
         components.iter().map(|force| largest(scene, force)).fold(0.0, f64::max)
     }),
 };
 
-pub(super) const RIGID_MOMENT: Kind = Kind {
+pub(super) const RIGID_MOMENT: Row = Row {
     path: "rigid.PART.moment.x, .y or .z",
     meaning: "what is added to a component of the moment on a rigid part, where it is not 0",
     list: |scene| {
@@ -168,11 +170,13 @@ pub(super) const RIGID_MOMENT: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(rigid_moment),
     check: any,
-    derivative: |swept, [part, axis]| total(swept, RigidMoment::owner(part), axis),
+    derivative: |swept, [part, axis]| {
+        swept.by(RigidMoment::owner(part), &component("moment", axis))
+    },
     scale: Some(|scene, [part, axis]| largest(scene, &scene.config.rigid[part].moment.0[axis])),
 };
 
-pub(super) const VELOCITY: Kind = Kind {
+pub(super) const VELOCITY: Row = Row {
     path: "velocity.BODY.x, .y or .z",
     meaning: "a component of the velocity of a body at t = 0, where there is inertia",
     list: |scene| {
@@ -198,6 +202,11 @@ pub(super) const VELOCITY: Kind = Kind {
     },
     scale: Some(|_, _| 1.0),
 };
+
+/// What a component of a vector is called among the numbers of a term.
+fn component(key: &str, axis: usize) -> String {
+    format!("{key}.{}", AXES[axis])
+}
 
 fn chamber(config: &mut SimConfig, [chamber, _]: Place) -> &mut Written {
     &mut config.chamber[chamber].gas.value
