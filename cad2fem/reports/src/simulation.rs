@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 
 use crate::failed::{Crossing, Failed};
 use crate::measured::{AsCast, Chamber, ErrorBars, Locking, Probe, StretchRange, Tag};
-use crate::mullins::{Inflation, Mullins};
+use crate::mullins::Inflation;
 use crate::stability::{Limit, Stability};
 use crate::step::{ForceBalance, Step};
 use crate::terms::Terms;
@@ -81,9 +81,6 @@ pub struct End {
     /// Measures of the terms of the energy.
     #[serde(flatten)]
     pub terms: Terms,
-    /// How far bodies are softened, of a scene with `[[mullins]]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mullins: Option<Vec<Mullins>>,
     /// Inflations of each chamber in their order, of a scene with `[[mullins]]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inflations: Option<Vec<Inflation>>,

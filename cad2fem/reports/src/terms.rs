@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::mullins::Mullins;
+
 /// The sections, each in the order of the scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Terms {
@@ -15,6 +17,9 @@ pub struct Terms {
     /// Measures of each thread.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub windings: Option<Vec<Winding>>,
+    /// How far bodies are softened.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mullins: Option<Vec<Mullins>>,
 }
 
 /// Thickness, law and measures of a sheet.

@@ -3,7 +3,6 @@
 //! All of it follows from the rows of [`material::LAWS`] and [`sheet::LAWS`].
 
 use anyhow::{Context, Result, bail, ensure};
-use mechanics::energy::Slot;
 use mechanics::material::response::Mode;
 use mechanics::material::{self, Law, Parameter, Softening, Specification, sheet};
 use program::schema::{add_keys, add_kind, add_table, take_keys};
@@ -98,7 +97,7 @@ pub fn sheet(table: &Table) -> Result<sheet::Specification> {
 }
 
 /// The numbers of a law of a sheet in its table, in the order of the law.
-pub(crate) fn sheet_numbers(table: &mut Value) -> Vec<(Slot, &mut f64)> {
+pub(crate) fn sheet_numbers(table: &mut Value) -> Vec<(Parameter, &mut f64)> {
     let Value::Table(table) = table else { return Vec::new() };
     let kind = table.get("kind").and_then(Value::as_str);
     let Some(law) = sheet::LAWS.iter().find(|law| Some(law.key) == kind) else { return Vec::new() };
@@ -113,8 +112,7 @@ pub(crate) fn sheet_numbers(table: &mut Value) -> Vec<(Slot, &mut f64)> {
         }
     }
     numbers.sort_by_key(|(place, _)| *place);
-    let slot = |place: usize| Slot::new(law.parameters[place].name, law.parameters[place].unit);
-    numbers.into_iter().map(|(place, number)| (slot(place), number)).collect()
+    numbers.into_iter().map(|(place, number)| (law.parameters[place], number)).collect()
 }
 
 /// The law of a `kind`.

@@ -177,8 +177,6 @@ fn announce(scene: &Scene, workspace: &Workspace) {
     simulation::foresee(scene);
     let tables = scene.config.rooms().into_iter().flat_map(|room| room.in_words());
     tables.for_each(|words| log::info!("{words}"));
-    scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
-    scene.config.mullins.iter().for_each(|softening| log::info!("{}", softening.in_words()));
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),

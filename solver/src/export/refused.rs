@@ -33,11 +33,9 @@ pub fn check(scene: &Scene) -> Result<()> {
     let lists = [
         (config.contact().is_some(), KeyPath::table("contact")),
         (!config.obstacle.is_empty(), KeyPath::list("obstacle")),
-        (!config.rigid.is_empty(), KeyPath::list("rigid")),
-        (!config.relaxation.is_empty(), KeyPath::list("relaxation")),
-        (!config.mullins.is_empty(), KeyPath::list("mullins")),
     ];
-    let rooms = config.rooms().map(|room| (!room.is_empty(), KeyPath::list(room.list())));
+    let rooms =
+        config.rooms().into_iter().map(|room| (!room.is_empty(), KeyPath::list(room.list())));
     if let Some((_, path)) = lists.into_iter().chain(rooms).find(|(has, _)| *has) {
         bail!(misfit!(path, ": has no part in a deck; export a scene without it"));
     }

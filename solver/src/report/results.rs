@@ -27,7 +27,6 @@ use scene::term::State;
 use serde::Serialize;
 
 use crate::report::fields::fields;
-use crate::report::mullins;
 use crate::report::stability;
 
 /// Name of the file with a line for each step.
@@ -349,7 +348,6 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     for room in SimConfig::default().rooms() {
         grid.cell_fields.extend(room.fields(State { energies, at }));
     }
-    grid.cell_fields.extend(mullins::fields(energies, at));
     for energy in energies.contact_terms() {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);

@@ -18,8 +18,8 @@ use scene::{Scene, SceneLaw, law_table};
 use serde_json::json;
 
 use crate::report::crossing::Crossing;
+use crate::report::inflation;
 use crate::report::locking;
-use crate::report::mullins;
 use crate::report::record::Recorder;
 use crate::report::results;
 use crate::report::stability;
@@ -195,8 +195,7 @@ pub fn end(
         tags: results::tags(scene, &scene.body, problem, end)?,
         chambers: results::chambers(&problem.energies, end),
         terms: verdict.terms,
-        mullins: mullins::softened(scene, &problem.energies, end),
-        inflations: mullins::inflations(scene, &recorder.lines),
+        inflations: inflation::inflations(scene, &recorder.lines),
         probes: (!probes.is_empty()).then(measured),
         stretch_range: verdict.stretch_range,
         locking: locking::estimate(scene, (problem, probes), end),

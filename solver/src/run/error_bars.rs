@@ -242,8 +242,11 @@ fn softening(scene: &Scene, of: &str) -> Vec<Off> {
     for (i, law) in scene.laws.iter().enumerate() {
         let mut changes = law.material.softening.changes();
         let Some((_, off)) = changes.find(|(known, _)| *known == of) else { continue };
-        let simulated =
-            if of == "creep" { !law.branches.is_empty() } else { law.mullins.is_some() };
+        let simulated = if of == "creep" {
+            !scene.branches(law).is_empty()
+        } else {
+            scene.mullins(law).is_some()
+        };
         if simulated {
             continue;
         }

@@ -35,6 +35,8 @@ const NUMBERS: usize = 3;
 /// Softening of consecutive elements with one law.
 #[derive(Clone)]
 pub struct Mullins {
+    /// What the user calls the body.
+    pub name: String,
     law: Arc<Isochoric>,
     softening: OgdenRoxburgh,
     points: QuadraturePoints,
@@ -80,7 +82,13 @@ impl Mullins {
         elements: Range<usize>,
         first: usize,
     ) -> Self {
-        Self { law: Arc::new(law), softening, points: QuadraturePoints { elements }, first }
+        let (name, points) = (String::new(), QuadraturePoints { elements });
+        Self { name, law: Arc::new(law), softening, points, first }
+    }
+
+    /// The same of a body with a name.
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
     }
 
     /// Number of parameters of the law, which come first.

@@ -10,10 +10,7 @@ mod gas;
 mod level;
 mod limit;
 mod material;
-mod mullins;
 mod parameter;
-mod relaxation;
-mod rigid;
 mod scenario;
 mod solver;
 mod symmetric;
@@ -36,10 +33,7 @@ pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::constraint::ConstraintConfig;
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
-pub use mullins::MullinsConfig;
 pub use parameter::ParameterDesign;
-pub use relaxation::RelaxationConfig;
-pub use rigid::RigidConfig;
 pub use scenario::{ByName, EXCESS, RobustConfig, ScenarioConfig};
 pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
 pub use symmetric::{MirrorConfig, SymmetricConfig, TurnConfig};
@@ -57,8 +51,12 @@ pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 
 use crate::meaning::meaning;
 use crate::term::Room;
+use crate::term::direction::some_axes;
 use crate::term::fibre::FibreConfig;
 use crate::term::membrane::MembraneConfig;
+use crate::term::mullins::MullinsConfig;
+use crate::term::relaxation::RelaxationConfig;
+use crate::term::rigid::RigidConfig;
 use crate::term::winding::WindingConfig;
 
 /// Name of the body in a scene with one.
@@ -162,13 +160,15 @@ impl SimConfig {
     }
 
     /// The rooms of terms, in the order in which their energies are added.
-    pub fn rooms(&self) -> [&dyn Room; 3] {
-        [&self.membrane, &self.fibre, &self.winding]
+    pub fn rooms(&self) -> Vec<&dyn Room> {
+        let Self { relaxation, mullins, membrane, fibre, winding, rigid, .. } = self;
+        vec![relaxation, mullins, membrane, fibre, winding, rigid]
     }
 
     /// The same, to be changed.
-    pub fn rooms_mut(&mut self) -> [&mut dyn Room; 3] {
-        [&mut self.membrane, &mut self.fibre, &mut self.winding]
+    pub fn rooms_mut(&mut self) -> Vec<&mut dyn Room> {
+        let Self { relaxation, mullins, membrane, fibre, winding, rigid, .. } = self;
+        vec![relaxation, mullins, membrane, fibre, winding, rigid]
     }
 
     /// The room of a list of `sim.toml`, if it is one.
@@ -379,17 +379,6 @@ program::table! {
         /// Force per area [Pa].
         #[schemars(with = "FieldSchema")]
         traction: WrittenField;
-    }
-}
-
-/// The rule of axes.
-fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
-    let count = axes(components).iter().filter(|axis| **axis).count();
-    match components.len() == count && count > 0 {
-        true => Ok(()),
-        false => {
-            Err(misfit!(at.clone(), " = \"{components}\": must be some of x, y, z, each once"))
-        }
     }
 }
 

@@ -44,7 +44,7 @@ impl Scene {
         {
             bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
         }
-        let mut scene = Self {
+        let scene = Self {
             path: path.to_path_buf(),
             file: file.clone(),
             config,
@@ -54,8 +54,7 @@ impl Scene {
             given: BTreeMap::new(),
             certify: true,
         };
-        scene.set_branches().with_context(context)?;
-        scene.set_mullins().with_context(context)?;
+        scene.check_beside_laws().with_context(context)?;
         scene.check_dilatation().with_context(context)?;
         Ok(scene)
     }

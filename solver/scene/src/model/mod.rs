@@ -315,7 +315,7 @@ impl Scene {
         supports: &Supports,
     ) -> Result<Vec<Term>> {
         let mut terms = self.bodies(body, space)?;
-        let ground = self.ground(body, space);
+        let ground = Ground { path: &self.path, body, space, regions: self.regions(body) };
         for room in self.config.rooms() {
             terms.extend(room.build(&ground)?);
         }
@@ -326,14 +326,14 @@ impl Scene {
         Ok(terms)
     }
 
-    fn ground<'a>(&'a self, body: &'a Body, space: &'a FunctionSpace) -> Ground<'a> {
+    /// What has a law of its own on a body, in the order of laws.
+    pub(crate) fn regions(&self, body: &Body) -> Vec<Region> {
         let region = |law: &SceneLaw| Region {
             name: self.law_name(law),
             body: self.parts[law.part].config.name.clone(),
             elements: law.elements(body),
         };
-        let regions = self.laws.iter().map(region).collect();
-        Ground { path: &self.path, body, space, regions }
+        self.laws.iter().map(region).collect()
     }
 
     /// The terms of all bodies and volumes, but for inertia: elastic energy, overstress, softening and weight of each.

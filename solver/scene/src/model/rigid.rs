@@ -14,8 +14,9 @@ use mesh::Vec3;
 use program::misfit;
 
 use super::{Scene, nodes_of};
-use crate::config::{RigidConfig, is_pressure};
+use crate::config::is_pressure;
 use crate::supports::{Support, Supports};
+use crate::term::rigid::RigidConfig;
 
 /// How far points that hinge a part may be off a line, over its length.
 const STRAIGHT: f64 = 1e-6;

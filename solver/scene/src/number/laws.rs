@@ -2,10 +2,10 @@
 
 use crate::model::SceneLaw;
 use anyhow::{Result, ensure};
-use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Mullins, Owner, Viscous};
+use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Owner};
 use mechanics::material::{Law, Specification};
 
-use super::{Entry, Row, Setting, Swept, any};
+use super::{Row, Setting, Swept};
 
 pub(super) const MATERIAL: Row = Row {
     path: "material.BODY.PARAMETER",
@@ -63,68 +63,6 @@ pub(super) const DENSITY: Row = Row {
     derivative: |swept, [law, _]| {
         let of = |owner| swept.by(owner, "density");
         of(BodyForce::weight_owner(law)) + of(Inertia::owner(law))
-    },
-    scale: None,
-};
-
-pub(super) const RELAXATION: Row = Row {
-    path: "relaxation.N.overstress or .time",
-    meaning: "a number of the N-th [[relaxation]], counted from 1",
-    list: |scene| {
-        let one = |table: usize| -> [Entry; 2] {
-            let name = |key: &str| format!("{}.{key}", table + 1);
-            [(name("overstress"), "1", [table, 0]), (name("time"), "s", [table, 1])]
-        };
-        (0..scene.config.relaxation.len()).flat_map(one).collect()
-    },
-    value: |scene, [table, k]| {
-        let table = &scene.config.relaxation[table];
-        [table.overstress, table.time][k]
-    },
-    set: Setting::By(|scene, _, [table, k], value| {
-        let table = &mut scene.config.relaxation[table];
-        *[&mut table.overstress, &mut table.time][k] = value;
-        scene.config.check()?;
-        scene.set_branches()
-    }),
-    check: any,
-    derivative: |swept, [table, k]| {
-        let of = |(i, law): (usize, &SceneLaw)| -> Option<f64> {
-            let branch = swept.scene.branch_of(law, table)? + 1;
-            let key = ["overstress", "time"][k];
-            Some(swept.by(Viscous::owner(i), &format!("{branch}.{key}")))
-        };
-        swept.scene.laws.iter().enumerate().filter_map(of).sum()
-    },
-    scale: None,
-};
-
-pub(super) const MULLINS: Row = Row {
-    path: "mullins.N.r, .m or .beta",
-    meaning: "a number of the N-th [[mullins]], counted from 1",
-    list: |scene| {
-        let one = |table: usize| -> [Entry; 3] {
-            let keys = [("r", "1"), ("m", "Pa"), ("beta", "1")];
-            [0, 1, 2].map(|k| (format!("{}.{}", table + 1, keys[k].0), keys[k].1, [table, k]))
-        };
-        (0..scene.config.mullins.len()).flat_map(one).collect()
-    },
-    value: |scene, [table, k]| {
-        let table = &scene.config.mullins[table];
-        [table.r, table.m, table.beta][k]
-    },
-    set: Setting::By(|scene, _, [table, k], value| {
-        let table = &mut scene.config.mullins[table];
-        *[&mut table.r, &mut table.m, &mut table.beta][k] = value;
-        scene.config.check()?;
-        scene.set_mullins()
-    }),
-    check: any,
-    derivative: |swept, [table, k]| {
-        let laws = swept.scene.laws.iter().enumerate();
-        let own = laws.filter(|(_, law)| swept.scene.is_softened_by(law, table));
-        let key = ["r", "m", "beta"][k];
-        own.map(|(i, _)| swept.by(Mullins::owner(i), key)).sum()
     },
     scale: None,
 };

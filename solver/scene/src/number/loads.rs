@@ -1,18 +1,16 @@
 //! Numbers of loads and of the state at the start.
 
-use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
+use crate::config::{ChamberConfig, SimConfig, TractionConfig};
 use crate::model::{Scene, ScenePart, nodes_of};
 use anyhow::ensure;
 use mechanics::body::Body;
-use mechanics::energy::{
-    BodyForce, ChamberId, Friction, RigidLoad, RigidMass, RigidMoment, Traction,
-};
+use mechanics::energy::{BodyForce, ChamberId, Friction, RigidLoad, Traction};
 use mechanics::forward::Problem;
 use mechanics::schedule::Written;
 use mesh::Vec3;
 
-use super::laws::{positive, total};
-use super::{Place, Row, Setting, any, nothing_added};
+use super::laws::total;
+use super::{Indices, Row, Setting, any, nothing_added};
 
 const AXES: [&str; 3] = mechanics::symmetry::AXES;
 
@@ -112,70 +110,6 @@ pub(super) const TRACTION: Row = Row {
     }),
 };
 
-pub(super) const RIGID_MASS: Row = Row {
-    path: "rigid.PART.mass",
-    meaning: "the mass of a rigid part, where it has one",
-    list: |scene| {
-        let heavy = scene.config.rigid.iter().enumerate().filter(|(_, part)| part.mass > 0.0);
-        heavy.map(|(i, part)| (format!("{}.mass", part.on), "kg", [i, 0])).collect()
-    },
-    value: |scene, [part, _]| scene.config.rigid[part].mass,
-    set: Setting::By(|scene, _, [part, _], value| {
-        scene.config.rigid[part].mass = value;
-        Ok(())
-    }),
-    check: |scene, place| positive("a mass", (RIGID_MASS.value)(scene, place)),
-    derivative: |swept, [part, _]| {
-        let of = |owner| swept.by(owner, "mass");
-        of(RigidLoad::owner(part)) + of(RigidMass::owner(part))
-    },
-    scale: None,
-};
-
-pub(super) const RIGID_FORCE: Row = Row {
-    path: "rigid.PART.force.x, .y or .z",
-    meaning: "what is added to a component of the force on a rigid part that has one",
-    list: |scene| {
-        let pushed = |part: &RigidConfig| part.force.0.iter().any(|force| !force.is_zero());
-        let parts = scene.config.rigid.iter().enumerate().filter(|(_, part)| pushed(part));
-        let one = |(i, part): (usize, &RigidConfig)| {
-            let (on, axes) = (part.on.clone(), part.axes());
-            let axes = AXES.iter().enumerate().filter(move |(k, _)| axes[*k]);
-            axes.map(move |(k, axis)| (format!("{on}.force.{axis}"), "N", [i, k]))
-        };
-        parts.flat_map(one).collect()
-    },
-    value: nothing_added,
-    set: Setting::AddedTo(rigid_force),
-    check: any,
-    derivative: |swept, [part, axis]| swept.by(RigidLoad::owner(part), &component("force", axis)),
-    scale: Some(|scene, [part, _]| {
-        let components = &scene.config.rigid[part].force.0;
-        components.iter().map(|force| largest(scene, force)).fold(0.0, f64::max)
-    }),
-};
-
-pub(super) const RIGID_MOMENT: Row = Row {
-    path: "rigid.PART.moment.x, .y or .z",
-    meaning: "what is added to a component of the moment on a rigid part, where it is not 0",
-    list: |scene| {
-        let one = |(i, part): (usize, &RigidConfig)| {
-            let turned = AXES.iter().enumerate().zip(&part.moment.0).filter(|(_, m)| !m.is_zero());
-            let paths =
-                turned.map(|((k, axis), _)| (format!("{}.moment.{axis}", part.on), "N m", [i, k]));
-            paths.collect::<Vec<_>>()
-        };
-        scene.config.rigid.iter().enumerate().flat_map(one).collect()
-    },
-    value: nothing_added,
-    set: Setting::AddedTo(rigid_moment),
-    check: any,
-    derivative: |swept, [part, axis]| {
-        swept.by(RigidMoment::owner(part), &component("moment", axis))
-    },
-    scale: Some(|scene, [part, axis]| largest(scene, &scene.config.rigid[part].moment.0[axis])),
-};
-
 pub(super) const VELOCITY: Row = Row {
     path: "velocity.BODY.x, .y or .z",
     meaning: "a component of the velocity of a body at t = 0, where there is inertia",
@@ -208,28 +142,20 @@ fn component(key: &str, axis: usize) -> String {
     format!("{key}.{}", AXES[axis])
 }
 
-fn chamber(config: &mut SimConfig, [chamber, _]: Place) -> &mut Written {
+fn chamber(config: &mut SimConfig, [chamber, _]: Indices) -> &mut Written {
     &mut config.chamber[chamber].gas.value
 }
 
-fn gravity(config: &mut SimConfig, [_, axis]: Place) -> &mut Written {
+fn gravity(config: &mut SimConfig, [_, axis]: Indices) -> &mut Written {
     &mut config.gravity.0[axis]
 }
 
-fn traction(config: &mut SimConfig, [load, axis]: Place) -> &mut Written {
+fn traction(config: &mut SimConfig, [load, axis]: Indices) -> &mut Written {
     &mut config.traction[load].traction.0[axis]
 }
 
-fn rigid_force(config: &mut SimConfig, [part, axis]: Place) -> &mut Written {
-    &mut config.rigid[part].force.0[axis]
-}
-
-fn rigid_moment(config: &mut SimConfig, [part, axis]: Place) -> &mut Written {
-    &mut config.rigid[part].moment.0[axis]
-}
-
 /// The largest of a number over time, without sign, at the ends of time steps.
-fn largest(scene: &Scene, written: &Written) -> f64 {
+pub(super) fn largest(scene: &Scene, written: &Written) -> f64 {
     let schedule = scene.config.schedule(written);
     scene.times().iter().map(|&t| schedule.at(t).abs()).fold(0.0, f64::max)
 }

@@ -24,6 +24,7 @@ use program::{KeyPath, did_you_mean};
 
 use crate::config::SimConfig;
 use crate::model::Scene;
+use crate::term::Place;
 use laws::total;
 
 pub use group::{Change, Group};
@@ -32,17 +33,14 @@ pub use walls::Walls;
 
 /// All kinds, in the order in which they are listed: rows, and rooms of terms.
 pub static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
-    let laws = [laws::MATERIAL, laws::DENSITY, laws::RELAXATION, laws::MULLINS].map(Kind::Row);
+    let laws = [laws::MATERIAL, laws::DENSITY].map(Kind::Row);
     let none = SimConfig::default();
-    let rooms = none.rooms().map(|room| Kind::Room(room.list(), room.explained()));
+    let rooms = none.rooms().into_iter().map(|room| Kind::Room(room.list(), room.explained()));
     let loads = [
         loads::CHAMBER,
         loads::FRICTION,
         loads::GRAVITY,
         loads::TRACTION,
-        loads::RIGID_MASS,
-        loads::RIGID_FORCE,
-        loads::RIGID_MOMENT,
         loads::VELOCITY,
         walls::WALL,
     ];
@@ -65,28 +63,28 @@ pub struct Row {
     meaning: &'static str,
     /// The numbers of a scene that are of this kind: rest of the path, unit and place.
     list: fn(&Scene) -> Vec<Entry>,
-    value: fn(&Scene, Place) -> f64,
+    value: fn(&Scene, Indices) -> f64,
     set: Setting,
     /// Whether the scene admits the value that was set.
-    check: fn(&Scene, Place) -> Result<()>,
-    derivative: fn(&Swept, Place) -> f64,
+    check: fn(&Scene, Indices) -> Result<()>,
+    derivative: fn(&Swept, Indices) -> f64,
     /// What changes of it are small against, where that is not its value.
-    scale: Option<fn(&Scene, Place) -> f64>,
+    scale: Option<fn(&Scene, Indices) -> f64>,
 }
 
 /// How a number is given a value.
 enum Setting {
     /// By a function.
-    By(fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>),
+    By(fn(&mut Scene, Option<&Walls>, Indices, f64) -> Result<()>),
     /// It is added to this function of time.
-    AddedTo(fn(&mut SimConfig, Place) -> &mut Written),
+    AddedTo(fn(&mut SimConfig, Indices) -> &mut Written),
 }
 
 /// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
-type Place = [usize; 2];
+type Indices = [usize; 2];
 
 /// A number in the list of its kind: what its path has after the word of the kind, SI unit, place.
-type Entry = (String, &'static str, Place);
+type Entry = (String, &'static str, Indices);
 
 /// The derivatives of a result by all that a run depends on.
 pub struct Swept<'a> {
@@ -133,7 +131,7 @@ pub struct Number {
     /// Its key in its table, as the last part of the path, where it is of a room; empty of others.
     pub key: String,
     kind: &'static Kind,
-    place: Place,
+    place: Indices,
 }
 
 impl Kind {
@@ -213,53 +211,68 @@ impl Number {
     pub fn value(&self, scene: &Scene) -> f64 {
         match self.kind {
             Kind::Row(row) => (row.value)(scene, self.place),
-            Kind::Room(..) => room::value(self, scene),
+            Kind::Room(..) if self.is_added(scene) => 0.0,
+            Kind::Room(..) => self.constant(scene).unwrap_or_default(),
+        }
+    }
+
+    /// Whether a value is added to a function of time.
+    fn is_added(&self, scene: &Scene) -> bool {
+        match self.kind {
+            Kind::Row(row) => matches!(row.set, Setting::AddedTo(_)),
+            Kind::Room(list, _) => room::written(self, list, scene).1,
+        }
+    }
+
+    /// The function of time to which it is added.
+    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Written> {
+        match self.kind {
+            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => Some(of(config, self.place)),
+            Kind::Row(_) => None,
+            Kind::Room(list, _) => match room::place(self, list, config) {
+                Place::AddedTo(written) => Some(written),
+                Place::Value(_) => None,
+            },
         }
     }
 
     /// Gives it a value. Several numbers may have to change before a scene admits them:
     /// [`Self::check`] says whether it does.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
-        let row = match self.kind {
-            Kind::Row(row) => row,
-            Kind::Room(list, _) => {
-                room::set(self, list, scene, value);
-                scene.given.insert(self.path.clone(), value);
-                return Ok(());
-            }
-        };
-        match row.set {
-            Setting::By(set) => {
-                set(scene, walls, self.place, value)?;
-                let given = scene.given.entry(self.path.clone()).or_default();
-                *given = if self.is_wall() { *given + value } else { value };
-                Ok(())
-            }
-            Setting::AddedTo(of) => Ok(of(&mut scene.config, self.place).add(value)?),
+        if let Some(written) = self.added_to(&mut scene.config) {
+            return Ok(written.add(value)?);
         }
-    }
-
-    /// How it is added to a function of time, where it is added to one.
-    fn schedule(&self) -> Option<fn(&mut SimConfig, Place) -> &mut Written> {
         match self.kind {
-            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => Some(*of),
-            _ => None,
+            Kind::Row(Row { set: Setting::By(set), .. }) => set(scene, walls, self.place, value)?,
+            Kind::Row(_) => {}
+            Kind::Room(list, _) => {
+                if let Place::Value(number) = room::place(self, list, &mut scene.config) {
+                    *number = value;
+                }
+            }
         }
+        let given = scene.given.entry(self.path.clone()).or_default();
+        *given = if self.is_wall() { *given + value } else { value };
+        Ok(())
     }
 
     /// What it is in a scene, where it is no function of time or of the position.
     pub fn constant(&self, scene: &Scene) -> Option<f64> {
-        match self.schedule() {
-            None => Some(self.value(scene)),
-            Some(of) => of(&mut scene.config.clone(), self.place).number(),
+        match self.kind {
+            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => {
+                of(&mut scene.config.clone(), self.place).number()
+            }
+            Kind::Row(row) => Some((row.value)(scene, self.place)),
+            Kind::Room(list, _) => room::written(self, list, scene).0.number(),
         }
     }
 
     /// Gives it a value in place of the constant that the scene has; what [`Self::set`] would add to that.
     pub fn replace(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         ensure!(value.is_finite(), "{} = {value}: must be finite", self.path);
-        let Some(of) = self.schedule() else { return self.set(scene, walls, value) };
-        let schedule = of(&mut scene.config, self.place);
+        let Some(schedule) = self.added_to(&mut scene.config) else {
+            return self.set(scene, walls, value);
+        };
         ensure!(
             schedule.number().is_some(),
             "{} is {schedule}, a function of time or of the position; expected a constant",
@@ -281,7 +294,7 @@ impl Number {
     pub fn scale(&self, scene: &Scene) -> Option<f64> {
         match self.kind {
             Kind::Row(row) => row.scale.map(|scale| scale(scene, self.place)),
-            Kind::Room(..) => (self.unit == "°").then_some(RADIAN),
+            Kind::Room(list, _) => room::scale(self, list, scene),
         }
     }
 
@@ -306,15 +319,12 @@ pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
     numbers.iter().try_for_each(|(number, _)| number.check(scene))
 }
 
-/// A radian [°].
-const RADIAN: f64 = 180.0 / std::f64::consts::PI;
-
 /// Every value is admitted.
-fn any(_: &Scene, _: Place) -> Result<()> {
+fn any(_: &Scene, _: Indices) -> Result<()> {
     Ok(())
 }
 
 /// What may be a function of time or of a position is changed by adding to it.
-fn nothing_added(_: &Scene, _: Place) -> f64 {
+fn nothing_added(_: &Scene, _: Indices) -> f64 {
     0.0
 }

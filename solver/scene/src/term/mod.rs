@@ -11,6 +11,9 @@ pub mod direction; // fields of directions
 pub mod membrane; // thin sheets on tags
 pub mod fibre; // families of fibres in bodies and volumes
 pub mod winding; // threads on tags
+pub mod relaxation; // overstress of viscoelastic bodies
+pub mod mullins; // softening after a first stretch
+pub mod rigid; // parts that keep their shape
 
 use std::ops::Range;
 use std::path::Path;
@@ -19,6 +22,8 @@ use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Energies, Energy, Iterate, Owner, Slot, Term};
+use mechanics::forward::Method;
+use mechanics::schedule::{Written, WrittenField};
 use mechanics::symmetry::Plane;
 use mesh::Vec3;
 use mesh::io::vtu::Field;
@@ -37,7 +42,7 @@ pub struct Ground<'a> {
     pub regions: Vec<Region>,
 }
 
-/// A body or volume with a law of its own.
+/// A body or volume with a law of its own, in the order of laws.
 pub struct Region {
     /// What messages call it.
     pub name: String,
@@ -47,44 +52,25 @@ pub struct Region {
     pub elements: Range<usize>,
 }
 
-/// A table of a room.
-pub trait TermTable: Clone {
-    /// Its list in `sim.toml`, which is the first word of the paths of its numbers and owns these.
-    const LIST: &'static str;
-    /// The paths of its numbers; words in capitals are names of the scene.
-    const PATHS: &'static str;
-    /// What these numbers are.
-    const MEANING: &'static str;
-    /// The energy that a table makes.
-    type Energy: Energy;
-
-    /// What paths of its numbers call it.
-    fn name(&self) -> &str;
-
-    /// What people are told of it before a run.
-    fn in_words(&self) -> String;
-
-    /// Refuses what no type can rule out and needs no body to be seen, beside the tags of cuts in planes of symmetry.
-    fn check(all: &[Self], cuts: &[Vec<String>]) -> Result<()>;
-
-    /// The energy of each table.
-    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Self::Energy>>;
-
-    /// Its numbers by the keys of the slots of its energy. Angles are degrees here.
-    fn numbers(&mut self) -> Vec<(Slot, &mut f64)>;
-
-    /// What a user should know of it before a run.
-    fn warnings(&self, _: &Body) -> Vec<String> {
-        Vec::new()
+impl Region {
+    /// Whether a table is of it by the name of a body or volume, or of all without one.
+    pub fn is_of(&self, on: Option<&str>) -> bool {
+        on.is_none_or(|on| self.name == on || self.body == on)
     }
+}
 
-    /// Puts its section into a report of a state; there is one table or more.
-    fn report(all: &[(&Self, &Self::Energy)], state: State, terms: &mut Terms);
-
-    /// Fields of the cells of a state, for ParaView.
-    fn fields(_: &Self::Energy, _: &Iterate) -> Vec<Field> {
-        Vec::new()
-    }
+/// What a check of a room may look at besides its tables.
+pub struct Around<'a> {
+    /// Tags of the cuts in planes of symmetry.
+    pub cuts: &'a [Vec<String>],
+    /// How bodies go through time.
+    pub method: Method,
+    /// Whether there are time steps.
+    pub in_time: bool,
+    /// Whether anything has a weight.
+    pub has_gravity: bool,
+    /// Names of the bodies, where there are several.
+    pub bodies: Vec<&'a str>,
 }
 
 /// A state that is reported.
@@ -94,6 +80,76 @@ pub struct State<'a> {
     pub energies: &'a Energies,
     /// Where they are.
     pub at: &'a Iterate<'a>,
+}
+
+/// The derivatives of a result, as numbers of rooms need them.
+pub struct Known<'a> {
+    /// What has a law of its own.
+    pub regions: &'a [Region],
+    /// The derivative by a number of an owner, by its key.
+    pub by: &'a dyn Fn(Owner, &str) -> f64,
+}
+
+/// Where a number of a table is.
+pub enum Place<'a> {
+    /// It is this one.
+    Value(&'a mut f64),
+    /// It is added to this function of time.
+    AddedTo(&'a mut Written),
+}
+
+/// A number of a table: the slot that it has in an energy, and where it is. Angles are degrees here.
+type TableNumber<'a> = (Slot, Place<'a>);
+
+/// A table of a room.
+pub trait TermTable: Clone {
+    /// Its list in `sim.toml`, which is the first word of the paths of its numbers and owns these.
+    const LIST: &'static str;
+    /// The paths of its numbers; words in capitals are names of the scene.
+    const PATHS: &'static str;
+    /// What these numbers are.
+    const MEANING: &'static str;
+
+    /// What paths call one of all tables, counted from 0.
+    fn name(&self, place: usize) -> String;
+
+    /// What people are told of it before a run.
+    fn in_words(&self) -> Option<String>;
+
+    /// Refuses what no type can rule out and needs no body to be seen.
+    fn check(all: &[Self], around: &Around) -> Result<()>;
+
+    /// The terms of all tables, which own their numbers; none where they stand beside those of laws.
+    fn build(_: &[Self], _: &Ground) -> Result<Vec<Term>> {
+        Ok(Vec::new())
+    }
+
+    /// Its numbers.
+    fn numbers(&mut self) -> Vec<TableNumber<'_>>;
+
+    /// The derivative of a result by one of its numbers.
+    fn derivative(_: &[Self], place: usize, key: &str, known: &Known) -> f64 {
+        (known.by)(Owner::new(Self::LIST, place), key)
+    }
+
+    /// What a user should know of it before a run.
+    fn warnings(&self, _: &Body) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Puts its section into a report of a state; there is one table or more.
+    fn report(_: &[Self], _: State, _: &mut Terms) {}
+
+    /// Fields of the cells of a state, for ParaView.
+    fn fields(_: State) -> Vec<Field> {
+        Vec::new()
+    }
+}
+
+/// Terms of energies, of which each owns its numbers.
+fn owned<T: TermTable>(energies: impl IntoIterator<Item = impl Energy>) -> Vec<Term> {
+    let own = energies.into_iter().enumerate();
+    own.map(|(place, own)| Term::of(Owner::new(T::LIST, place), own)).collect()
 }
 
 /// A number of a room.
@@ -117,20 +173,22 @@ pub trait Room {
     /// [`TermTable::in_words`] of each.
     fn in_words(&self) -> Vec<String>;
     /// [`TermTable::check`]
-    fn check(&self, cuts: &[Vec<String>]) -> Result<()>;
-    /// The terms of the tables, which own their numbers.
+    fn check(&self, around: &Around) -> Result<()>;
+    /// [`TermTable::build`]
     fn build(&self, ground: &Ground) -> Result<Vec<Term>>;
     /// All numbers.
     fn numbers(&self) -> Vec<RoomNumber>;
-    /// The value of a number of a table by its key.
-    fn value(&self, table: usize, key: &str) -> f64;
-    /// Gives it another one.
-    fn set(&mut self, table: usize, key: &str, value: f64);
+    /// What is written of a number of a table by its key, and whether numbers are added to that.
+    fn written(&self, table: usize, key: &str) -> (Written, bool);
+    /// Where that is.
+    fn number(&mut self, table: usize, key: &str) -> Place<'_>;
+    /// [`TermTable::derivative`]
+    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64;
     /// [`TermTable::warnings`] of all.
     fn warnings(&self, body: &Body) -> Vec<String>;
     /// [`TermTable::report`], where there are some.
     fn report(&self, state: State, terms: &mut Terms);
-    /// [`TermTable::fields`] of all.
+    /// [`TermTable::fields`]
     fn fields(&self, state: State) -> Vec<Field>;
 }
 
@@ -148,34 +206,40 @@ impl<T: TermTable> Room for Vec<T> {
     }
 
     fn in_words(&self) -> Vec<String> {
-        self.iter().map(T::in_words).collect()
+        self.iter().filter_map(T::in_words).collect()
     }
 
-    fn check(&self, cuts: &[Vec<String>]) -> Result<()> {
-        T::check(self, cuts)
+    fn check(&self, around: &Around) -> Result<()> {
+        T::check(self, around)
     }
 
     fn build(&self, ground: &Ground) -> Result<Vec<Term>> {
-        let energies = T::build(self, ground)?.into_iter().enumerate();
-        Ok(energies.map(|(place, own)| Term::of(Owner::new(T::LIST, place), own)).collect())
+        T::build(self, ground)
     }
 
     fn numbers(&self) -> Vec<RoomNumber> {
         let of = |(table, own): (usize, &T)| -> Vec<RoomNumber> {
+            let name = own.name(table);
             let mut own = own.clone();
-            let name = own.name().to_owned();
             let slots = own.numbers().into_iter();
             slots.map(|(slot, _)| RoomNumber { table, name: name.clone(), slot }).collect()
         };
         self.iter().enumerate().flat_map(of).collect()
     }
 
-    fn value(&self, table: usize, key: &str) -> f64 {
-        *number(&mut self[table].clone(), key)
+    fn written(&self, table: usize, key: &str) -> (Written, bool) {
+        match number(&mut self[table].clone(), key) {
+            Place::Value(value) => ((*value).into(), false),
+            Place::AddedTo(written) => (written.clone(), true),
+        }
     }
 
-    fn set(&mut self, table: usize, key: &str, value: f64) {
-        *number(&mut self[table], key) = value;
+    fn number(&mut self, table: usize, key: &str) -> Place<'_> {
+        number(&mut self[table], key)
+    }
+
+    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64 {
+        T::derivative(self, table, key, known)
     }
 
     fn warnings(&self, body: &Body) -> Vec<String> {
@@ -183,21 +247,35 @@ impl<T: TermTable> Room for Vec<T> {
     }
 
     fn report(&self, state: State, terms: &mut Terms) {
-        let all: Vec<(&T, &T::Energy)> = self.iter().zip(state.energies.each()).collect();
-        if !all.is_empty() {
-            T::report(&all, state, terms);
+        if !self.is_empty() {
+            T::report(self, state, terms);
         }
     }
 
     fn fields(&self, state: State) -> Vec<Field> {
-        state.energies.each().flat_map(|own| T::fields(own, state.at)).collect()
+        T::fields(state)
     }
 }
 
 /// A number of a table by its key, which the table has.
-fn number<'a, T: TermTable>(table: &'a mut T, key: &str) -> &'a mut f64 {
+fn number<'a, T: TermTable>(table: &'a mut T, key: &str) -> Place<'a> {
     let mut all = table.numbers().into_iter();
     all.find(|(slot, _)| slot.key == key).expect("the key of one of its numbers").1
+}
+
+/// A number that is a value.
+fn value<'a>(key: &str, unit: &'static str, value: &'a mut f64) -> TableNumber<'a> {
+    (Slot::new(key, unit), Place::Value(value))
+}
+
+/// The components of a vector that are functions of time.
+fn components<'a>(
+    key: &str,
+    unit: &'static str,
+    vector: &'a mut WrittenField,
+) -> impl Iterator<Item = TableNumber<'a>> {
+    let slots = Slot::components(key, unit).into_iter();
+    slots.zip(&mut vector.0).map(|(slot, written)| (slot, Place::AddedTo(written)))
 }
 
 /// A number, or those of one that changes along an axis, with what they are called.
@@ -205,9 +283,10 @@ fn along<'a>(
     key: &str,
     unit: &'static str,
     number: &'a mut profile::Along,
-) -> impl Iterator<Item = (Slot, &'a mut f64)> {
+) -> impl Iterator<Item = TableNumber<'a>> {
     let count = number.profile().map(|profile| profile.values.len());
-    Slot::along(key, unit, count).into_iter().zip(number.values_mut())
+    let slots = Slot::along(key, unit, count).into_iter().zip(number.values_mut());
+    slots.map(|(slot, value)| (slot, Place::Value(value)))
 }
 
 /// Refuses names that are empty, given twice, or would split the path of a number.

@@ -12,7 +12,7 @@ mod directions; // vectors from a file
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use mechanics::energy::{Axis, Direction, FibreMean, FibreSummary, Fibres, Iterate, Profile, Slot};
+use mechanics::energy::{Axis, Direction, FibreMean, FibreSummary, Fibres, Iterate, Profile, Term};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
 use mesh::Vec3;
@@ -24,7 +24,7 @@ use reports::Terms;
 use super::direction::{ANGLE, AXIS, Leads};
 use super::line::AroundConfig;
 use super::profile::Along;
-use super::{Ground, State, TermTable, along, check_names};
+use super::{Around, Ground, State, TableNumber, TermTable, along, check_names, owned, value};
 
 program::table! {
     /// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
@@ -179,13 +179,12 @@ impl TermTable for FibreConfig {
     const PATHS: &'static str = "fibre.NAME.k1, .k2, .dispersion or .angle";
     const MEANING: &'static str = "a number of the law of a [[fibre]], or its angle to an axis; of values along an axis, with the place in \
               their list, as in fibre.weave.k1.2";
-    type Energy = Fibres;
 
-    fn name(&self) -> &str {
-        &self.name
+    fn name(&self, _: usize) -> String {
+        self.name.clone()
     }
 
-    fn in_words(&self) -> String {
+    fn in_words(&self) -> Option<String> {
         let Self { name, on, angle, k1, k2, dispersion, .. } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
         let leads = match (self.direction, angle, &self.file) {
@@ -198,10 +197,12 @@ impl TermTable for FibreConfig {
         };
         let k1 = k1.in_words(|k1| format!("{k1:.3e}"));
         let senses = if self.compression { ", in both senses" } else { ", in tension only" };
-        format!("fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}")
+        Some(format!(
+            "fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}"
+        ))
     }
 
-    fn check(all: &[Self], _: &[Vec<String>]) -> Result<()> {
+    fn check(all: &[Self], _: &Around) -> Result<()> {
         check_names(Self::LIST, all.iter().map(|fibre| &fibre.name))?;
         for fibre in all {
             ensure!(
@@ -217,40 +218,45 @@ impl TermTable for FibreConfig {
         Ok(())
     }
 
-    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Fibres>> {
-        build::families(all, ground)
+    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
+        Ok(owned::<Self>(build::families(all, ground)?))
     }
 
-    fn numbers(&mut self) -> Vec<(Slot, &mut f64)> {
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
         let Self { k1, k2, dispersion, angle, .. } = self;
-        let law = [(Slot::new("k2", "1"), k2), (Slot::new("dispersion", "1"), dispersion)];
+        let law = [value("k2", "1", k2), value("dispersion", "1", dispersion)];
         let angles = angle.iter_mut().flat_map(|angle| along("angle", "°", angle));
         along("k1", "Pa", k1).chain(law).chain(angles).collect()
     }
 
-    fn report(all: &[(&Self, &Fibres)], state: State, terms: &mut Terms) {
-        let one = |(config, family): &(&Self, &Fibres)| {
-            let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(state.at);
-            reports::Fibre { name: config.name.clone(), volume, energy, stretch, stress, taut }
+    fn report(_: &[Self], State { energies, at }: State, terms: &mut Terms) {
+        let one = |family: &Fibres| {
+            let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
+            reports::Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
         };
-        terms.fibres = Some(all.iter().map(one).collect());
+        terms.fibres = Some(energies.each().map(one).collect());
     }
 
-    fn fields(family: &Fibres, at: &Iterate) -> Vec<Field> {
-        let elsewhere = FibreMean { direction: Vec3::zeros(), stretch: 1.0, stress: 0.0 };
-        let mut means = vec![elsewhere; at.space.tets().len()];
-        means[family.elements()].copy_from_slice(&family.means(at));
-        let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
-            name: format!("fibre_{}_{name}", family.name),
-            unit: unit.to_owned(),
-            components,
-            values,
-        };
-        let directions = means.iter().flat_map(|mean| <[f64; 3]>::from(mean.direction)).collect();
-        vec![
-            field("direction", "1", 3, directions),
-            field("stretch", "1", 1, means.iter().map(|mean| mean.stretch).collect()),
-            field("stress", "Pa", 1, means.iter().map(|mean| mean.stress).collect()),
-        ]
+    fn fields(State { energies, at }: State) -> Vec<Field> {
+        energies.each().flat_map(|family| fields_of(family, at)).collect()
     }
+}
+
+/// The fields of the cells of a family, of all elements.
+fn fields_of(family: &Fibres, at: &Iterate) -> [Field; 3] {
+    let elsewhere = FibreMean { direction: Vec3::zeros(), stretch: 1.0, stress: 0.0 };
+    let mut means = vec![elsewhere; at.space.tets().len()];
+    means[family.elements()].copy_from_slice(&family.means(at));
+    let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
+        name: format!("fibre_{}_{name}", family.name),
+        unit: unit.to_owned(),
+        components,
+        values,
+    };
+    let directions = means.iter().flat_map(|mean| <[f64; 3]>::from(mean.direction)).collect();
+    [
+        field("direction", "1", 3, directions),
+        field("stretch", "1", 1, means.iter().map(|mean| mean.stretch).collect()),
+        field("stress", "Pa", 1, means.iter().map(|mean| mean.stress).collect()),
+    ]
 }

@@ -6,7 +6,7 @@ mod measures; // what a report says of them
 use anyhow::{Result, ensure};
 use measure::written::Names;
 use mechanics::body::Body;
-use mechanics::energy::{Profile, Slot, Winding};
+use mechanics::energy::{Profile, Term, Winding};
 use mechanics::material::slack::DEFAULT_SLACK;
 use program::table::{Range, nested};
 use program::{KeyPath, misfit};
@@ -14,7 +14,7 @@ use reports::Terms;
 
 use super::line::AroundConfig;
 use super::profile::Along;
-use super::{Ground, State, TermTable, along, check_names};
+use super::{Around, Ground, State, TableNumber, TermTable, along, check_names, owned, value};
 
 /// Most turns of a helix.
 const MOST_TURNS: f64 = 10_000.0;
@@ -216,13 +216,12 @@ impl TermTable for WindingConfig {
     const PATHS: &'static str = "winding.NAME.stiffness, .pretension, .pitch, .angle or .phase";
     const MEANING: &'static str = "the stiffness EA or the pretension of a [[winding]], or the pitch or the angle, as the scene has it, and \
          the phase of one around an axis; of a table along the axis, with its place, as in winding.NAME.stiffness.2";
-    type Energy = Winding;
 
-    fn name(&self) -> &str {
-        &self.name
+    fn name(&self, _: usize) -> String {
+        self.name.clone()
     }
 
-    fn in_words(&self) -> String {
+    fn in_words(&self) -> Option<String> {
         let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
         let course = match (pitch, angle) {
             (Some(pitch), _) => {
@@ -238,16 +237,16 @@ impl TermTable for WindingConfig {
         };
         let double = if *double { ", double" } else { "" };
         let on = on.all().join(" and ");
-        format!(
+        Some(format!(
             "winding {name} on {on}: {course}{double}, EA {} N",
             stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
-        )
+        ))
     }
 
-    fn check(all: &[Self], cuts: &[Vec<String>]) -> Result<()> {
+    fn check(all: &[Self], around: &Around) -> Result<()> {
         check_names(Self::LIST, all.iter().map(|winding| &winding.name))?;
         all.iter().try_for_each(Self::check_course)?;
-        if let (Some(winding), false) = (all.first(), cuts.is_empty()) {
+        if let (Some(winding), false) = (all.first(), around.cuts.is_empty()) {
             return Err(misfit!(
                 winding.title(),
                 " beside [[symmetry]]: a helix is not its own mirror image, and would leave the part at the cut; \
@@ -258,18 +257,19 @@ impl TermTable for WindingConfig {
         Ok(())
     }
 
-    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Winding>> {
-        all.iter().map(|winding| lay::thread(winding, ground)).collect()
+    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
+        let threads = all.iter().map(|winding| lay::thread(winding, ground));
+        Ok(owned::<Self>(threads.collect::<Result<Vec<_>>>()?))
     }
 
-    fn numbers(&mut self) -> Vec<(Slot, &mut f64)> {
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
         let Self { stiffness, pretension, pitch, angle, phase, points, .. } = self;
         let mut all: Vec<_> = along("stiffness", "N", stiffness).collect();
-        all.push((Slot::new("pretension", "N"), pretension));
+        all.push(value("pretension", "N", pretension));
         if points.is_empty() {
             all.extend(pitch.iter_mut().flat_map(|pitch| along("pitch", "m", pitch)));
             all.extend(angle.iter_mut().flat_map(|angle| along("angle", "°", angle)));
-            all.push((Slot::new("phase", "°"), phase));
+            all.push(value("phase", "°", phase));
         }
         all
     }
@@ -287,8 +287,8 @@ impl TermTable for WindingConfig {
         )]
     }
 
-    fn report(all: &[(&Self, &Winding)], state: State, terms: &mut Terms) {
-        let one = |(config, thread): &(&Self, &Winding)| measures::of(config, thread, state);
-        terms.windings = Some(all.iter().map(one).collect());
+    fn report(all: &[Self], state: State, terms: &mut Terms) {
+        let one = |(config, thread): (&Self, &Winding)| measures::of(config, thread, state);
+        terms.windings = Some(all.iter().zip(state.energies.each()).map(one).collect());
     }
 }
