@@ -38,7 +38,7 @@ chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare
 pneunet:  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
 fibre:  ## bend a half-round tube that is wound with thread, with and without thread and paper, and make its molds
 walker:  ## design the pressures over time of a walker, and let it walk for 4 s
-worm:  ## design the chambers and the upper side of a worm for its way in a period
+worm:  ## design the chambers and the upper side of a worm for its speed
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
