@@ -9,7 +9,7 @@ use scene::config::SimConfig;
 use scene::number::{KINDS, Number, Swept, Walls};
 use solver::run::sensitivity::sensitivities;
 use tests::chamber;
-use tests::workdir::{Workdir, repository};
+use tests::workdir::Workdir;
 
 use crate::mullins;
 use crate::scenarios::objective_at_start;
