@@ -25,6 +25,9 @@ PAGES = [
      "A scene, for `solver simulate`. SI units; paths are relative to the file. Where a number may change over time it is an "
      "expression of `t`, or a table `{ t = [...], value = [...] }`.",
      "solver schema sim --markdown"),
+    ("keys-numbers", "Numbers of a scene",
+     "The paths of numbers that may be set, calibrated, uncertain, designed and checked: see [Scenes](scenes.md#numbers).",
+     "solver list --numbers"),
     ("keys-design", "design.toml",
      "A design problem, for `solver optimize`, `check` and `gradient`. The sum of all objectives is minimised; a weight is in "
      "the inverse of the unit of its objective.",
@@ -74,7 +77,9 @@ def printed(command, programs):
     """What a program, or a script of the checkout, prints."""
     name, *arguments = command.split()
     run = [sys.executable, "-B", TOP / name] if name.endswith(".py") else [programs / name]
-    return subprocess.run([*run, *arguments], stdout=subprocess.PIPE, check=True, encoding="utf-8").stdout
+    text = subprocess.run([*run, *arguments], stdout=subprocess.PIPE, check=True, encoding="utf-8").stdout
+    is_markdown = name.endswith(".py") or "--markdown" in arguments
+    return text if is_markdown else f"```text\n{text}```\n"
 
 
 def main():

@@ -5,41 +5,17 @@ use std::path::Path;
 
 use mechanics::forward::TimeStepper;
 use scene::Scene;
+use scene::config::SimConfig;
 use scene::number::{KINDS, Number, Swept, Walls};
 use solver::run::sensitivity::sensitivities;
 use tests::chamber;
-use tests::workdir::{Workdir, repository};
+use tests::workdir::Workdir;
 
 use crate::mullins;
 use crate::scenarios::objective_at_start;
 
-/// Motion of a viscous body that falls, with a sheet.
+/// Motion of a body that falls.
 const MORE: &str = r#"
-[[relaxation]]
-overstress = 0.5
-time = 0.01
-
-[[membrane]]
-on = "top"
-thickness = 1e-4
-material = { kind = "sheet", young = 1e6, poisson = 0.3 }
-
-[[fibre]]
-name = "weave"
-around = { point = [-0.02, -0.03, 0], axis = [0, 0, 1] }
-angle = 30
-k1 = 2e4
-k2 = 1.0
-dispersion = 0.1
-compression = true
-
-[[winding]]
-name = "thread"
-on = "top"
-points = [[0.01, 0.01, 0.04], [0.04, 0.03, 0.04]]
-stiffness = 10
-pretension = 0.1
-
 [[traction]]
 on = "top"
 traction = [5, 0, "50 * t / 0.02"]
@@ -58,7 +34,8 @@ fn workdir(more: &str) -> Workdir {
     let dir = chamber::workdir();
     let sim = chamber::SIM.replace("degree = 2", "degree = 1\ngravity = [0, 0, -9.81]");
     let sim = sim.replace("d1 = 1e6", "d1 = 1e6\ndensity = 1070");
-    dir.write("sim.toml", &(sim + chamber::PROBES + MORE + more));
+    let rooms: String = SimConfig::default().rooms().iter().map(|room| room.example()).collect();
+    dir.write("sim.toml", &(sim + chamber::PROBES + &rooms + MORE + more));
     dir
 }
 
@@ -211,13 +188,4 @@ fn numbers_of_a_scene_are_in_place_of_those_of_its_tables() {
     };
     let changed = scene.replace("55e3", "60e3").replace("= 8e3", "= 8.5e3");
     assert!((top(&(scene.clone() + numbers)) / top(&changed) - 1.0).abs() < 1e-9);
-}
-
-/// The table in the book is made from the rows.
-#[test]
-fn the_book_has_all_kinds() {
-    let row = |kind: &scene::number::Kind| format!("| `{}` | {} |\n", kind.path(), kind.meaning());
-    let rows: String = KINDS.iter().map(row).collect();
-    let chapter = std::fs::read_to_string(repository().join("pipelines/book/scenes.md")).unwrap();
-    assert!(chapter.contains(&rows), "expected in pipelines/book/scenes.md:\n{rows}");
 }

@@ -34,6 +34,6 @@ pub use stability::{
     DirectIterate, Limit, LimitState, LimitStatus, PassedPoint, PathState, PointKind, Stability,
 };
 pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};
-pub use terms::{Fibre, Membrane, Terms, Winding};
+pub use terms::*; // a section for each room, named there alone
 pub use validation::{BandEnd, Comparison, MeasuredPoint, Validation};
 pub use windings::{Segment, SegmentEnd, WINDINGS};

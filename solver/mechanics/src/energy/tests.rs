@@ -107,12 +107,6 @@ pub struct Sample {
 /// A term by its numbers.
 type ByNumbers = Box<dyn Fn(&[f64]) -> Box<dyn Energy>>;
 
-impl Sample {
-    fn own(&self) -> Box<dyn Energy> {
-        (self.term)(&self.numbers)
-    }
-}
-
 /// A term on a space by its numbers.
 type Build = Box<dyn Fn(&FunctionSpace, &[f64]) -> Box<dyn Energy>>;
 
@@ -228,58 +222,38 @@ fn check(name: &str, x: &[f64], by: &[f64], size: f64, value: impl Fn(&[f64]) ->
     check_gradient(x, by, size, value);
 }
 
-#[test]
-fn forces_are_the_derivative_of_the_energy() {
-    for sample in samples() {
-        let (case, term) = (&sample.case, sample.own());
-        let by = case.gradient(&*term, &case.u, &case.rest);
-        let value = |u: &[f64]| term.value(&case.at(u, &case.rest));
-        check(&sample.name, &case.u, &by, sample.sizes[0], value);
+/// Forces, Hessian, and derivatives of the forces by the rest shape and by the numbers, against differences.
+pub fn check_derivatives(Sample { name, case, sizes, numbers, term }: &Sample) {
+    let (own, weights) = (term(numbers), case.weights());
+    let pull = |u: &[f64], x: &[Vec3]| dot(&weights, &case.gradient(&*own, u, x));
+    let by = case.gradient(&*own, &case.u, &case.rest);
+    check(name, &case.u, &by, sizes[0], |u| own.value(&case.at(u, &case.rest)));
+    let by = case.times_hessian(&*own, Hessian::Exact, &weights);
+    check(name, &case.u, &by, sizes[1], |u| pull(u, &case.rest));
+    let mut by = vec![0.0; 3 * case.rest.len()];
+    own.add_mixed_vjp(&case.here(), &weights, &mut by);
+    check(name, &flat(&case.rest), &by, sizes[1], |x| pull(&case.u, &points(x)));
+    if numbers.is_empty() {
+        return;
+    }
+    let (by, slots) = (own.parameter_vjp(&case.here(), &weights), own.slots());
+    assert!(by.len() == numbers.len() && slots.len() <= by.len(), "{name}: {slots:?}");
+    for (i, by) in by.iter().enumerate() {
+        let unit = if numbers[i] == 0.0 { 1.0 } else { numbers[i] };
+        let value = |part: f64| {
+            let mut changed = numbers.clone();
+            changed[i] += part * unit;
+            dot(&weights, &case.gradient(&*term(&changed), &case.u, &case.rest))
+        };
+        let (slope, by) = ((value(1e-5) - value(-1e-5)) / 2e-5, by * unit);
+        let scale = by.abs() + value(0.0).abs();
+        assert!((slope - by).abs() <= 1e-7 * scale, "{name} {i}: {slope} {by}");
     }
 }
 
 #[test]
-fn hessians_are_the_derivatives_of_the_forces() {
-    for sample in samples() {
-        let (case, term, weights) = (&sample.case, sample.own(), sample.case.weights());
-        let by = case.times_hessian(&*term, Hessian::Exact, &weights);
-        let value = |u: &[f64]| dot(&weights, &case.gradient(&*term, u, &case.rest));
-        check(&sample.name, &case.u, &by, sample.sizes[1], value);
-    }
-}
-
-#[test]
-fn mixed_derivatives_are_those_of_the_forces_by_the_rest_shape() {
-    for sample in samples() {
-        let (case, term, weights) = (&sample.case, sample.own(), sample.case.weights());
-        let mut by = vec![0.0; 3 * case.rest.len()];
-        term.add_mixed_vjp(&case.here(), &weights, &mut by);
-        let value = |x: &[f64]| dot(&weights, &case.gradient(&*term, &case.u, &points(x)));
-        check(&sample.name, &flat(&case.rest), &by, sample.sizes[1], value);
-    }
-}
-
-#[test]
-fn derivatives_by_the_numbers_of_a_term_are_those_of_its_forces() {
-    for Sample { name, case, numbers, term, .. } in samples() {
-        if numbers.is_empty() {
-            continue;
-        }
-        let weights = case.weights();
-        let by = term(&numbers).parameter_vjp(&case.here(), &weights);
-        assert_eq!(by.len(), numbers.len(), "{name}");
-        for (i, by) in by.iter().enumerate() {
-            let unit = if numbers[i] == 0.0 { 1.0 } else { numbers[i] };
-            let value = |part: f64| {
-                let mut changed = numbers.clone();
-                changed[i] += part * unit;
-                dot(&weights, &case.gradient(&*term(&changed), &case.u, &case.rest))
-            };
-            let (slope, by) = ((value(1e-5) - value(-1e-5)) / 2e-5, by * unit);
-            let scale = by.abs() + value(0.0).abs();
-            assert!((slope - by).abs() <= 1e-7 * scale, "{name} {i}: {slope} {by}");
-        }
-    }
+fn every_term_has_its_derivatives() {
+    samples().iter().for_each(check_derivatives);
 }
 
 /// Of terms that remember: the forces by Z°, and Z by all that it depends on.

@@ -109,6 +109,9 @@ pub trait TermTable: Clone {
     const PATHS: &'static str;
     /// What these numbers are.
     const MEANING: &'static str;
+    /// A table that tests give a cube with the tag `top`, to test the derivatives by its numbers; empty where these
+    /// need another body or other loads.
+    const EXAMPLE: &'static str;
 
     /// What paths call one of all tables, counted from 0.
     fn name(&self, place: usize) -> String;
@@ -168,6 +171,8 @@ pub trait Room {
     fn list(&self) -> &'static str;
     /// [`TermTable::PATHS`] and [`TermTable::MEANING`].
     fn explained(&self) -> [&'static str; 2];
+    /// [`TermTable::EXAMPLE`]
+    fn example(&self) -> &'static str;
     /// Whether the scene has none.
     fn is_empty(&self) -> bool;
     /// [`TermTable::in_words`] of each.
@@ -199,6 +204,10 @@ impl<T: TermTable> Room for Vec<T> {
 
     fn explained(&self) -> [&'static str; 2] {
         [T::PATHS, T::MEANING]
+    }
+
+    fn example(&self) -> &'static str {
+        T::EXAMPLE
     }
 
     fn is_empty(&self) -> bool {

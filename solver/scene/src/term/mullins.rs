@@ -44,6 +44,7 @@ impl TermTable for MullinsConfig {
     const LIST: &'static str = "mullins";
     const PATHS: &'static str = "mullins.N.r, .m or .beta";
     const MEANING: &'static str = "a number of the N-th [[mullins]], counted from 1";
+    const EXAMPLE: &'static str = "";
 
     fn name(&self, place: usize) -> String {
         (place + 1).to_string()

@@ -25,6 +25,7 @@ impl TermTable for RelaxationConfig {
     const LIST: &'static str = "relaxation";
     const PATHS: &'static str = "relaxation.N.overstress or .time";
     const MEANING: &'static str = "a number of the N-th [[relaxation]], counted from 1";
+    const EXAMPLE: &'static str = "[[relaxation]]\noverstress = 0.5\ntime = 0.01\n";
 
     fn name(&self, place: usize) -> String {
         (place + 1).to_string()

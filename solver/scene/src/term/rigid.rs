@@ -83,6 +83,7 @@ impl TermTable for RigidConfig {
     const PATHS: &'static str = "rigid.PART.mass, .force.x or .moment.x";
     const MEANING: &'static str = "the mass of a rigid part, where it has one; what is added to a component of the force on one that has \
          a force, or to one of its moment that is not 0";
+    const EXAMPLE: &'static str = "";
 
     fn name(&self, _: usize) -> String {
         self.on.clone()

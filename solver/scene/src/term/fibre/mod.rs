@@ -179,6 +179,8 @@ impl TermTable for FibreConfig {
     const PATHS: &'static str = "fibre.NAME.k1, .k2, .dispersion or .angle";
     const MEANING: &'static str = "a number of the law of a [[fibre]], or its angle to an axis; of values along an axis, with the place in \
               their list, as in fibre.weave.k1.2";
+    const EXAMPLE: &'static str = "[[fibre]]\nname = \"weave\"\naround = { point = [-0.02, -0.03, 0], axis = [0, 0, 1] }\nangle = 30\nk1 = 2e4\nk2 = 1\n\
+         dispersion = 0.1\ncompression = true\n";
 
     fn name(&self, _: usize) -> String {
         self.name.clone()

@@ -92,6 +92,7 @@ impl TermTable for MembraneConfig {
     const LIST: &'static str = "membrane";
     const PATHS: &'static str = "membrane.TAG.thickness, .PARAMETER or .angle";
     const MEANING: &'static str = "the thickness of the sheet on a tag, a parameter of its law, or the angle of its warp to an axis";
+    const EXAMPLE: &'static str = "[[membrane]]\non = \"top\"\nthickness = 1e-4\nmaterial = { kind = \"sheet\", young = 1e6, poisson = 0.3 }\n";
 
     fn name(&self, _: usize) -> String {
         self.on.clone()

@@ -216,6 +216,8 @@ impl TermTable for WindingConfig {
     const PATHS: &'static str = "winding.NAME.stiffness, .pretension, .pitch, .angle or .phase";
     const MEANING: &'static str = "the stiffness EA or the pretension of a [[winding]], or the pitch or the angle, as the scene has it, and \
          the phase of one around an axis; of a table along the axis, with its place, as in winding.NAME.stiffness.2";
+    const EXAMPLE: &'static str = "[[winding]]\nname = \"thread\"\non = \"top\"\npoints = [[0.01, 0.01, 0.04], [0.04, 0.03, 0.04]]\n\
+         stiffness = 10\npretension = 0.1\n";
 
     fn name(&self, _: usize) -> String {
         self.name.clone()
