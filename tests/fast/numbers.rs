@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use mechanics::forward::TimeStepper;
+use run::sensitivity::sensitivities;
 use scene::Scene;
 use scene::number::{KINDS, Number, Swept, Walls};
-use solver::run::sensitivity::sensitivities;
 use tests::chamber;
 use tests::workdir::{Workdir, repository};
 
