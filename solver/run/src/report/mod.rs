@@ -13,7 +13,7 @@ pub mod leap;
 pub mod locking;
 pub mod meeting;
 pub mod mirror;
-pub mod mullins;
+pub mod inflation;
 pub mod record;
 pub mod reinforcement;
 pub mod results;

@@ -48,7 +48,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let Arguments { silicones, sheets, gas_laws, probes, objectives, numbers } = *arguments;
     let text = if numbers {
-        joined(number::KINDS, number_text)
+        joined(&number::KINDS, number_text)
     } else if objectives {
         quantities(List::Objective, &ObjectiveConfig::common_keys())
     } else if probes {
@@ -83,7 +83,7 @@ fn kind_text(kind: &Kind, list: List) -> String {
 }
 
 fn number_text(kind: &number::Kind) -> String {
-    format!("{}\n", kind.path) + &wrapped("", kind.meaning)
+    format!("{}\n", kind.path()) + &wrapped("", kind.meaning())
 }
 
 /// Keys with their meanings, one under the other.
