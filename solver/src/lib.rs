@@ -1,16 +1,12 @@
 //! Simulation of pressurised silicone, adjoint gradients, and shape optimisation of air chambers.
 //!
-//! What people write is read by the crate `scene`, what is measured is in `measure`, and how
-//! bodies move in `mechanics`.
+//! What people write is read by the crate `scene`, what is measured is in `measure`, how bodies move
+//! in `mechanics`, how scenes are simulated in `run`, and how better shapes are found in `design`.
 //!
 //! Modules in dependency order; each uses only those before it:
 
 pub mod plot; // curves as pictures
 pub mod fit; // tensile tests to laws
-pub mod design; // design variables to rest shape and loads, with transposed derivative
-pub mod report; // what programs write of states, runs, failures and comparisons
-pub mod run; // simulates a scene: states, verdict, derivatives, report
 pub mod export; // scenes as decks of other programs
 pub mod study; // runs of a scene with other numbers: error bars, calibration, validation
-pub mod optimize; // outer loop: steps of quadratic programs to a better shape
 pub mod cmd; // the verbs of the program, one per file

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use mechanics::element::at;
 use mesh::{TetMesh, Vec3};
-use solver::report::results::grid_with_fields;
+use run::report::results::grid_with_fields;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;
 use tests::{plate, tag};

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use mechanics::element::FunctionSpace;
-use solver::report::results::grid;
+use run::report::results::grid;
 use tests::block;
 use tests::workdir::python;
 

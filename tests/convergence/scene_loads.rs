@@ -2,8 +2,8 @@
 
 use mechanics::forward::solve;
 use mesh::Vec3;
+use run::report::results;
 use scene::Scene;
-use solver::report::results;
 use tests::{block, tag};
 
 /// A bar that is held, pulled sideways by its end, heavy, and blown up.

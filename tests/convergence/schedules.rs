@@ -2,7 +2,7 @@
 
 use mechanics::element::at;
 use mesh::Vec3;
-use solver::report::results;
+use run::report::results;
 use tests::bar::{HELD, difference, simulate};
 
 /// Equilibria are sought to 1e-10 of the forces.

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use mechanics::forward::TimeStepper;
+use run::sensitivity::sensitivities;
 use scene::Scene;
 use scene::config::SimConfig;
 use scene::number::{KINDS, Number, Swept, Walls};
-use solver::run::sensitivity::sensitivities;
 use tests::chamber;
 use tests::workdir::Workdir;
 

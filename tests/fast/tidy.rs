@@ -11,7 +11,7 @@ use tests::workdir::repository;
 const LONGEST: usize = 500;
 
 /// The packages of programs and libraries.
-const PACKAGES: [&str; 16] = [
+const PACKAGES: [&str; 18] = [
     "cad2fem",
     "cad2fem/library",
     "cad2fem/mesh",
@@ -22,10 +22,12 @@ const PACKAGES: [&str; 16] = [
     "cad2fem/system",
     "tagger",
     "solver",
+    "solver/design",
     "solver/measure",
     "solver/mechanics",
     "solver/polyfem",
     "solver/python",
+    "solver/run",
     "solver/scene",
     "fab",
 ];
@@ -148,8 +150,17 @@ fn tests_stand_at_the_end_of_their_files() {
 
 #[test]
 fn modules_use_only_those_before_them() {
-    let packages = ["solver/mechanics", "solver/measure", "solver/scene", "solver", "fab"];
-    packages.into_iter().for_each(uses_only_those_before);
+    [
+        "solver/mechanics",
+        "solver/measure",
+        "solver/scene",
+        "solver/run",
+        "solver/design",
+        "solver",
+        "fab",
+    ]
+    .into_iter()
+    .for_each(uses_only_those_before);
 }
 
 fn uses_only_those_before(package: &str) {
@@ -281,15 +292,17 @@ fn stages_meet_only_in_files() {
     let stages = ["cad2fem", "tagger", "solver", "fab"];
     let shared = ["library", "mesh", "program", "render", "reports", "system"];
     let of_cad2fem = ["library", "mesh", "page", "program", "render", "reports", "system"];
-    let of_solver = ["measure", "mechanics", "polyfem", "scene"];
+    let of_solver = ["design", "measure", "mechanics", "polyfem", "run", "scene"];
     let all_of_solver = [&shared[..], &of_solver].concat();
     let of = |stage: &str| match stage {
         "cad2fem" => &of_cad2fem[..],
         "solver" => &all_of_solver,
         _ => &shared[..],
     };
-    let of_python = ["measure", "mechanics", "mesh", "program", "reports", "scene", "solver"];
-    let below: [(&str, &[&str]); 12] = [
+    let of_run = ["measure", "mechanics", "mesh", "program", "reports", "scene"];
+    let of_design = [&of_run[..], &["run"]].concat();
+    let of_python = [&of_design[..], &["design"]].concat();
+    let below: [(&str, &[&str]); 14] = [
         ("cad2fem/library", &[]),
         ("cad2fem/mesh", &["system"]),
         ("cad2fem/page", &["mesh", "program", "reports", "system"]),
@@ -301,6 +314,8 @@ fn stages_meet_only_in_files() {
         ("solver/measure", &["mechanics", "mesh", "program"]),
         ("solver/scene", &["library", "measure", "mechanics", "mesh", "program", "system"]),
         ("solver/polyfem", &["mechanics", "mesh", "program", "scene"]),
+        ("solver/run", &of_run),
+        ("solver/design", &of_design),
         ("solver/python", &of_python),
     ];
     for (package, allowed) in stages.iter().map(|s| (*s, of(s))).chain(below) {

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use mechanics::forward::{LoadStep, Problem, Solution, solve_in_time};
 use mesh::Vec3;
 use reports::Chamber;
+use run::report::results;
 use scene::Scene;
-use solver::report::results;
 
 use crate::{block, tag};
 

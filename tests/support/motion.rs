@@ -3,9 +3,9 @@
 use mechanics::body::Body;
 use mechanics::forward::{LoadStep, Problem, TimeStepper, Workspace};
 use mesh::{SurfaceMesh, Vec3};
+use run::report::results;
 use scene::Scene;
 use serde_json::Value;
-use solver::report::results;
 use tempfile::TempDir;
 
 /// The material of all scenes here, for a `[[body]]` or at the top.

@@ -12,12 +12,12 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use reports::Status;
+use run::error_bars;
+use run::next_to::is_free_of_history;
+use run::report::results;
+use run::report::simulation::{self, Verdict};
+use run::{self, Start};
 use scene::number::{Number, Swept, Walls};
-use solver::report::results;
-use solver::report::simulation::{self, Verdict};
-use solver::run::error_bars;
-use solver::run::next_to::is_free_of_history;
-use solver::run::{self, Start};
 
 use crate::body::{by_rows, vectors};
 use crate::computing::{Break, collect, compute};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use mechanics::forward::{LoadStep, State};
+use run::Run;
 use serde::{Deserialize, Serialize};
-use solver::run::Run;
 
 /// What is kept of a run beside its scene.
 #[derive(Serialize, Deserialize)]

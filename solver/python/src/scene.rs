@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, anyhow, ensure};
+use design::optimize::scene_of;
 use mechanics::element::FunctionSpace;
 use numpy::{PyArray2, PyReadonlyArray2};
 use program::{Change, Settings};
 use pyo3::prelude::*;
+use run::error_bars;
+use run::next_to::is_free_of_history;
 use scene::config::ScenarioConfig;
 use scene::number::{Number, Walls};
-use solver::optimize::scene_of;
-use solver::run::error_bars;
-use solver::run::next_to::is_free_of_history;
 
 use crate::body::{Body, points, vectors};
 use crate::computing::{collect, compute};

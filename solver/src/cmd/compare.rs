@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use program::Unusable;
 use serde_json::json;
 
-use crate::report::compare::{Comparison, Run};
+use run::report::compare::{Comparison, Run};
 
 /// Spacings to the diagonal of the body, unless another is asked for.
 const SPACINGS: f64 = 200.0;

@@ -10,8 +10,8 @@ use program::{Changes, FolderLock};
 use serde_json::json;
 
 use super::optimize::Problem;
-use crate::optimize::Derivative;
-use crate::report::results;
+use design::optimize::Derivative;
+use run::report::results;
 
 /// Write the gradient of a design problem for ParaView
 ///

@@ -11,8 +11,8 @@ use scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::report::table;
 use crate::study::map::{Grid, Map, Row};
+use run::report::table;
 
 /// Tabulate a scene's equilibria, probes and their derivatives on a grid of numbers
 ///

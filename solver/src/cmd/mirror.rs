@@ -11,8 +11,8 @@ use program::FolderLock;
 use reports::CutPlane;
 use serde::Deserialize;
 
-use crate::report::mirror::{mirror_body, mirror_grid};
-use crate::report::results::write_arrays;
+use run::report::mirror::{mirror_body, mirror_grid};
+use run::report::results::write_arrays;
 
 /// Complete a part of a symmetric body, or its results, by its mirror images
 ///

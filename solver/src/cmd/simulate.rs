@@ -13,17 +13,17 @@ use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, Simulation};
 use scene::{Scene, log_share};
 
-use crate::report::failure::Diagnosis;
-use crate::report::meeting;
-use crate::report::record::{Checkpoint, Recorder, Work};
-use crate::report::results;
-use crate::report::simulation::{self, Spent};
-use crate::report::time_left::foretell;
-use crate::report::writer::write_beside;
-use crate::run::end::Outcome;
-use crate::run::error_bars;
-use crate::run::steps::{Made, Steps};
 use crate::study::as_cast;
+use run::end::Outcome;
+use run::error_bars;
+use run::report::failure::Diagnosis;
+use run::report::meeting;
+use run::report::record::{Checkpoint, Recorder, Work};
+use run::report::results;
+use run::report::simulation::{self, Spent};
+use run::report::time_left::foretell;
+use run::report::writer::write_beside;
+use run::steps::{Made, Steps};
 
 /// Solve a scene for its equilibrium under the full load, or through time
 ///

@@ -27,8 +27,8 @@ use scene::Scene;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::run::{Run, Start};
 use crate::study::calibration::least_squares::{Failure, minimise};
+use run::{Run, Start};
 use scene::number::Walls;
 
 /// Step of the differences of gauges [m].

@@ -15,7 +15,7 @@ use reports::Status;
 use scene::Scene;
 
 use super::pose::Tip;
-use crate::run::{Run, Start};
+use run::{Run, Start};
 use scene::number::{Number, Swept, Walls};
 
 /// Values of one number at most.

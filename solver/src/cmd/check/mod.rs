@@ -15,7 +15,7 @@ use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
 use super::optimize::Problem;
-use crate::optimize::{Evaluation, Level, Parameter, Perturbed};
+use design::optimize::{Evaluation, Level, Parameter, Perturbed};
 
 /// How often the test of a term is repeated with steps of a quarter of the length, while
 /// its slope is not accepted.

@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use reports::{Ended, Optimization};
 
-use crate::optimize::Checkpoint;
-use crate::report::results;
+use design::optimize::Checkpoint;
+use run::report::results;
 
 /// The report of a design in the folder, if there is one; those of other commands are none.
 pub(super) fn report(folder: &Path) -> Result<Option<Optimization>> {

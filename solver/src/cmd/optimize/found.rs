@@ -8,8 +8,8 @@ use reports::{Designed, DesignedProbe, Ended, Inputs, Iteration, Kept, LevelEnd,
 use scene::Scene;
 use scene::config::{DesignConfig, ObjectiveConfig, ProbeConfig};
 
-use crate::optimize::Finished;
-use crate::report::results;
+use design::optimize::Finished;
+use run::report::results;
 
 /// What an optimisation came to.
 pub(super) struct Found<'a> {

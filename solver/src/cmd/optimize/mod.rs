@@ -21,12 +21,12 @@ use self::folder::{
     finished, forget, forget_failure, forget_start, is_kept_before_a_level, outdated,
 };
 use self::found::Found;
-use crate::optimize::{
+use design::optimize::{
     CASTABLE, Cascade, Evaluation, Finished, History, LATEST, Level, Meshes, Molding, Start,
     mesh_file, write_bodies,
 };
-use crate::report::crossing::Crossing;
-use crate::report::{results, summary};
+use run::report::crossing::Crossing;
+use run::report::{results, summary};
 
 /// A smaller fall of the objective is hardly a design [1].
 const LITTLE: f64 = 0.01;

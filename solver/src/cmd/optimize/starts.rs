@@ -12,8 +12,8 @@ use scene::config::DesignConfig;
 
 use super::Arguments;
 use super::folder::report;
-use crate::optimize::{Checkpoint, History};
-use crate::report::table;
+use design::optimize::{Checkpoint, History};
+use run::report::table;
 
 /// What the starts came to.
 const TABLE: &str = "starts.csv";

@@ -10,7 +10,7 @@ use serde_json::Value;
 use points::Points;
 
 use crate::plot::{Axes, Series, Style, draw};
-use crate::report::columns::{at_rest, number, rows};
+use run::report::columns::{at_rest, number, rows};
 
 /// Draw numbers of one or more runs against each other, as SVG or PNG
 ///

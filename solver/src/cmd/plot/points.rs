@@ -7,7 +7,7 @@ use std::str::FromStr;
 use anyhow::{Context, Result, ensure};
 use csv::StringRecord;
 
-use crate::report::columns::combined;
+use run::report::columns::combined;
 
 /// `FILE` or `FILE:X,Y`, as it was given.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 //!
 //! Each `[[experiment]]` names a scene, one of its probes, and a measured table of that probe.
 //! The numbers minimise the sum of the squared differences over their standard uncertainties
-//! ([`least_squares`]), with derivatives by the adjoint method ([`crate::run::sensitivity`]).
+//! ([`least_squares`]), with derivatives by the adjoint method ([`run::sensitivity`]).
 
 pub mod least_squares;
 mod sought;
@@ -20,8 +20,8 @@ use scene::config::beside;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::run::{Run, Start};
 use crate::study::validation::table::{Table, unit};
+use run::{Run, Start};
 use scene::number::{Group, Number, Swept, Walls};
 pub use sought::Sought;
 

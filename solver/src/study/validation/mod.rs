@@ -14,7 +14,7 @@ use serde::Deserialize;
 
 use self::states::{Met, interpolate, passages, turns};
 use self::table::Table;
-use crate::report::columns::{number, rows};
+use run::report::columns::{number, rows};
 
 /// What is compared: a file in TOML.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

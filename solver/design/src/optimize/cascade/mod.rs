@@ -29,8 +29,8 @@ use super::ending::{End, Rejections, in_words};
 use super::history::History;
 use super::molding::Molding;
 use super::{Evaluation, Level, Meshes, Rejected, Start};
-use crate::report::failure::Diagnosis;
-use crate::report::results;
+use run::report::failure::Diagnosis;
+use run::report::results;
 
 /// Fraction of the predicted decrease that a step must reach.
 const ARMIJO: f64 = 1e-4;

@@ -11,7 +11,7 @@ use mechanics::stability::PressureSlope;
 use mesh::Vec3;
 
 use super::{Bound, Rejected, Run, Scenario, Workspaces};
-use crate::run::limit::growing;
+use run::limit::growing;
 
 /// The end of a run, with pressures that may be scaled.
 struct Scaled<'a> {

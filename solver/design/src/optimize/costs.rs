@@ -5,7 +5,7 @@
 
 use scene::config::ParameterDesign;
 
-use crate::design::DesignMap;
+use crate::variables::DesignMap;
 
 /// The terms of a level.
 pub struct Costs(Vec<Cost>);

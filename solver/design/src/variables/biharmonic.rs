@@ -229,7 +229,7 @@ mod tests {
     use mesh::Vec3;
 
     use super::*;
-    use crate::design::sampling::{rim, spread_points};
+    use crate::variables::sampling::{rim, spread_points};
 
     #[test]
     fn weights_are_bounded_add_up_and_vanish_on_the_rim() {

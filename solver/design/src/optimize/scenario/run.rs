@@ -12,8 +12,8 @@ use mechanics::forward::{Linearizations, Problem, State, Trajectory};
 use mesh::Vec3;
 
 use super::Scenario;
-use crate::report::crossing::Crossing;
-use crate::report::results::{displacements, grid_with_fields};
+use run::report::crossing::Crossing;
+use run::report::results::{displacements, grid_with_fields};
 
 /// A run and its objective.
 #[derive(Clone)]

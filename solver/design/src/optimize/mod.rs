@@ -28,12 +28,12 @@ mod vectors;
 
 pub use scenario::scene_of;
 
-pub(crate) use cascade::{CASTABLE, Cascade, Finished, LATEST};
-pub(crate) use checkpoint::Checkpoint;
-pub(crate) use history::History;
-pub(crate) use level::{Evaluation, Level, Start};
-pub(crate) use mesh_files::{mesh_file, write_bodies};
-pub(crate) use meshes::Meshes;
-pub(crate) use molding::Molding;
-pub(crate) use parameter::{Derivative, Parameter, Perturbed};
-pub(crate) use scenario::{Rejected, Run, Scenario};
+pub use cascade::{CASTABLE, Cascade, Finished, LATEST};
+pub use checkpoint::Checkpoint;
+pub use history::History;
+pub use level::{Evaluation, Level, Start};
+pub use mesh_files::{mesh_file, write_bodies};
+pub use meshes::Meshes;
+pub use molding::Molding;
+pub use parameter::{Derivative, Parameter, Perturbed};
+pub use scenario::{Rejected, Run, Scenario};

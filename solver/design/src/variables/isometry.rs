@@ -107,8 +107,8 @@ mod tests {
     use scene::config::{HandleMotion, Moves};
 
     use super::*;
-    use crate::design::held::Held;
-    use crate::design::patch::Patch;
+    use crate::variables::held::Held;
+    use crate::variables::patch::Patch;
 
     /// Weights of quadratic programs are exact to 1e-8, and the shape moves by about 1.
     const EXACT: f64 = 1e-6;

@@ -141,8 +141,8 @@ mod tests {
     use scene::config::{HandleMotion, SymmetricConfig};
 
     use super::*;
-    use crate::design::geodesic::Geodesics;
-    use crate::design::sampling::rim;
+    use crate::variables::geodesic::Geodesics;
+    use crate::variables::sampling::rim;
 
     #[test]
     fn nothing_moves_within_the_margin() {

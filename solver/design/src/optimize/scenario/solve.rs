@@ -11,8 +11,8 @@ use mesh::Vec3;
 use program::Heartbeat;
 
 use super::{NotReached, Rejected, Run, Scenario, Workspaces};
-use crate::report::failure::inverted;
-use crate::run::next_to::next_to;
+use run::next_to::next_to;
+use run::report::failure::inverted;
 
 /// Newton iterations from a nearby equilibrium. Accepted shapes of the frog
 /// took 2 to 8; what takes more is better reached by a shorter step.

@@ -32,8 +32,8 @@ pub use self::run::Run;
 pub use self::solve::Near;
 use super::offset::Offset;
 use super::validity;
-use crate::design::LoadMap;
-use crate::report::failure::Diagnosis;
+use crate::variables::LoadMap;
+use ::run::report::failure::Diagnosis;
 use scene::number::Swept;
 
 /// A shape that was not accepted, and why.

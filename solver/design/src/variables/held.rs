@@ -164,7 +164,7 @@ mod tests {
     use scene::config::{HandleMotion, Moves};
 
     use super::*;
-    use crate::design::patch::Patch;
+    use crate::variables::patch::Patch;
 
     fn flat(normal: [f64; 3], vertices: &[usize]) -> Flat {
         Flat { normal: Vec3::from(normal).normalize(), vertices: vertices.to_vec() }

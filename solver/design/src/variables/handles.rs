@@ -367,7 +367,7 @@ mod tests {
     use mechanics::testing::{cap, sphere};
 
     use super::*;
-    use crate::design::sampling::rim;
+    use crate::variables::sampling::rim;
 
     #[test]
     fn zero_is_the_rest_shape_and_the_rim_never_moves() {

@@ -13,7 +13,7 @@ use scene::config::{DesignConfig, beside};
 use serde::Deserialize;
 use tempfile::TempDir;
 
-use crate::report::mirror::mirror_body;
+use run::report::mirror::mirror_body;
 
 /// Name of the mesh as modelled.
 const MODELLED: &str = "modelled.msh";

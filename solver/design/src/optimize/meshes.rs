@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use mechanics::body::Body;
 use scene::config::{DesignConfig, LevelConfig};
 
-use crate::design::{carry, check_same_body};
+use crate::variables::{carry, check_same_body};
 
 /// The meshes that levels have in place of the scene's.
 pub struct Meshes {

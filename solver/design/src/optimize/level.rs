@@ -24,9 +24,9 @@ use super::robust::Robust;
 use super::scenario::{Near, Rejected, Run, Scenario, Workspaces};
 use super::vectors::along;
 use super::{shares, validity};
-use crate::design::DesignMap;
-use crate::report::crossing::Crossing;
-use crate::report::failure::Diagnosis;
+use crate::variables::DesignMap;
+use run::report::crossing::Crossing;
+use run::report::failure::Diagnosis;
 
 /// A design with its runs and objective.
 #[derive(Clone)]

@@ -36,7 +36,7 @@ pub struct Checkpoint {
     /// Before the level's first solve the times of states that it is next to [s], one scenario
     /// after the other, or none. The displacements lie in a file ([`Self::read_start`]).
     pub start: Vec<f64>,
-    /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::design::DesignMap::loads) has them; none in the
+    /// Designed loads at the start of the level, as [`DesignMap::loads`](crate::variables::DesignMap::loads) has them; none in the
     /// first.
     pub loads: Vec<f64>,
     /// Weighted terms at θ.

@@ -3,13 +3,16 @@
 //! [`Run::new`] goes from rest through time, to the full load or along a path, or finds the equilibrium next to a known
 //! one. A [`Run`] knows all its states, what is thought of them ([`Run::verdict`]), derivatives of its probes
 //! ([`Run::sensitivities`]) and of anything else ([`Run::gradient`]), and writes its report ([`Run::write`]).
+//!
+//! Modules in dependency order; each uses only those before it:
 
-pub mod end; // what a run came to, in files
-pub mod error_bars; // what probes change by if numbers are off
-pub mod limit; // how much more pressure a state bears
+pub mod report; // what is found of states and runs, in words, files and values
+pub mod steps; // one step after the other
 pub mod next_to; // the equilibrium next to a known one
 pub mod sensitivity; // derivatives of probes by numbers of a scene
-pub mod steps; // one step after the other
+pub mod limit; // how much more pressure a state bears
+pub mod error_bars; // what probes change by if numbers are off
+pub mod end; // what a run came to, in files
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
