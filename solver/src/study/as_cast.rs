@@ -21,72 +21,70 @@ use mesh::bvh::SurfaceBvh;
 use mesh::measure::{diagonal, tet_volume, tet_volume_gradient, triangle_area, triangle_normal};
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::{DMatrix, DVector};
-use program::{Keys, Settings, Unusable};
+use program::table::{Range, Table as _, each, nested};
+use program::{KeyPath, Keys, Settings, Unusable};
 use reports::{AsCast, Measurement, Offset};
 use scene::Scene;
-use schemars::JsonSchema;
-use serde::Deserialize;
+use scene::number::Walls;
 
 use crate::run::{Run, Start};
-use crate::study::calibration::least_squares::{Failure, minimise};
-use scene::number::Walls;
+use crate::study::least_squares::{Failure, minimise, residuals};
 
 /// Step of the differences of gauges [m].
 const STEP: f64 = 1e-6;
 /// How far from the surface a gauge may be placed, as a part of the body's diagonal.
 const NEAR: f64 = 0.02;
 
-const KEYS: Keys = Keys { paths: &[], named: &[], meaning: None };
-
-/// What was measured of a cast body, and which of its walls may be off.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Measured {
-    /// Tags whose walls may be off, each by its own distance; by default the walls of the chambers.
-    #[serde(default)]
-    pub walls: Vec<String>,
-    /// What a balance shows.
-    pub mass: Option<Mass>,
-    /// What gauges show.
-    #[serde(default)]
-    pub gauge: Vec<Gauge>,
-    /// What the body does under the full load of the scene.
-    #[serde(default)]
-    pub probe: Vec<Probed>,
+program::table! {
+    /// What was measured of a cast body, and which of its walls may be off.
+    #[derive(Clone, Debug)]
+    pub struct Measured {
+        /// Tags whose walls may be off, each by its own distance.
+        walls: Vec<String> = Vec::new() => "the walls of the chambers";
+        /// What a balance shows.
+        mass: Option<Mass> = None, nested;
+        /// What gauges show.
+        gauge: Vec<Gauge> = Vec::new(), each(|_| KeyPath::list("gauge"));
+        /// What the body does under the full load of the scene.
+        probe: Vec<Probed> = Vec::new(), each(|own: &Probed| KeyPath::list("probe").named(&own.name));
+    }
 }
 
-/// Mass of the silicone, without inlets, tubes and sheets.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Mass {
-    /// Of the whole body [kg].
-    pub value: f64,
-    /// Standard uncertainty [kg].
-    pub uncertainty: f64,
+program::table! {
+    /// Mass of the silicone, without inlets, tubes and sheets.
+    #[derive(Clone, Debug)]
+    pub struct Mass {
+        /// Of the whole body [kg].
+        value: f64, Range::POSITIVE.unit("kg");
+        /// Standard uncertainty [kg].
+        uncertainty: f64, Range::POSITIVE.unit("kg");
+    }
 }
 
-/// Thickness of the wall at a place.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Gauge {
-    /// A point of the boundary, or near it [m]; the wall is measured straight in from there.
-    pub at: [f64; 3],
-    /// Thickness [m].
-    pub thickness: f64,
-    /// Standard uncertainty [m].
-    pub uncertainty: f64,
+program::table! {
+    /// Thickness of the wall at a place.
+    #[derive(Clone, Debug)]
+    pub struct Gauge {
+        /// A point of the boundary, or near it [m]; the wall is measured straight in from there.
+        at: [f64; 3], Range::FINITE.unit("m");
+        /// Thickness [m].
+        thickness: f64, Range::POSITIVE.unit("m");
+        /// Standard uncertainty [m].
+        uncertainty: f64, Range::POSITIVE.unit("m");
+    }
 }
 
-/// A probe of the scene.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Probed {
-    /// The name.
-    pub name: String,
-    /// At the end of the run, in the unit of the probe.
-    pub value: f64,
-    /// Standard uncertainty, in the same unit.
-    pub uncertainty: f64,
+program::table! {
+    /// A probe of the scene.
+    #[derive(Clone, Debug)]
+    pub struct Probed {
+        /// The name.
+        name: String;
+        /// At the end of the run, in the unit of the probe.
+        value: f64, Range::FINITE;
+        /// Standard uncertainty, in the same unit.
+        uncertainty: f64, Range::POSITIVE;
+    }
 }
 
 /// A value of the model, and its derivatives by the offsets.
@@ -95,39 +93,32 @@ type Value = (f64, Vec<f64>);
 impl Measured {
     /// Reads the file.
     pub fn read(path: &Path) -> Result<Self> {
-        let file = Settings::read(path, &[], KEYS)?;
-        let measured: Self = file.parse()?;
-        measured.check().with_context(|| path.display().to_string())?;
-        Ok(measured)
+        let file = Settings::read(path, &[], Keys::default())?;
+        file.checked(|file| {
+            let measured: Self = file.parse()?;
+            measured.check_ranges(&KeyPath::default())?;
+            ensure!(
+                !measured.names().is_empty(),
+                "nothing is measured; expected [mass], [[gauge]] or [[probe]]"
+            );
+            Ok(measured)
+        })
     }
 
-    fn check(&self) -> Result<()> {
-        ensure!(
-            self.mass.is_some() || !self.gauge.is_empty() || !self.probe.is_empty(),
-            "nothing is measured; expected [mass], [[gauge]] or [[probe]]"
-        );
-        for (of, value, uncertainty) in self.numbers() {
-            ensure!(
-                uncertainty > 0.0 && uncertainty.is_finite(),
-                "{of}: uncertainty = {uncertainty}: must be positive and finite"
-            );
-            let positive = of == "mass" || of.starts_with("gauge ");
-            ensure!(
-                value.is_finite() && (!positive || value > 0.0),
-                "{of}: {value}: must be {}finite",
-                if positive { "positive and " } else { "" }
-            );
-        }
-        Ok(())
+    /// What each measurement is called.
+    fn names(&self) -> Vec<String> {
+        let gauges = (1..=self.gauge.len()).map(|i| format!("gauge {i}"));
+        let mass = self.mass.iter().map(|_| "mass".to_owned());
+        mass.chain(gauges).chain(self.probe.iter().map(|own| own.name.clone())).collect()
     }
 
-    /// Name, value and uncertainty of each measurement.
-    fn numbers(&self) -> Vec<(String, f64, f64)> {
-        let mass = self.mass.iter().map(|m| ("mass".to_owned(), m.value, m.uncertainty));
-        let gauges = self.gauge.iter().enumerate();
-        let gauges = gauges.map(|(i, g)| (format!("gauge {}", i + 1), g.thickness, g.uncertainty));
-        let probes = self.probe.iter().map(|p| (p.name.clone(), p.value, p.uncertainty));
-        mass.chain(gauges).chain(probes).collect()
+    /// Value and uncertainty of each.
+    fn values(&self) -> Vec<(f64, f64)> {
+        let mass = self.mass.iter().map(|own| (own.value, own.uncertainty));
+        let gauges = self.gauge.iter().map(|own| (own.thickness, own.uncertainty));
+        mass.chain(gauges)
+            .chain(self.probe.iter().map(|own| (own.value, own.uncertainty)))
+            .collect()
     }
 }
 
@@ -176,7 +167,6 @@ impl<'a> Model<'a> {
         let x = &body.mesh.vertices;
         let boundary = SurfaceMesh { vertices: x.clone(), triangles: body.boundary().to_vec() };
         let at = Vec3::from(gauge.at);
-        ensure!(at.iter().all(|x| x.is_finite()), "gauge at {:?}: must be finite", gauge.at);
         let near = SurfaceBvh::new(&boundary).closest(&at);
         let limit = NEAR * diagonal(x);
         ensure!(
@@ -284,8 +274,8 @@ impl<'a> Model<'a> {
         Ok(Some(found.into_iter().map(one).collect()))
     }
 
-    /// All that is measured, in the order of [`Measured::numbers`].
-    fn values(&self, offsets: &[f64]) -> Result<Option<Vec<Value>>> {
+    /// All that is measured, less the measurements.
+    fn residuals(&self, offsets: &[f64]) -> Result<Option<Residuals>> {
         let Some(scene) = self.scene(offsets) else { return Ok(None) };
         let mut values = Vec::new();
         values.extend(self.measured.mass.iter().map(|_| self.mass(&scene.body.mesh.vertices)));
@@ -294,17 +284,10 @@ impl<'a> Model<'a> {
         }
         let Some(probes) = self.probes(scene)? else { return Ok(None) };
         values.extend(probes);
-        Ok(Some(values))
-    }
-
-    fn residuals(&self, offsets: &[f64]) -> Result<Option<Residuals>> {
-        let Some(values) = self.values(offsets)? else { return Ok(None) };
-        let numbers = self.measured.numbers();
-        let rows = || values.iter().zip(&numbers);
-        let r = rows().map(|((value, _), (_, measured, sigma))| (value - measured) / sigma);
-        let jacobian =
-            DMatrix::from_fn(numbers.len(), offsets.len(), |i, k| values[i].1[k] / numbers[i].2);
-        Ok(Some(Residuals { r: DVector::from_vec(r.collect()), jacobian }))
+        let simulated =
+            DVector::from_iterator(values.len(), values.iter().map(|(value, _)| *value));
+        let by = DMatrix::from_fn(values.len(), offsets.len(), |i, k| values[i].1[k]);
+        Ok(residuals((simulated, by), &self.measured.values()))
     }
 }
 
@@ -330,39 +313,29 @@ fn found(scene: &Scene, measured: &Measured, path: &Path) -> Result<AsCast> {
         ensure!(!tags[..i].contains(tag), "walls: \"{tag}\" is given twice");
     }
     let model = Model::new(scene, measured, &tags)?;
-    let before = vec![0.0; tags.len()];
-    let observe = |iteration: usize, offsets: &[f64], residuals: &Residuals| {
-        let walls = tags.iter().zip(offsets).map(|(tag, d)| format!("{tag} {:+.4} mm", 1e3 * d));
-        let walls = walls.collect::<Vec<_>>().join("  ");
-        log::info!("as cast: iteration {iteration}  χ² {:.3e}  {walls}", residuals.sum());
-    };
-    let minimum = match minimise(&before, |offsets| model.residuals(offsets), observe)? {
+    let measurements = measured.values();
+    let start = vec![0.0; tags.len()];
+    let minimum = match minimise(&tags, &start, |offsets| model.residuals(offsets))? {
         Ok(minimum) => minimum,
-        Err(Failure::Undetermined(which)) => {
-            let which: Vec<_> = which.into_iter().map(|k| &tags[k][..]).collect();
-            bail!(
-                "{} measurements do not determine the walls {}: changes of them together leave all as \
-                 they are; measure something that tells them apart, or name fewer walls",
-                measured.numbers().len(),
-                which.join(" and ")
-            )
-        }
-        Err(failure @ (Failure::Start | Failure::Unsettled(_))) => {
-            return Err(Unusable(format!("walls as cast: {failure}")).into());
+        Err(failure) => {
+            let why = format!("walls: {}", failure.in_words(&tags, measurements.len()));
+            match failure {
+                Failure::Undetermined(_) => bail!(why),
+                Failure::Start | Failure::Unsettled(_) => return Err(Unusable(why).into()),
+            }
         }
     };
-    let values =
-        |offsets: &[f64]| Ok::<_, anyhow::Error>(model.values(offsets)?.unwrap_or_default());
-    let (first, last) = (values(&before)?, values(&minimum.numbers)?);
     let offset = |(k, on): (usize, &String)| Offset {
         on: on.clone(),
         offset: minimum.numbers[k],
-        standard_error: minimum.covariance[(k, k)].sqrt(),
+        standard_error: minimum.standard_error(k),
     };
-    let rows = measured.numbers().into_iter().zip(first.into_iter().zip(last));
-    let measurement = |((of, measured, uncertainty), (before, after)): (_, (Value, Value))| {
-        Measurement { of, measured, before: before.0, after: after.0, uncertainty }
+    let measurement = |(i, (of, (measured, uncertainty))): (usize, (String, (f64, f64)))| {
+        let [before, after] =
+            [&minimum.before, &minimum.residuals.r].map(|r| measured + r[i] * uncertainty);
+        Measurement { of, measured, before, after, uncertainty }
     };
+    let rows = measured.names().into_iter().zip(measurements).enumerate();
     Ok(AsCast {
         file: path.to_path_buf(),
         walls: tags.iter().enumerate().map(offset).collect(),

@@ -2,9 +2,8 @@
 //!
 //! Each `[[experiment]]` names a scene, one of its probes, and a measured table of that probe.
 //! The numbers minimise the sum of the squared differences over their standard uncertainties
-//! ([`least_squares`]), with derivatives by the adjoint method ([`crate::run::sensitivity`]).
+//! ([`least_squares`](super::least_squares)), with derivatives by the adjoint method ([`crate::run::sensitivity`]).
 
-pub mod least_squares;
 mod sought;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,15 +13,17 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use measure::probe::Probe;
 use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
+use program::table::{Range, Table as _, each};
 use program::{Change, Changes, KeyPath, Keys, Settings, misfit};
 use scene::Scene;
 use scene::config::beside;
+use scene::number::{Group, Number, Swept, Walls};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::run::{Run, Start};
-use crate::study::validation::table::{Table, unit};
-use scene::number::{Group, Number, Swept, Walls};
+use crate::study::least_squares;
+use crate::study::table::{Table, some, unit};
 pub use sought::Sought;
 
 const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: None };
@@ -30,44 +31,49 @@ const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: No
 /// Two times are the same when they differ by less than this part of the last.
 const SAME: f64 = 1e-6;
 
-/// What is sought, and from what: a file in TOML.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// What is sought.
-    #[serde(default)]
-    pub number: Vec<Sought>,
-    /// From what.
-    #[serde(default)]
-    pub experiment: Vec<ExperimentConfig>,
+program::table! {
+    /// What is sought, and from what: a file in TOML.
+    #[derive(Clone, Debug)]
+    pub struct Config {
+        /// What is sought.
+        number: Vec<Sought> = Vec::new();
+        /// From what.
+        experiment: Vec<ExperimentConfig> = Vec::new(), each(ExperimentConfig::title);
+    }
 }
 
-/// Measurements of one probe.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ExperimentConfig {
-    /// The name in tables and pictures.
-    pub name: String,
-    /// The scene, relative to the file.
-    pub scene: PathBuf,
-    /// The probe of the scene that was measured.
-    pub probe: String,
-    /// Measured table (CSV), relative to the file.
-    pub measured: PathBuf,
-    /// Entries that its lines must have, by the titles of columns.
-    #[serde(default, rename = "where")]
-    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub lines: BTreeMap<String, toml::Value>,
-    /// Titles of the measured columns, with their unit: one, or several for repeated trials.
-    pub columns: Vec<String>,
-    /// Standard uncertainty of a measurement, in the unit of the columns.
-    pub uncertainty: f64,
-    /// When; without it, at the end of the scene.
-    pub time: Option<Time>,
+program::table! {
+    /// Measurements of one probe.
+    #[derive(Clone, Debug)]
+    pub struct ExperimentConfig {
+        /// The name in tables and pictures.
+        name: String;
+        /// The scene, relative to the file.
+        scene: PathBuf;
+        /// The probe of the scene that was measured.
+        probe: String;
+        /// Measured table (CSV), relative to the file.
+        measured: PathBuf;
+        /// Entries that its lines must have, by the titles of columns.
+        #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+        r#where: BTreeMap<String, toml::Value> = BTreeMap::new();
+        /// Titles of the measured columns, with their unit: one, or several for repeated trials.
+        columns: Vec<String>, some;
+        /// Standard uncertainty of a measurement, in the unit of the columns.
+        uncertainty: f64, Range::POSITIVE;
+        /// When.
+        time: Option<Time> = None => "the end of the scene";
+    }
+}
+
+impl ExperimentConfig {
+    fn title(&self) -> KeyPath {
+        KeyPath::list("experiment").named(&self.name)
+    }
 }
 
 /// At which t of the scene.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a time [s], or the title of a column")]
 pub enum Time {
     /// All lines [s].
@@ -88,6 +94,8 @@ pub struct Experiment {
     pub unit: (String, f64),
     /// Measurements.
     pub points: Vec<Point>,
+    /// Place of the first of them among those of all experiments.
+    pub first: usize,
 }
 
 /// A measurement.
@@ -133,12 +141,15 @@ impl Calibration {
 
     fn of(file: &Settings, path: &Path, of_scenes: &[Change]) -> Result<Self> {
         let config: Config = file.parse()?;
-        let context = || path.display().to_string();
-        ensure!(!config.number.is_empty(), "{}: no [[number]]; expected what is sought", context());
-        ensure!(!config.experiment.is_empty(), "{}: no [[experiment]]", context());
+        config.check_ranges(&KeyPath::default())?;
+        ensure!(!config.number.is_empty(), "no [[number]]; expected what is sought");
+        ensure!(!config.experiment.is_empty(), "no [[experiment]]");
+        for (k, number) in config.number.iter().enumerate() {
+            number.check().context(KeyPath::list("number").number(k + 1))?;
+        }
         let mut paths: Vec<PathBuf> = Vec::new();
         let mut scenes: Vec<Scene> = Vec::new();
-        let mut experiments = Vec::new();
+        let mut experiments: Vec<Experiment> = Vec::new();
         for own in config.experiment {
             let scene = beside(path, &own.scene);
             let known = paths.iter().position(|known| *known == scene);
@@ -147,19 +158,18 @@ impl Calibration {
                 scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
-            let title = KeyPath::list("experiment").named(&own.name);
-            let twice = experiments.iter().any(|e: &Experiment| e.config.name == own.name);
-            ensure!(
-                !twice,
-                misfit!(title, " is given twice; expected names that differ").titled(context())
-            );
-            let experiment = Experiment::read(own, path, index, &scenes[index]);
-            experiments.push(experiment.with_context(|| title).with_context(context)?);
+            let title = own.title();
+            let twice = experiments.iter().any(|e| e.config.name == own.name);
+            ensure!(!twice, misfit!(title, " is given twice; expected names that differ"));
+            let first = experiments.last().map_or(0, |last| last.first + last.points.len());
+            let experiment = Experiment::read(own, path, (index, &scenes[index]), first);
+            experiments.push(experiment.context(title)?);
         }
         let numbers = config.number;
-        let groups = scenes.iter().map(|scene| groups(&numbers, scene)).collect::<Result<Vec<_>>>();
-        let groups = groups.with_context(context)?;
-        let start = starts(&numbers, &scenes, &groups).with_context(context)?;
+        let of_scene =
+            |scene: &Scene| -> Vec<_> { numbers.iter().map(|n| n.group(scene)).collect() };
+        let groups: Vec<Vec<Option<Group>>> = scenes.iter().map(of_scene).collect();
+        let start = starts(&numbers, &scenes, &groups)?;
         let of_scene = |(scene, groups): (&Scene, &Vec<Option<Group>>)| {
             Walls::of(groups.iter().flatten().flat_map(|group| &group.numbers), scene)
         };
@@ -183,72 +193,77 @@ impl Calibration {
     /// Values of all measured points, experiment by experiment, in the units of the probes, and
     /// their derivatives by the numbers; none where a scene has no equilibrium.
     pub fn model(&self, values: &[f64]) -> Result<Option<(DVector<f64>, DMatrix<f64>)>> {
-        let starts: Vec<usize> = self
-            .experiments
-            .iter()
-            .scan(0, |sum, e| Some(std::mem::replace(sum, *sum + e.points.len())))
-            .collect();
-        let count = self.experiments.iter().map(|e| e.points.len()).sum();
-        let mut simulated = DVector::zeros(count);
-        let mut by = DMatrix::zeros(count, values.len());
-        for (index, nominal) in self.scenes.iter().enumerate() {
-            let walls = self.walls[index].as_ref();
-            let mut scene = nominal.clone();
-            let groups = &self.groups[index];
-            for (k, &value) in values.iter().enumerate() {
-                let Some(group) = &groups[k] else { continue };
-                if let Err(why) = group.apply(&mut scene, walls, value) {
-                    log::info!("{} = {value:.4e}: {why:#}", self.numbers[k].title());
-                    return Ok(None);
-                }
-            }
-            let own: Vec<(usize, &Experiment)> = starts
-                .iter()
-                .copied()
-                .zip(&self.experiments)
-                .filter(|(_, e)| e.scene == index)
-                .collect();
-            let Some(rows) = simulate(scene, &own, groups, walls, values)? else {
+        let count = self.measurements().len();
+        let (mut simulated, mut by) = (DVector::zeros(count), DMatrix::zeros(count, values.len()));
+        for scene in 0..self.scenes.len() {
+            if !self.simulate(scene, values, (&mut simulated, &mut by))? {
                 return Ok(None);
-            };
-            for Row { place, value, derivatives } in rows {
-                simulated[place] = value;
-                (0..values.len()).for_each(|k| by[(place, k)] = derivatives[k]);
             }
         }
         Ok(Some((simulated, by)))
     }
 
-    /// [`Self::model`] less the measurements, over their standard uncertainties; none also
-    /// where a probe is not finite.
+    /// Puts in the values of the points of one scene and their derivatives. False where it has no equilibrium.
+    fn simulate(
+        &self,
+        index: usize,
+        values: &[f64],
+        (simulated, by): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) -> Result<bool> {
+        let (groups, walls) = (&self.groups[index], self.walls[index].as_ref());
+        let mut scene = self.scenes[index].clone();
+        for ((number, group), &value) in self.numbers.iter().zip(groups).zip(values) {
+            let Some(group) = group else { continue };
+            if let Err(why) = group.apply(&mut scene, walls, value) {
+                log::info!("{} = {value:.4e}: {why:#}", number.title());
+                return Ok(false);
+            }
+        }
+        let path = scene.path.display().to_string();
+        let run = match Run::new(scene, Start::default())? {
+            Ok(run) => run,
+            Err(why) => {
+                log::info!("{path}: {}", why.unreached);
+                return Ok(false);
+            }
+        };
+        for n in (1..=run.states.steps()).rev() {
+            let (mut places, mut probes) = (Vec::new(), Vec::<&Probe>::new());
+            for own in self.experiments.iter().filter(|own| own.scene == index) {
+                let at_step = (own.first..).zip(&own.points).filter(|(_, point)| point.step == n);
+                places.extend(at_step.map(|(place, _)| place));
+                probes.resize(places.len(), &run.probes[own.probe]);
+            }
+            if places.is_empty() {
+                continue;
+            }
+            for (place, (value, gradient)) in places.into_iter().zip(run.sensitivities(&probes, n)?)
+            {
+                let swept = Swept::new(&run.scene, &run.problem, walls, &gradient);
+                simulated[place] = value;
+                for (k, (group, &value)) in groups.iter().zip(values).enumerate() {
+                    by[(place, k)] =
+                        group.as_ref().map_or(0.0, |group| group.derivative(&swept, value));
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// [`Self::model`] less the measurements, over their standard uncertainties.
     pub fn residuals(&self, values: &[f64]) -> Result<Option<Residuals>> {
-        let Some((simulated, mut jacobian)) = self.model(values)? else { return Ok(None) };
-        let mut r = simulated;
-        for (i, (measured, uncertainty)) in self.measurements().enumerate() {
-            r[i] = (r[i] - measured) / uncertainty;
-            jacobian.row_mut(i).scale_mut(1.0 / uncertainty);
-        }
-        if !r.iter().chain(jacobian.iter()).all(|value| value.is_finite()) {
-            return Ok(None);
-        }
-        Ok(Some(Residuals { r, jacobian }))
+        let model = self.model(values)?;
+        Ok(model.and_then(|model| least_squares::residuals(model, &self.measurements())))
     }
 
     /// All measurements with their standard uncertainties, in the units of the probes.
-    pub fn measurements(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.experiments.iter().flat_map(|e| {
+    pub fn measurements(&self) -> Vec<(f64, f64)> {
+        let of = |e: &Experiment| -> Vec<_> {
             let uncertainty = e.config.uncertainty * e.unit.1;
-            e.points.iter().map(move |point| (point.measured, uncertainty))
-        })
+            e.points.iter().map(|point| (point.measured, uncertainty)).collect()
+        };
+        self.experiments.iter().flat_map(of).collect()
     }
-}
-
-/// What the numbers stand for in a scene.
-fn groups(numbers: &[Sought], scene: &Scene) -> Result<Vec<Option<Group>>> {
-    let one = |number: &Sought| {
-        number.group(scene).with_context(|| format!("in {}", scene.path.display()))
-    };
-    numbers.iter().map(one).collect()
 }
 
 /// Unit and value of each number, which all scenes that have it must share.
@@ -304,15 +319,12 @@ fn known(scenes: &[Scene]) -> String {
 }
 
 impl Experiment {
-    fn read(own: ExperimentConfig, path: &Path, index: usize, scene: &Scene) -> Result<Self> {
-        ensure!(
-            own.uncertainty.is_finite() && own.uncertainty > 0.0,
-            misfit!(
-                KeyPath::of("uncertainty"),
-                " = {}: expected a positive number",
-                own.uncertainty
-            )
-        );
+    fn read(
+        own: ExperimentConfig,
+        path: &Path,
+        (index, scene): (usize, &Scene),
+        first: usize,
+    ) -> Result<Self> {
         let names: Vec<&str> = scene.config.probe.iter().map(|probe| probe.name()).collect();
         let Some(probe) = names.iter().position(|name| *name == own.probe) else {
             bail!(misfit!(
@@ -323,16 +335,14 @@ impl Experiment {
             ));
         };
         let wanted = scene.config.probe[probe].kind().unit;
-        let table = Table::read(&beside(path, &own.measured), &own.lines)?;
+        let table = Table::read(&beside(path, &own.measured), &own.r#where)?;
         let times = scene.times();
-        let (mut unit, mut points) = (None, Vec::new());
+        let unit = in_unit(&own.columns[0], wanted)?;
+        let mut points = Vec::new();
         for title in &own.columns {
-            let own_unit = in_unit(title, wanted)?;
-            let first = unit.get_or_insert_with(|| own_unit.clone());
-            let columns = KeyPath::of("columns");
             ensure!(
-                *first == own_unit,
-                misfit!(columns, " = {:?}: expected one unit", own.columns)
+                in_unit(title, wanted)? == unit,
+                misfit!(KeyPath::of("columns"), " = {:?}: expected one unit", own.columns)
             );
             let measured = table.numbers(title)?;
             let at = match &own.time {
@@ -342,12 +352,10 @@ impl Experiment {
             };
             for (t, measured) in at.into_iter().zip(measured) {
                 let step = step_at(t, &times)?;
-                points.push(Point { step, t: times[step - 1], measured: measured * own_unit.1 });
+                points.push(Point { step, t: times[step - 1], measured: measured * unit.1 });
             }
         }
-        let unit =
-            unit.ok_or_else(|| misfit!(KeyPath::of("columns"), " = []: name a column or more"))?;
-        Ok(Self { config: own, scene: index, probe, unit, points })
+        Ok(Self { config: own, scene: index, probe, unit, points, first })
     }
 }
 
@@ -385,52 +393,4 @@ fn step_at(t: f64, times: &[f64]) -> Result<usize> {
             ends.join(", ")
         )
     })
-}
-
-/// A measured point, simulated.
-struct Row {
-    place: usize,
-    value: f64,
-    derivatives: Vec<f64>,
-}
-
-/// The measured points of one scene, where it has an equilibrium at all steps. Experiments are
-/// given with the place of their first point.
-fn simulate(
-    scene: Scene,
-    experiments: &[(usize, &Experiment)],
-    groups: &[Option<Group>],
-    walls: Option<&Walls>,
-    values: &[f64],
-) -> Result<Option<Vec<Row>>> {
-    let path = scene.path.display().to_string();
-    let run = match Run::new(scene, Start::default())? {
-        Ok(run) => run,
-        Err(why) => {
-            log::info!("{path}: {}", why.unreached);
-            return Ok(None);
-        }
-    };
-    let mut rows = Vec::new();
-    for n in (1..=run.states.steps()).rev() {
-        let at_step = |&(first, e): &(usize, &Experiment)| {
-            let own = e.points.iter().enumerate().filter(|(_, point)| point.step == n);
-            own.map(|(i, _)| (first + i, e.probe)).collect::<Vec<_>>()
-        };
-        let wanted: Vec<(usize, usize)> = experiments.iter().flat_map(at_step).collect();
-        if wanted.is_empty() {
-            continue;
-        }
-        let own: Vec<&Probe> = wanted.iter().map(|&(_, probe)| &run.probes[probe]).collect();
-        let found = run.sensitivities(&own, n)?;
-        for ((place, _), (value, by)) in wanted.into_iter().zip(found) {
-            let swept = Swept::new(&run.scene, &run.problem, walls, &by);
-            let one = |(group, &value): (&Option<Group>, &f64)| {
-                group.as_ref().map_or(0.0, |group| group.derivative(&swept, value))
-            };
-            let derivatives = groups.iter().zip(values).map(one).collect();
-            rows.push(Row { place, value, derivatives });
-        }
-    }
-    Ok(Some(rows))
 }
