@@ -6,9 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
-use mechanics::forward::{
-    self, LoadStep, Problem, Unreached, Workspace, about, predicted_iterations, predicted_time,
-};
+use mechanics::forward::{LoadStep, Problem, Unreached, Workspace, about, predicted_time};
 use program::{Changes, FolderLock, Unusable};
 use reports::{AsCast, Simulation};
 use scene::{Scene, log_share};
@@ -18,7 +16,6 @@ use crate::report::meeting;
 use crate::report::record::{Checkpoint, Recorder, Work};
 use crate::report::results;
 use crate::report::simulation::{self, Spent};
-use crate::report::time_left::foretell;
 use crate::report::writer::write_beside;
 use crate::run::end::Outcome;
 use crate::run::error_bars;
@@ -90,11 +87,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let last = arguments.steps.map_or(count, |n| n.min(count));
     let kind = scene.config.steps(last - if timed { done.min(last) } else { 0 });
     let predicted_s = predicted_time(&problem, &workspace, kind);
-    // steps tell how long the rest takes, and the end of a path is not known
-    if matches!(kind, forward::Steps::Load(1)) && scene.path().is_none() {
-        let expected = predicted_iterations(&problem, kind);
-        workspace.watch = Some(foretell(workspace.watch.take(), expected));
-    }
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     let pictures = !arguments.final_only;

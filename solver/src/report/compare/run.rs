@@ -87,9 +87,7 @@ impl Run {
 
     /// Diagonal of the bounding box at rest [m].
     pub fn diagonal(&self) -> f64 {
-        let low = self.rest.iter().fold(self.rest[0], |m, x| m.inf(x));
-        let high = self.rest.iter().fold(self.rest[0], |m, x| m.sup(x));
-        (high - low).norm()
+        mesh::measure::diagonal(&self.rest)
     }
 
     /// Largest displacement of a node [m].
