@@ -49,18 +49,13 @@ impl Patches {
         Self { degree: space.degree(), nodes: facets.iter().map(patch).collect() }
     }
 
-    /// The number of triangles of [`Self::triangulate`].
-    pub fn triangle_count(&self, spacing: f64) -> f64 {
-        self.nodes.iter().map(|patch| cells(patch, spacing).powi(2)).sum()
-    }
-
     /// Triangles with corners on the patches and edges no longer than `spacing`
     /// [m], as far as the patches are not stretched along their inside.
     pub fn triangulate(&self, spacing: f64) -> SurfaceMesh {
         let mut grids: BTreeMap<usize, Grid> = BTreeMap::new();
         let mut surface = SurfaceMesh { vertices: Vec::new(), triangles: Vec::new() };
         for patch in &self.nodes {
-            let cells = cells(patch, spacing) as usize;
+            let cells = cells(patch, spacing);
             let grid = grids.entry(cells).or_insert_with(|| Grid::new(self.degree, cells));
             let first = surface.vertices.len();
             let place =
@@ -73,9 +68,9 @@ impl Patches {
 }
 
 /// Parts into which the edges of a patch are divided.
-fn cells(patch: &[Vec3], spacing: f64) -> f64 {
+fn cells(patch: &[Vec3], spacing: f64) -> usize {
     let edges = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| (patch[a] - patch[b]).norm());
-    (edges.into_iter().fold(0.0, f64::max) / spacing).ceil().max(1.0)
+    (edges.into_iter().fold(0.0, f64::max) / spacing).ceil().max(1.0) as usize
 }
 
 /// The unit triangle in equal cells, and the basis at their corners.
