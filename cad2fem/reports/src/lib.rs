@@ -16,8 +16,8 @@ mod windings;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
-    AsCast, Chamber, ErrorBar, ErrorBars, Fibre, Locking, MaterialRange, Measurement, Membrane,
-    Offset, Probe, StretchRange, Tag, Winding,
+    Chamber, ErrorBar, ErrorBars, Fibre, Locking, MaterialRange, Membrane, Probe, StretchRange,
+    Tag, Winding,
 };
 pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};

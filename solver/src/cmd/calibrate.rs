@@ -18,11 +18,11 @@ use crate::study::least_squares::{Minimum, minimise};
 
 /// Find numbers of your scenes from measurements on your own device
 ///
-/// CONFIG names scenes, measured tables of their probes with standard uncertainties, and the
-/// numbers that are sought: factors on modulus, density and sheets, an offset of pressures, or any number
-/// of the scene by its path. Writes to the output folder calibration.json, with standard errors,
-/// correlations and what each experiment tells; residuals.svg; and, where the material was
-/// sought, material.toml, to be included by a scene.
+/// CONFIG names scenes, what was measured of them with standard uncertainties (tables or values of their probes, the
+/// mass, gauges of walls), and the numbers that are sought: factors on modulus, density and sheets, an offset of
+/// pressures, or any number of the scene by its path, such as where a wall is. Writes to the output folder
+/// calibration.json, with standard errors, correlations and what each experiment tells; residuals.svg; numbers.toml, to be
+/// included by the scene; and, where the material was sought, material.toml, to be included by any scene.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// What is sought, and from what (TOML)
@@ -49,6 +49,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write!(program::stdout(), "{text}")?;
     program::write_json(&folder.join("calibration.json"), &report(&calibration, &found))?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;
+    let numbers = BTreeMap::from([("numbers", calibration.found(&found.numbers))]);
+    let numbers = toml::to_string(&numbers)?;
+    mesh::io::write_atomic(&folder.join("numbers.toml"), |out| out.write_all(numbers.as_bytes()))?;
     let path = folder.join("material.toml");
     if calibration.numbers.iter().any(Sought::is_of_material) {
         let material = material(&calibration, &found, &text)?;
@@ -195,8 +198,11 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
     provenance.lines().try_for_each(|line| writeln!(text, "# {line}"))?;
     for experiment in &calibration.experiments {
         let own = &experiment.config;
-        let (columns, file) = (own.columns.join(", "), own.measured.display());
-        writeln!(text, "# {}: {columns} of {file}, probe {}", own.name, own.probe)?;
+        let table = own.measured.as_ref().map(|file| (own.columns.join(", "), file.display()));
+        let table = table.map(|(columns, file)| format!(": {columns} of {file}"));
+        let probe = own.probe.as_ref().map(|probe| format!(", probe {probe}"));
+        let (table, probe) = (table.unwrap_or_default(), probe.unwrap_or_default());
+        writeln!(text, "# {}{table}{probe}", own.name)?;
     }
     for law in &scene.laws {
         if scene.parts.len() > 1 {

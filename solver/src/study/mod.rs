@@ -6,4 +6,3 @@ pub mod table; // measured tables
 pub mod least_squares; // numbers by which simulations fit measurements best
 pub mod validation; // simulations beside measurements
 pub mod calibration; // numbers of scenes from measurements on a device
-pub mod as_cast; // walls of a body as it came out of its mold

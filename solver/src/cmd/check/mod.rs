@@ -4,18 +4,17 @@ mod finding;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
-use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use mechanics::forward::about;
 use mechanics::math::linear::dot;
 use mechanics::math::random::Random;
-use program::{Changes, Heartbeat, Unusable};
+use program::{Heartbeat, Unusable};
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
-use super::optimize::Problem;
+use super::DesignArguments;
 use crate::optimize::{Evaluation, Level, Parameter, Perturbed};
 
 /// How often the test of a term is repeated while its slope is not accepted, ...
@@ -37,12 +36,8 @@ const LONGEST: usize = 2;
 /// test passes.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The design problem
-    design: PathBuf,
-    /// Check at this tagged mesh, such as an optimised design.msh, in place of
-    /// the scene's
-    #[arg(long, value_parser = super::other_mesh)]
-    mesh: Vec<super::OtherMesh>,
+    #[command(flatten)]
+    of: DesignArguments,
     /// Number of handles; as in the first level if not given
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     handles: Option<u32>,
@@ -59,12 +54,10 @@ pub struct Arguments {
     /// Number of step lengths, each half the one before
     #[arg(long, default_value_t = 7, value_parser = RangedU64ValueParser::<usize>::new().range(3..=30))]
     steps: usize,
-    #[command(flatten)]
-    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let problem = Problem::read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let problem = arguments.of.read()?;
     let (design, scene) = (&problem.design, &problem.scene);
     let objectives = problem.objectives()?;
     let mut settings = design.levels()[0].clone();
@@ -121,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     Err(Unusable(format!(
         "{}: slope is not 2 ± 0.1, or cannot be measured:\n  {}",
-        arguments.design.display(),
+        arguments.of.design.display(),
         failed.join("\n  ")
     ))
     .into())

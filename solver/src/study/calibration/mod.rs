@@ -1,36 +1,37 @@
 //! Calibration: numbers of scenes from measurements on one's own device.
 //!
-//! Each `[[experiment]]` names a scene, one of its probes, and a measured table of that probe.
+//! Each `[[experiment]]` names a scene and what was measured: a table or a value of one of its probes, the mass of the
+//! body, or the thickness of a wall. So walls are found that are off in a body as it was cast.
 //! The numbers minimise the sum of the squared differences over their standard uncertainties
 //! ([`least_squares`](super::least_squares)), with derivatives by the adjoint method ([`crate::run::sensitivity`]).
 
+mod experiment;
+mod shape;
 mod sought;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use measure::probe::Probe;
 use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
-use program::table::{Range, Table as _, each};
+use program::table::{Table as _, each};
 use program::{Change, Changes, KeyPath, Keys, Settings, misfit};
 use scene::Scene;
 use scene::config::beside;
 use scene::number::{Group, Number, Swept, Walls};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::run::{Run, Start};
 use crate::study::least_squares;
-use crate::study::table::{Table, some, unit};
+use experiment::Quantity;
+pub use experiment::{Experiment, ExperimentConfig, Point};
 pub use sought::Sought;
 
 const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: None };
 
-/// Two times are the same when they differ by less than this part of the last.
-const SAME: f64 = 1e-6;
-
+/// Step of the differences of masses and gauges: of walls [m], of factors [1].
+const STEP: f64 = 1e-6;
 program::table! {
     /// What is sought, and from what: a file in TOML.
     #[derive(Clone, Debug)]
@@ -40,72 +41,6 @@ program::table! {
         /// From what.
         experiment: Vec<ExperimentConfig> = Vec::new(), each(ExperimentConfig::title);
     }
-}
-
-program::table! {
-    /// Measurements of one probe.
-    #[derive(Clone, Debug)]
-    pub struct ExperimentConfig {
-        /// The name in tables and pictures.
-        name: String;
-        /// The scene, relative to the file.
-        scene: PathBuf;
-        /// The probe of the scene that was measured.
-        probe: String;
-        /// Measured table (CSV), relative to the file.
-        measured: PathBuf;
-        /// Entries that its lines must have, by the titles of columns.
-        #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-        r#where: BTreeMap<String, toml::Value> = BTreeMap::new();
-        /// Titles of the measured columns, with their unit: one, or several for repeated trials.
-        columns: Vec<String>, some;
-        /// Standard uncertainty of a measurement, in the unit of the columns.
-        uncertainty: f64, Range::POSITIVE;
-        /// When.
-        time: Option<Time> = None => "the end of the scene";
-    }
-}
-
-impl ExperimentConfig {
-    fn title(&self) -> KeyPath {
-        KeyPath::list("experiment").named(&self.name)
-    }
-}
-
-/// At which t of the scene.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a time [s], or the title of a column")]
-pub enum Time {
-    /// All lines [s].
-    At(f64),
-    /// What a column says, by its title.
-    Column(String),
-}
-
-/// Measurements of one probe, in SI.
-pub struct Experiment {
-    /// As it was written.
-    pub config: ExperimentConfig,
-    /// Index of its scene.
-    scene: usize,
-    /// Index of its probe in the scene.
-    probe: usize,
-    /// Unit of the column, and what one is in that of the probe.
-    pub unit: (String, f64),
-    /// Measurements.
-    pub points: Vec<Point>,
-    /// Place of the first of them among those of all experiments.
-    pub first: usize,
-}
-
-/// A measurement.
-pub struct Point {
-    /// Time step at whose end it was made, counted from 1.
-    step: usize,
-    /// t there [s].
-    pub t: f64,
-    /// In the unit of the probe.
-    pub measured: f64,
 }
 
 /// The experiments and what is sought.
@@ -203,6 +138,34 @@ impl Calibration {
         Ok(Some((simulated, by)))
     }
 
+    /// A scene with values of the numbers; none where it cannot have them.
+    fn scene(&self, index: usize, values: &[f64]) -> Option<Scene> {
+        let mut scene = self.scenes[index].clone();
+        for ((number, group), &value) in self.numbers.iter().zip(&self.groups[index]).zip(values) {
+            let Some(group) = group else { continue };
+            if let Err(why) = group.apply(&mut scene, self.walls[index].as_ref(), value) {
+                log::info!("{} = {value:.4e}: {why:#}", number.title());
+                return None;
+            }
+        }
+        Some(scene)
+    }
+
+    /// The numbers of the first scene as they were found, by their paths, for `[numbers]` of a scene.
+    pub fn found(&self, values: &[f64]) -> BTreeMap<String, f64> {
+        let scene = &self.scenes[0];
+        let mut found = BTreeMap::new();
+        for (group, value) in self.groups[0].iter().zip(values) {
+            for (number, value) in group.iter().flat_map(|group| group.values(scene, *value)) {
+                // what is added is added to what the scene has added
+                let is_added = number.is_wall() || number.word() == "chamber";
+                let before = scene.config.numbers.get(&number.path).filter(|_| is_added);
+                found.insert(number.path.clone(), value + before.unwrap_or(&0.0));
+            }
+        }
+        found
+    }
+
     /// Puts in the values of the points of one scene and their derivatives. False where it has no equilibrium.
     fn simulate(
         &self,
@@ -211,13 +174,25 @@ impl Calibration {
         (simulated, by): (&mut DVector<f64>, &mut DMatrix<f64>),
     ) -> Result<bool> {
         let (groups, walls) = (&self.groups[index], self.walls[index].as_ref());
-        let mut scene = self.scenes[index].clone();
-        for ((number, group), &value) in self.numbers.iter().zip(groups).zip(values) {
-            let Some(group) = group else { continue };
-            if let Err(why) = group.apply(&mut scene, walls, value) {
-                log::info!("{} = {value:.4e}: {why:#}", number.title());
-                return Ok(false);
+        let Some(scene) = self.scene(index, values) else { return Ok(false) };
+        let own: Vec<&Experiment> = self.experiments.iter().filter(|e| e.scene == index).collect();
+        for Experiment { quantity, first, .. } in &own {
+            let Quantity::Shape(shape) = quantity else { continue };
+            simulated[*first] = shape.value(&scene)?;
+            for k in (0..values.len()).filter(|&k| groups[k].is_some()) {
+                let moved = |by: f64| {
+                    let mut moved = values.to_vec();
+                    moved[k] += by;
+                    self.scene(index, &moved).map(|scene| shape.value(&scene)).transpose()
+                };
+                let [Some(more), Some(less)] = [moved(STEP)?, moved(-STEP)?] else {
+                    return Ok(false);
+                };
+                by[(*first, k)] = (more - less) / (2.0 * STEP);
             }
+        }
+        if own.iter().all(|e| matches!(e.quantity, Quantity::Shape(_))) {
+            return Ok(true);
         }
         let path = scene.path.display().to_string();
         let run = match Run::new(scene, Start::default())? {
@@ -229,10 +204,11 @@ impl Calibration {
         };
         for n in (1..=run.states.steps()).rev() {
             let (mut places, mut probes) = (Vec::new(), Vec::<&Probe>::new());
-            for own in self.experiments.iter().filter(|own| own.scene == index) {
+            for own in &own {
+                let Quantity::Probe(probe) = own.quantity else { continue };
                 let at_step = (own.first..).zip(&own.points).filter(|(_, point)| point.step == n);
                 places.extend(at_step.map(|(place, _)| place));
-                probes.resize(places.len(), &run.probes[own.probe]);
+                probes.resize(places.len(), &run.probes[probe]);
             }
             if places.is_empty() {
                 continue;
@@ -316,81 +292,4 @@ fn known(scenes: &[Scene]) -> String {
     let all: BTreeSet<String> =
         scenes.iter().flat_map(Number::all).map(|number| number.path).collect();
     all.into_iter().collect::<Vec<_>>().join(", ")
-}
-
-impl Experiment {
-    fn read(
-        own: ExperimentConfig,
-        path: &Path,
-        (index, scene): (usize, &Scene),
-        first: usize,
-    ) -> Result<Self> {
-        let names: Vec<&str> = scene.config.probe.iter().map(|probe| probe.name()).collect();
-        let Some(probe) = names.iter().position(|name| *name == own.probe) else {
-            bail!(misfit!(
-                KeyPath::of("probe"),
-                " = \"{}\": the scene has no [[probe]] of this name; there are: {}",
-                own.probe,
-                if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-            ));
-        };
-        let wanted = scene.config.probe[probe].kind().unit;
-        let table = Table::read(&beside(path, &own.measured), &own.r#where)?;
-        let times = scene.times();
-        let unit = in_unit(&own.columns[0], wanted)?;
-        let mut points = Vec::new();
-        for title in &own.columns {
-            ensure!(
-                in_unit(title, wanted)? == unit,
-                misfit!(KeyPath::of("columns"), " = {:?}: expected one unit", own.columns)
-            );
-            let measured = table.numbers(title)?;
-            let at = match &own.time {
-                Some(Time::Column(title)) => table.numbers(title)?,
-                Some(Time::At(t)) => vec![*t; measured.len()],
-                None => vec![times[times.len() - 1]; measured.len()],
-            };
-            for (t, measured) in at.into_iter().zip(measured) {
-                let step = step_at(t, &times)?;
-                points.push(Point { step, t: times[step - 1], measured: measured * unit.1 });
-            }
-        }
-        Ok(Self { config: own, scene: index, probe, unit, points, first })
-    }
-}
-
-/// The unit in the title of a column, and what one is in the unit of a probe.
-fn in_unit(title: &str, wanted: &str) -> Result<(String, f64)> {
-    let own = unit(title)
-        .with_context(|| format!("the column \"{title}\" has no unit, as in \"{title} [mm]\""))?;
-    let known: &[(&str, f64)] = match wanted {
-        "m" => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6)],
-        "N" => &[("N", 1.0), ("mN", 1e-3), ("kN", 1e3)],
-        "deg" => &[("deg", 1.0), ("°", 1.0), ("rad", 180.0 / std::f64::consts::PI)],
-        "m³" => {
-            &[("m³", 1.0), ("m3", 1.0), ("l", 1e-3), ("ml", 1e-6), ("cm3", 1e-6), ("cm³", 1e-6)]
-        }
-        "1/m" => &[("1/m", 1.0), ("1/mm", 1e3)],
-        other => bail!("a probe in {other} cannot be calibrated with"),
-    };
-    let factor = known.iter().find(|(name, _)| *name == own).map(|(_, factor)| *factor);
-    let names = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    let factor = factor.with_context(|| {
-        format!("\"{title}\" is in {own}, the probe in {wanted}: expected one of {}", names())
-    })?;
-    Ok((own.to_owned(), factor))
-}
-
-/// The time step that ends at t, counted from 1.
-fn step_at(t: f64, times: &[f64]) -> Result<usize> {
-    let same = |end: &f64| (end - t).abs() <= SAME * times[times.len() - 1];
-    times.iter().position(same).map(|n| n + 1).ok_or_else(|| {
-        let ends: Vec<String> = times.iter().take(12).map(|t| format!("{t}")).collect();
-        let more = if times.len() > 12 { ", …" } else { "" };
-        anyhow!(
-            "measured at t = {t} s, where no time step of the scene ends; they end at {}{more} s: \
-             set `at` or `steps` in [time]",
-            ends.join(", ")
-        )
-    })
 }
