@@ -6,6 +6,7 @@
 //! Modules in dependency order; each uses only those before it:
 
 pub mod plot; // curves as pictures
+pub mod units; // units in which people measure
 pub mod fit; // tensile tests to laws
 pub mod design; // design variables to rest shape and loads, with transposed derivative
 pub mod report; // what programs write of states, runs, failures and comparisons

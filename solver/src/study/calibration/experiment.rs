@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::shape::Shape;
 use crate::study::table::{Table, unit};
+use crate::units;
 
 /// Two times are the same when they differ by less than this part of the last.
 const SAME: f64 = 1e-6;
@@ -183,22 +184,7 @@ fn table_of(
 fn in_unit(title: &str, wanted: &str) -> Result<(String, f64)> {
     let own = unit(title)
         .with_context(|| format!("the column \"{title}\" has no unit, as in \"{title} [mm]\""))?;
-    let known: &[(&str, f64)] = match wanted {
-        "m" => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6)],
-        "N" => &[("N", 1.0), ("mN", 1e-3), ("kN", 1e3)],
-        "deg" => &[("deg", 1.0), ("°", 1.0), ("rad", 180.0 / std::f64::consts::PI)],
-        "m³" => {
-            &[("m³", 1.0), ("m3", 1.0), ("l", 1e-3), ("ml", 1e-6), ("cm3", 1e-6), ("cm³", 1e-6)]
-        }
-        "1/m" => &[("1/m", 1.0), ("1/mm", 1e3)],
-        "kg" => &[("kg", 1.0), ("g", 1e-3)],
-        other => bail!("a probe in {other} cannot be calibrated with"),
-    };
-    let factor = known.iter().find(|(name, _)| *name == own).map(|(_, factor)| *factor);
-    let names = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    let factor = factor.with_context(|| {
-        format!("\"{title}\" is in {own}, the probe in {wanted}: expected one of {}", names())
-    })?;
+    let factor = units::factor(own, wanted).with_context(|| format!("the column \"{title}\""))?;
     Ok((own.to_owned(), factor))
 }
 
