@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: pump gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: films pump gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -38,7 +38,7 @@ chamber:  ## blow up an elliptic chamber made by CAD with P1, P2 and P3, compare
 pneunet:  ## bend a row of chambers with paper in the floor, with and without it, and make its molds
 fibre:  ## bend a half-round tube that is wound with thread, with and without thread and paper, and make its molds
 walker:  ## design the pressures over time of a walker, and let it walk for 4 s
-worm:  ## design the chambers and the upper side of a worm for its way in a period
+worm:  ## design the chambers and the upper side of a worm for its speed
 worm-segment:  ## blow up one segment of a worm, whose chamber is closed, and make its molds
 arm:  ## design the pressures with which an arm of three chambers reaches three targets, and make its mold
 compression:  ## press a cube with a cavity, closed and vented, and plot the forces
@@ -84,6 +84,8 @@ gripper-authors: build/gripper-authors/baseline/report.json  ## the gripper of G
 worm-authors: build/worm-authors/baseline/report.json  ## the worm of Gjoka et al. likewise
 
 pump: build/pump/done  ## fill the blank's finger by a regulator through a thin line, and by a syringe
+
+films: $(addprefix build/films/,walk.gif crawl.gif grip.gif)  ## the films of the first page, in build/films
 
 validation: build/validation/done  ## simulate bodies that were measured by others, and compare: how far to trust it
 

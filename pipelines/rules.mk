@@ -438,6 +438,20 @@ build/worm/pictures/terms.svg: build/worm/optimize/report.json | setup
 
 build/worm/report.html: $(addprefix build/worm/pictures/,optimized.png section.png way.svg terms.svg)
 
+# The films of the first page, of designs that are kept: beside their READMEs lie copies.
+build/films/walker/report.json: $(call source,pipelines/walker/designed.toml) $(call seen,pipelines/walker/sim.toml) \
+		build/walker/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/films/worm/report.json: $(call source,pipelines/worm/sim.toml) pipelines/worm/designed.msh.gz | setup
+	$(BIN)/solver simulate $< --mesh worm=pipelines/worm/designed.msh.gz --set time.end=4 --set time.steps=80 -o $(@D)
+
+build/films/walk.gif: build/films/walker/report.json
+	$(BIN)/cad2fem film $(<D) --view=-90,10 --size 400x300 --fps 25 --frames 50 -o $@
+
+build/films/crawl.gif: build/films/worm/report.json
+	$(BIN)/cad2fem film $(<D) --view=-90,10 --size 400x300 --fps 20 -o $@
+
 view.frog := -60,20
 view.chamber := 60,10
 view.blank := front

@@ -86,6 +86,14 @@ $(LIFT)/lift.svg: $(MASSES:%=$(LIFT)/%/report.json) | setup
 	$(BIN)/solver plot $^ --x t --y "probes.fall*1e3" --labels "20 g,50 g,100 g,150 g,200 g" \
 		--x-title "time [s]: air until 1, then the table falls" --y-title "height of the cylinder [mm]" -o $@
 
+# The film of the first page: 100 g, step by step.
+$(LIFT)/film/report.json: $(call source,$(call from,gripper)/sim.lift.toml) $(LIFT)/tagged.msh $(LIFT)/table/model.json \
+		$(call to,gripper)/tagged.msh | setup
+	$(BIN)/solver simulate $< -o $(@D)
+
+build/films/grip.gif: $(LIFT)/film/report.json
+	$(BIN)/cad2fem film $(<D) --view left --size 400x300 --fps 20 -o $@
+
 # Half of it was designed: the mold is that of the whole.
 $(call to,gripper)/whole.msh: $(call to,gripper)/optimize/report.json | setup
 	$(BIN)/solver mirror $(call to,gripper)/optimize/design.gripper.msh --on cut -o $@

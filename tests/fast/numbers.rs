@@ -216,7 +216,7 @@ fn numbers_of_a_scene_are_in_place_of_those_of_its_tables() {
 /// The table in the book is made from the rows.
 #[test]
 fn the_book_has_all_kinds() {
-    let row = |kind: &scene::number::Kind| format!("| `{}` | {} |\n", kind.path, kind.meaning);
+    let row = |kind: &scene::number::Kind| format!("| `{}` | {} |\n", kind.path(), kind.meaning());
     let rows: String = KINDS.iter().map(row).collect();
     let chapter = std::fs::read_to_string(repository().join("pipelines/book/scenes.md")).unwrap();
     assert!(chapter.contains(&rows), "expected in pipelines/book/scenes.md:\n{rows}");

@@ -151,7 +151,7 @@ impl Source {
             states.push(json!({ "file": name(path), "step": step, "fields": fields }));
         }
         let end = self.report.end.as_ref();
-        let windings = end.and_then(|end| end.windings.as_ref());
+        let windings = end.and_then(|end| end.terms.windings.as_ref());
         let force = windings.map(|all| all.iter().map(|w| w.force[1]).fold(0.0, f64::max));
         let threads = threads::packed(&self.folder, &solid, force, store)?;
         let chambers = end.map(|end| end.chambers.keys().collect::<Vec<_>>());

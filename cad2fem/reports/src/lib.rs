@@ -11,13 +11,13 @@ mod optimization;
 mod simulation;
 mod stability;
 mod step;
+mod terms;
 mod validation;
 mod windings;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
-    Chamber, ErrorBar, ErrorBars, Fibre, Locking, MaterialRange, Membrane, Probe, StretchRange,
-    Tag, Winding,
+    Chamber, ErrorBar, ErrorBars, Locking, MaterialRange, Probe, StretchRange, Tag,
 };
 pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};
@@ -33,5 +33,6 @@ pub use stability::{
     DirectIterate, Limit, LimitState, LimitStatus, PassedPoint, PathState, PointKind, Stability,
 };
 pub use step::{Collisions, ForceBalance, PairForce, RigidPart, Step};
+pub use terms::{Fibre, Membrane, Terms, Winding};
 pub use validation::{BandEnd, Comparison, MeasuredPoint, Validation};
 pub use windings::{Segment, SegmentEnd, WINDINGS};

@@ -8,12 +8,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::failed::{Crossing, Failed};
-use crate::measured::{
-    Chamber, ErrorBars, Fibre, Locking, Membrane, Probe, StretchRange, Tag, Winding,
-};
-use crate::mullins::{Inflation, Mullins};
+use crate::measured::{Chamber, ErrorBars, Locking, Probe, StretchRange, Tag};
+use crate::mullins::Inflation;
 use crate::stability::{Limit, Stability};
 use crate::step::{ForceBalance, Step};
+use crate::terms::Terms;
 
 /// What `solver simulate` found, and what it was found from.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -76,18 +75,9 @@ pub struct End {
     pub tags: BTreeMap<String, Tag>,
     /// Measures of each chamber, by the tag of its wall.
     pub chambers: BTreeMap<String, Chamber>,
-    /// Measures of each sheet, in the order of the scene.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub membranes: Option<Vec<Membrane>>,
-    /// Measures of each family of fibres, in the order of the scene.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fibres: Option<Vec<Fibre>>,
-    /// Measures of each thread, in the order of the scene.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub windings: Option<Vec<Winding>>,
-    /// How far bodies are softened, of a scene with `[[mullins]]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mullins: Option<Vec<Mullins>>,
+    /// Measures of the terms of the energy.
+    #[serde(flatten)]
+    pub terms: Terms,
     /// Inflations of each chamber in their order, of a scene with `[[mullins]]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inflations: Option<Vec<Inflation>>,

@@ -95,7 +95,7 @@ impl Thread {
         let simulation: Simulation = serde_json::from_str(&text)
             .with_context(|| format!("{}: not a report of `solver simulate`", context()))?;
         let written = simulation.config["winding"].as_array().cloned().unwrap_or_default();
-        let found = simulation.end.and_then(|end| end.windings).unwrap_or_default();
+        let found = simulation.end.and_then(|end| end.terms.windings).unwrap_or_default();
         ensure!(
             !found.is_empty(),
             "{}: no threads in it; expected the report of a scene with [[winding]]",

@@ -96,6 +96,25 @@ pub fn sheet(table: &Table) -> Result<sheet::Specification> {
     Ok(sheet::Specification { law, values: values(law, &parameters)? })
 }
 
+/// The numbers of a law of a sheet in its table, in the order of the law.
+pub(crate) fn sheet_numbers(table: &mut Value) -> Vec<(Parameter, &mut f64)> {
+    let Value::Table(table) = table else { return Vec::new() };
+    let kind = table.get("kind").and_then(Value::as_str);
+    let Some(law) = sheet::LAWS.iter().find(|law| Some(law.key) == kind) else { return Vec::new() };
+    let place = |key: &str| law.parameters.iter().position(|own| own.name == key);
+    let mut numbers: Vec<(usize, &mut f64)> = Vec::new();
+    for (key, value) in table.iter_mut() {
+        if let Value::Integer(whole) = value {
+            *value = Value::Float(*whole as f64);
+        }
+        if let (Some(place), Value::Float(number)) = (place(key), value) {
+            numbers.push((place, number));
+        }
+    }
+    numbers.sort_by_key(|(place, _)| *place);
+    numbers.into_iter().map(|(place, number)| (law.parameters[place], number)).collect()
+}
+
 /// The law of a `kind`.
 pub fn find(kind: &str) -> Result<&'static Law> {
     find_in(material::LAWS, kind, "solver list")

@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use program::{Changes, FolderLock, Unusable};
-use scene::SceneMembrane;
-use scene::config::MembraneConfig;
 use scene::law_table;
 use serde_json::{Value, json};
 
@@ -244,11 +242,7 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
     if !mullins.is_empty() {
         lists.push(toml::to_string(&BTreeMap::from([("mullins", mullins)]))?);
     }
-    let as_found = |membrane: &SceneMembrane| MembraneConfig {
-        thickness: membrane.thickness,
-        ..membrane.config.clone()
-    };
-    let membranes: Vec<MembraneConfig> = scene.membranes.iter().map(as_found).collect();
+    let membranes = &scene.config.membrane;
     if !membranes.is_empty() {
         lists.push(toml::to_string(&BTreeMap::from([("membrane", membranes)]))?);
     }

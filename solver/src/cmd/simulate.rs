@@ -151,11 +151,8 @@ fn announce(scene: &Scene, workspace: &Workspace) {
         log::info!("{line}");
     }
     simulation::foresee(scene);
-    scene.membranes.iter().for_each(|membrane| log::info!("{}", membrane.in_words()));
-    scene.config.fibre.iter().for_each(|fibre| log::info!("{}", fibre.in_words()));
-    scene.config.winding.iter().for_each(|winding| log::info!("{}", winding.in_words()));
-    scene.config.relaxation.iter().for_each(|branch| log::info!("{}", branch.in_words()));
-    scene.config.mullins.iter().for_each(|softening| log::info!("{}", softening.in_words()));
+    let tables = scene.config.rooms().into_iter().flat_map(|room| room.in_words());
+    tables.for_each(|words| log::info!("{words}"));
     log::info!(
         "{} tets, degree {}, {}",
         scene.body.mesh.tets.len(),

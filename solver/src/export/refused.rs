@@ -33,14 +33,10 @@ pub fn check(scene: &Scene) -> Result<()> {
     let lists = [
         (config.contact().is_some(), KeyPath::table("contact")),
         (!config.obstacle.is_empty(), KeyPath::list("obstacle")),
-        (!config.membrane.is_empty(), KeyPath::list("membrane")),
-        (!config.rigid.is_empty(), KeyPath::list("rigid")),
-        (!config.fibre.is_empty(), KeyPath::list("fibre")),
-        (!config.winding.is_empty(), KeyPath::list("winding")),
-        (!config.relaxation.is_empty(), KeyPath::list("relaxation")),
-        (!config.mullins.is_empty(), KeyPath::list("mullins")),
     ];
-    if let Some((_, path)) = lists.into_iter().find(|(has, _)| *has) {
+    let rooms =
+        config.rooms().into_iter().map(|room| (!room.is_empty(), KeyPath::list(room.list())));
+    if let Some((_, path)) = lists.into_iter().chain(rooms).find(|(has, _)| *has) {
         bail!(misfit!(path, ": has no part in a deck; export a scene without it"));
     }
     chambers(scene)

@@ -40,7 +40,7 @@ impl Parameter {
             "chamber" => !designed(number),
             word => word != "wall",
         };
-        for kind in KINDS {
+        for kind in KINDS.iter() {
             let numbers: Vec<Number> = kind.numbers(scene).into_iter().filter(counts).collect();
             let owners = numbers.chunk_by(|a, b| a.owner() == b.owner());
             all.extend(owners.map(|own| Self::Numbers(own.to_vec())));

@@ -12,7 +12,7 @@ pub mod fields;
 pub mod locking;
 pub mod meeting;
 pub mod mirror;
-pub mod mullins;
+pub mod inflation;
 pub mod record;
 pub mod reinforcement;
 pub mod results;

@@ -9,8 +9,7 @@ use mechanics::body::Body;
 use mechanics::contact::surface::BodyForce;
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::{
-    self, Energies, Friction, Iterate, MembraneSummary, Multiplier, Nature, Rigid, RigidLoad,
-    RigidMass,
+    self, Energies, Friction, Iterate, Multiplier, Nature, Rigid, RigidLoad, RigidMass,
 };
 use mechanics::forward::{LoadStep, Problem};
 use mechanics::material::Kinematics;
@@ -19,15 +18,15 @@ use mesh::Vec3;
 use mesh::io::{npy, vtu};
 use program::{InputFile, Settings};
 use reports::{
-    Chamber, Collisions, CutPlane, ForceBalance, Inputs, Membrane, OneOrList, PairForce, RigidPart,
-    Step, Tag, WINDINGS, numbers,
+    Chamber, Collisions, CutPlane, ForceBalance, Inputs, OneOrList, PairForce, RigidPart, Step,
+    Tag, WINDINGS, numbers,
 };
-use scene::{Scene, SceneMembrane};
+use scene::Scene;
+use scene::config::SimConfig;
+use scene::term::State;
 use serde::Serialize;
 
 use crate::report::fields::fields;
-use crate::report::mullins;
-use crate::report::reinforcement::fibre_fields;
 use crate::report::stability;
 
 /// Name of the file with a line for each step.
@@ -247,28 +246,6 @@ pub fn chambers(energies: &Energies, at: &Iterate) -> BTreeMap<String, Chamber> 
     chambers.map(|(_, chamber)| (chamber.name.clone(), report(chamber))).collect()
 }
 
-/// Thickness, law and measures of every sheet, in the order of the scene.
-pub fn membranes(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<Membrane> {
-    let one = |(membrane, energy): (&SceneMembrane, &energy::Membrane)| {
-        let MembraneSummary { area, energy, stretch, tension, taut, wrinkled, slack } =
-            energy.summary(at);
-        Membrane {
-            on: membrane.config.on.clone(),
-            kind: membrane.material.law.key.to_owned(),
-            tension_only: membrane.config.tension,
-            thickness: membrane.thickness,
-            area,
-            energy,
-            stretch,
-            tension,
-            taut,
-            wrinkled,
-            slack,
-        }
-    };
-    scene.membranes.iter().zip(energies.each()).map(one).collect()
-}
-
 /// Kind, unit and value of every probe.
 pub fn probes(
     probes: &[Probe],
@@ -367,8 +344,10 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
     let [at_points, of_cells] = fields(energies, at);
     grid.point_fields.extend(at_points);
     grid.cell_fields.extend(of_cells);
-    grid.cell_fields.extend(fibre_fields(energies, at));
-    grid.cell_fields.extend(mullins::fields(energies, at));
+    // a room knows the fields of its terms by their type
+    for room in SimConfig::default().rooms() {
+        grid.cell_fields.extend(room.fields(State { energies, at }));
+    }
     for energy in energies.contact_terms() {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);

@@ -11,19 +11,18 @@ use mechanics::forward::{self, LoadStep, Problem, Workspace};
 use mechanics::stretch::{Strained, Stretches};
 use reports::{
     End, EnergyBalance, Material, MaterialRange, Moduli, OneOrList, Simulation, Status,
-    StretchRange, Task, Timings, Winding,
+    StretchRange, Task, Terms, Timings,
 };
+use scene::term::State;
 use scene::{Scene, SceneLaw, law_table};
 use serde_json::json;
 
 use crate::report::crossing::Crossing;
+use crate::report::inflation;
 use crate::report::locking;
-use crate::report::mullins;
 use crate::report::record::Recorder;
-use crate::report::reinforcement;
 use crate::report::results;
 use crate::report::stability;
-use crate::report::threads;
 
 /// What is known before a run whose results lie in a folder.
 pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulation> {
@@ -106,7 +105,8 @@ pub struct Spent<'a> {
 pub fn foresee(scene: &Scene) {
     scene.warn_of_growth();
     locking::foresee(scene);
-    threads::far_points(scene).iter().for_each(|line| log::warn!("{line}"));
+    let warnings = scene.config.rooms().into_iter().flat_map(|room| room.warnings(&scene.body));
+    warnings.for_each(|line| log::warn!("{line}"));
 }
 
 /// Says of a load step what a user should know of it.
@@ -123,7 +123,7 @@ pub struct Verdict {
     /// How a path ended before the full load that was asked for.
     missed: Option<String>,
     stretch_range: StretchRange,
-    windings: Option<Vec<Winding>>,
+    terms: Terms,
 }
 
 impl Verdict {
@@ -146,11 +146,12 @@ impl Verdict {
         }
         let missed = stability::missed(scene, steps, last);
         missed.iter().for_each(|missed| log::warn!("{missed}"));
-        let threads = || reinforcement::windings(scene, &problem.energies, end);
+        let (mut terms, state) = (Terms::default(), State { energies: &problem.energies, at: end });
+        scene.config.rooms().into_iter().for_each(|room| room.report(state, &mut terms));
         let find = || Crossing::find(scene, &scene.body, problem, end);
         Self {
             stretch_range: stretches(scene, end),
-            windings: (!scene.config.winding.is_empty()).then(threads),
+            terms,
             crossing: scene.certify.then(find).flatten(),
             missed,
         }
@@ -182,8 +183,6 @@ pub fn end(
     let energies = results::stored_energies(&problem.energies, end);
     let kinetic =
         spent.velocity.map(|v| results::kinetic_energy(&problem.energies, end.space, end.rest, v));
-    let sheets = || results::membranes(scene, &problem.energies, end);
-    let fibres = || reinforcement::fibres(&problem.energies, end);
     let measured = || results::probes(probes, problem, end);
     let recorder = spent.recorder;
     Ok(End {
@@ -194,11 +193,8 @@ pub fn end(
         force_balance: results::balance(problem, end),
         tags: results::tags(scene, &scene.body, problem, end)?,
         chambers: results::chambers(&problem.energies, end),
-        membranes: (!scene.membranes.is_empty()).then(sheets),
-        fibres: (!scene.config.fibre.is_empty()).then(fibres),
-        windings: verdict.windings,
-        mullins: mullins::softened(scene, &problem.energies, end),
-        inflations: mullins::inflations(scene, &recorder.lines),
+        terms: verdict.terms,
+        inflations: inflation::inflations(scene, &recorder.lines),
         probes: (!probes.is_empty()).then(measured),
         stretch_range: verdict.stretch_range,
         locking: locking::estimate(scene, (problem, probes), end),

@@ -1,4 +1,4 @@
-//! Where threads cross each other, and where points of a line are off the tag: what a person should know of a winding.
+//! Where threads cross each other.
 
 use mechanics::energy::{Energies, Iterate};
 use mesh::Vec3;
@@ -63,23 +63,6 @@ fn cross([p, p_end]: &Segment, [q, q_end]: &Segment) -> bool {
     let apart = from.dot(&normal).abs() / area;
     let parts = [from.cross(&s).dot(&normal), from.cross(&r).dot(&normal)];
     apart <= MEET * longest && parts.iter().all(|part| (0.0..1.0).contains(&(part / area / area)))
-}
-
-/// Points of lines that were moved far to reach their tag.
-pub fn far_points(scene: &Scene) -> Vec<String> {
-    let one = |winding: &scene::config::WindingConfig| -> Option<String> {
-        let (i, distance) = scene.farthest_point(winding)?;
-        let [x, y, z] = winding.points[i].map(|x| 1e3 * x);
-        Some(format!(
-            "winding {}: point {} of the line, ({x:.3}, {y:.3}, {z:.3}) mm, is {:.3} mm from \"{}\"; the thread goes \
-             through the nearest point of that instead\n  give points on it, or another tag",
-            winding.name,
-            i + 1,
-            1e3 * distance,
-            winding.on.all().join("\" and \"")
-        ))
-    };
-    scene.config.winding.iter().filter_map(one).collect()
 }
 
 #[cfg(test)]

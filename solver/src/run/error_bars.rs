@@ -201,7 +201,7 @@ fn numbers(scene: &Scene, config: &UncertaintyConfig) -> Result<Vec<Off>> {
         all.push(Off::new("density", None, both(off), Group::density(scene, None)));
     }
     if let Some(off) = config.membrane {
-        let tags = scene.membranes.iter().map(|sheet| &sheet.config.on);
+        let tags = scene.config.membrane.iter().map(|sheet| &sheet.on);
         let each = tags.map(|on| (on.clone(), Group::membrane(scene, Some(on))));
         let (whole, each) = (Group::membrane(scene, None), if_several(each.collect()));
         all.extend(Off::each("membrane", both(off), whole, each));
@@ -242,8 +242,11 @@ fn softening(scene: &Scene, of: &str) -> Vec<Off> {
     for (i, law) in scene.laws.iter().enumerate() {
         let mut changes = law.material.softening.changes();
         let Some((_, off)) = changes.find(|(known, _)| *known == of) else { continue };
-        let simulated =
-            if of == "creep" { !law.branches.is_empty() } else { law.mullins.is_some() };
+        let simulated = if of == "creep" {
+            !scene.branches(law).is_empty()
+        } else {
+            scene.mullins(law).is_some()
+        };
         if simulated {
             continue;
         }

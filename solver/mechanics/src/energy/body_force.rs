@@ -12,7 +12,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use mesh::measure::{tet_volume, tet_volume_gradient};
 
-use super::{Energy, Hessian, Iterate, Nature, Owner};
+use super::{Energy, Hessian, Iterate, Nature, Owner, Slot};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::linear::dot;
 use crate::math::sparse::BlockMatrix;
@@ -161,6 +161,11 @@ impl Energy for BodyForce {
             }
         });
         iterate.space.add_to_vertices(&nodal, out);
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        let added = Slot::components("gravity", "m/s²");
+        [Slot::new("density", "kg/m³")].into_iter().chain(added).collect()
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

@@ -25,7 +25,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use mesh::measure::{tet_volume, tet_volume_gradient};
 
-use super::{Energy, Hessian, Iterate, Nature, Owner, PastCotangent};
+use super::{Energy, Hessian, Iterate, Nature, Owner, PastCotangent, Slot};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::linear::dot;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
@@ -224,6 +224,10 @@ impl Energy for Inertia {
         let Some((rate, _)) = self.frame(iterate) else { return };
         let from = if self.tiny { &mut out.history } else { &mut out.free_flight };
         self.add_mass_times(iterate, lambda, -rate, from);
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        vec![Slot::new("density", "kg/m³")]
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

@@ -42,7 +42,7 @@ pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
 pub use mullins::{Mullins, MullinsMean, MullinsSummary};
-pub use owner::{Owner, ParameterGradients};
+pub use owner::{Owner, ParameterGradients, Slot};
 pub use profile::{Basis, Profile};
 pub use rigid::{MassPoint, NoLever, Rigid, RigidLoad, RigidMass, RigidMoment};
 pub use rim::Rim;
@@ -326,6 +326,10 @@ pub trait Energy: Any + Send + Sync {
     fn add_mixed_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]);
     /// Adds λᵀ ∂²E/∂u∂(history, free flight, lagged contacts, Z°).
     fn add_past_vjp(&self, _at: &Iterate, _lambda: &[f64], _out: &mut PastCotangent) {}
+    /// The numbers of its last owner, by which [`Self::parameter_vjp`] ends; none where these are those of a law.
+    fn slots(&self) -> Vec<Slot> {
+        Vec::new()
+    }
     /// λᵀ ∂²E/∂u∂p for the numbers p that the term was made with, in the order that
     /// its type documents.
     fn parameter_vjp(&self, _at: &Iterate, _lambda: &[f64]) -> Vec<f64> {

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
     Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature, Owner, PastCotangent,
-    TimeStep, chord,
+    Slot, TimeStep, chord,
 };
 use crate::element::FunctionSpace;
 use crate::material::{Isochoric, Material, OgdenRoxburgh, Softened};
@@ -35,6 +35,8 @@ const NUMBERS: usize = 3;
 /// Softening of consecutive elements with one law.
 #[derive(Clone)]
 pub struct Mullins {
+    /// What the user calls the body.
+    pub name: String,
     law: Arc<Isochoric>,
     softening: OgdenRoxburgh,
     points: QuadraturePoints,
@@ -80,7 +82,13 @@ impl Mullins {
         elements: Range<usize>,
         first: usize,
     ) -> Self {
-        Self { law: Arc::new(law), softening, points: QuadraturePoints { elements }, first }
+        let (name, points) = (String::new(), QuadraturePoints { elements });
+        Self { name, law: Arc::new(law), softening, points, first }
+    }
+
+    /// The same of a body with a name.
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
     }
 
     /// Number of parameters of the law, which come first.
@@ -258,6 +266,10 @@ impl Energy for Mullins {
                 out.internal[self.first + point.place] += point.weight * by.by_largest * along;
             }
         }
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        ["r", "m", "beta"].map(|key| Slot::new(key, if key == "m" { "Pa" } else { "1" })).to_vec()
     }
 
     fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {

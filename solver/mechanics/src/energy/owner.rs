@@ -1,5 +1,7 @@
 //! Whose numbers the terms of the energy are made with, and derivatives by these.
 
+use crate::symmetry::AXES;
+
 /// Whose numbers some are: a table of a scene by its kind, and its place among the tables of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Owner {
@@ -16,6 +18,33 @@ impl Owner {
     /// Its place among those of its kind.
     pub fn place(&self) -> usize {
         self.place
+    }
+}
+
+/// A number that a term is made with, as it is called where it is written and read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// What it is, such as `thickness`; of the values of a [`Profile`](super::Profile) with its place, as `k1.2`.
+    pub key: String,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+impl Slot {
+    /// A number.
+    pub fn new(key: &str, unit: &'static str) -> Self {
+        Self { key: key.to_owned(), unit }
+    }
+
+    /// The three components of a vector.
+    pub fn components(key: &str, unit: &'static str) -> [Self; 3] {
+        AXES.map(|axis| Self { key: format!("{key}.{axis}"), unit })
+    }
+
+    /// A number; or the values of one that changes along an axis.
+    pub fn along(key: &str, unit: &'static str, values: Option<usize>) -> Vec<Self> {
+        let Some(values) = values else { return vec![Self::new(key, unit)] };
+        (1..=values).map(|place| Self { key: format!("{key}.{place}"), unit }).collect()
     }
 }
 

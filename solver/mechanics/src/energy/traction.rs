@@ -11,7 +11,7 @@
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate, Nature, Owner};
+use super::{Energy, Hessian, Iterate, Nature, Owner, Slot};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::schedule::Field;
@@ -130,6 +130,10 @@ impl Energy for Traction {
             }
         });
         iterate.space.add_to_vertices(&nodal, out);
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        Slot::components("traction", "Pa").to_vec()
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

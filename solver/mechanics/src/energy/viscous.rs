@@ -31,7 +31,7 @@ use std::sync::Arc;
 use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
     Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature, Owner, PastCotangent,
-    TimeStep,
+    Slot, TimeStep,
 };
 use crate::element::FunctionSpace;
 use crate::material::{Isochoric, Material};
@@ -280,6 +280,14 @@ impl Energy for Viscous {
                 }
             }
         }
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        let of_branch = |i: usize| {
+            [("overstress", "1"), ("time", "s")]
+                .map(|(key, unit)| Slot::new(&format!("{i}.{key}"), unit))
+        };
+        (1..=self.branches.len()).flat_map(of_branch).collect()
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

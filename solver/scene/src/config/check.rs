@@ -7,6 +7,7 @@ use program::table::Table;
 use program::{KeyPath, misfit};
 
 use super::{ChamberConfig, Fixed, SimConfig, TimeConfig};
+use crate::term::Around;
 
 /// Times at which schedules are checked in each time step, for load steps
 /// may end in between.
@@ -60,18 +61,24 @@ impl SimConfig {
     fn check_parts(&self) -> Result<()> {
         self.fixed.iter().try_for_each(Fixed::check)?;
         self.check_symmetry()?;
-        self.check_membranes()?;
-        self.check_fibres()?;
-        self.check_windings()?;
-        self.check_relaxation()?;
-        self.check_mullins()?;
-        self.check_rigid()?;
+        self.check_rooms()?;
         self.check_probes()?;
         if let Some(uncertainty) = &self.uncertainty {
             uncertainty.check(self).context(KeyPath::table("uncertainty"))?;
         }
         self.check_limit()?;
         self.check_chambers()
+    }
+
+    fn check_rooms(&self) -> Result<()> {
+        let around = Around {
+            cuts: &self.cuts(),
+            method: self.method(),
+            in_time: self.time.is_some(),
+            has_gravity: !self.gravity.is_zero(),
+            bodies: self.body.iter().map(|body| &*body.name).collect(),
+        };
+        self.rooms().into_iter().try_for_each(|room| room.check(&around))
     }
 
     /// Whether bodies need no support.

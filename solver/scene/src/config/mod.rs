@@ -6,24 +6,16 @@ mod chamber;
 mod check;
 mod contact;
 mod design;
-mod fibre;
 mod gas;
 mod level;
 mod limit;
-mod line;
 mod material;
-mod membrane;
-mod mullins;
 mod parameter;
-mod profile;
-mod relaxation;
-mod rigid;
 mod scenario;
 mod solver;
 mod symmetric;
 mod symmetry;
 mod uncertainty;
-mod winding;
 
 use measure::written::{FieldSchema, MethodSchema};
 use std::collections::BTreeMap;
@@ -35,20 +27,13 @@ use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 
 pub use chamber::{ChamberConfig, ChamberDesign};
 pub use contact::{ContactChoice, ContactConfig};
-pub use fibre::{FibreConfig, Source};
 pub use gas::GasConfig;
 pub use limit::LimitConfig;
-pub use line::AroundConfig;
 pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::constraint::ConstraintConfig;
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
-pub use membrane::MembraneConfig;
-pub use mullins::MullinsConfig;
 pub use parameter::ParameterDesign;
-pub use profile::{Along, ProfileConfig};
-pub use relaxation::RelaxationConfig;
-pub use rigid::RigidConfig;
 pub use scenario::{ByName, EXCESS, RobustConfig, ScenarioConfig};
 pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
 pub use symmetric::{MirrorConfig, SymmetricConfig, TurnConfig};
@@ -63,9 +48,16 @@ use mechanics::element::HIGHEST_DEGREE;
 use mechanics::forward::{Method, Steps};
 use mechanics::schedule::{WrittenField, axes, is_free_name};
 pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
-pub use winding::{Climb, WindingConfig};
 
 use crate::meaning::meaning;
+use crate::term::Room;
+use crate::term::direction::some_axes;
+use crate::term::fibre::FibreConfig;
+use crate::term::membrane::MembraneConfig;
+use crate::term::mullins::MullinsConfig;
+use crate::term::relaxation::RelaxationConfig;
+use crate::term::rigid::RigidConfig;
+use crate::term::winding::WindingConfig;
 
 /// Name of the body in a scene with one.
 pub const BODY: &str = "body";
@@ -165,6 +157,23 @@ impl SimConfig {
         change(&mut changed);
         changed.check()?;
         Ok(changed)
+    }
+
+    /// The rooms of terms, in the order in which their energies are added.
+    pub fn rooms(&self) -> Vec<&dyn Room> {
+        let Self { relaxation, mullins, membrane, fibre, winding, rigid, .. } = self;
+        vec![relaxation, mullins, membrane, fibre, winding, rigid]
+    }
+
+    /// The same, to be changed.
+    pub fn rooms_mut(&mut self) -> Vec<&mut dyn Room> {
+        let Self { relaxation, mullins, membrane, fibre, winding, rigid, .. } = self;
+        vec![relaxation, mullins, membrane, fibre, winding, rigid]
+    }
+
+    /// The room of a list of `sim.toml`, if it is one.
+    pub fn room(&self, list: &str) -> Option<&dyn Room> {
+        self.rooms().into_iter().find(|room| room.list() == list)
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].
@@ -370,17 +379,6 @@ program::table! {
         /// Force per area [Pa].
         #[schemars(with = "FieldSchema")]
         traction: WrittenField;
-    }
-}
-
-/// The rule of axes.
-fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
-    let count = axes(components).iter().filter(|axis| **axis).count();
-    match components.len() == count && count > 0 {
-        true => Ok(()),
-        false => {
-            Err(misfit!(at.clone(), " = \"{components}\": must be some of x, y, z, each once"))
-        }
     }
 }
 

@@ -9,7 +9,7 @@ use mesh::Vec3;
 use mesh::io::MshFile;
 use program::Settings;
 
-use super::{Scene, SceneMembrane, ScenePart, laws};
+use super::{Scene, ScenePart, laws};
 use crate::config::{BodyConfig, SimConfig};
 
 impl Scene {
@@ -44,21 +44,17 @@ impl Scene {
         {
             bail!("{}: once cuts are moved into their planes: {}", path.display(), finding.message);
         }
-        let membranes = config.membrane.iter().map(SceneMembrane::new).collect::<Result<_>>();
-        let membranes = membranes.with_context(context)?;
-        let mut scene = Self {
+        let scene = Self {
             path: path.to_path_buf(),
             file: file.clone(),
             config,
             parts,
             laws: all_laws,
-            membranes,
             body,
             given: BTreeMap::new(),
             certify: true,
         };
-        scene.set_branches().with_context(context)?;
-        scene.set_mullins().with_context(context)?;
+        scene.check_beside_laws().with_context(context)?;
         scene.check_dilatation().with_context(context)?;
         Ok(scene)
     }

@@ -11,6 +11,7 @@ use program::{KeyPath, misfit, unknown};
 
 use super::Scene;
 use crate::config::{BodyConfig, Dilatation, MaterialConfig};
+use crate::term::mullins::MullinsConfig;
 
 /// The law of a body or of one of its volumes.
 #[derive(Clone)]
@@ -23,23 +24,9 @@ pub struct SceneLaw {
     pub config: MaterialConfig,
     /// Law and parameters.
     pub material: Specification,
-    /// The overstress.
-    pub branches: Vec<Branch>,
-    /// The softening after a first stretch.
-    pub mullins: Option<OgdenRoxburgh>,
 }
 
 impl SceneLaw {
-    /// Without overstress and softening.
-    fn new(
-        part: usize,
-        volume: Option<String>,
-        config: MaterialConfig,
-        material: Specification,
-    ) -> Self {
-        Self { part, volume, config, material, branches: Vec::new(), mullins: None }
-    }
-
     /// The tetrahedra that have this law, on a body with the volumes of the scene.
     pub fn elements(&self, body: &Body) -> Range<usize> {
         match &self.volume {
@@ -61,23 +48,28 @@ impl Scene {
         }
     }
 
-    /// Gives the laws the overstress of `[[relaxation]]`, and no other.
-    pub fn set_branches(&mut self) -> Result<()> {
-        self.laws.iter_mut().for_each(|law| law.branches.clear());
-        for table in self.config.relaxation.clone() {
-            let branch = Branch { overstress: table.overstress, time: table.time };
-            let own = self.isochoric_laws("relaxation", table.on.as_deref())?;
-            own.iter().for_each(|&i| self.laws[i].branches.push(branch));
-        }
-        Ok(())
+    /// The overstress of a law, of all tables that are of it.
+    pub fn branches(&self, law: &SceneLaw) -> Vec<Branch> {
+        let own =
+            self.config.relaxation.iter().filter(|table| self.is_of(table.on.as_deref(), law));
+        own.map(|own| Branch { overstress: own.overstress, time: own.time }).collect()
     }
 
-    /// Gives the laws the softening of `[[mullins]]`, and no other.
-    pub fn set_mullins(&mut self) -> Result<()> {
-        self.laws.iter_mut().for_each(|law| law.mullins = None);
-        for table in self.config.mullins.clone() {
+    /// The softening of a law after a first stretch, if it has any.
+    pub fn mullins(&self, law: &SceneLaw) -> Option<OgdenRoxburgh> {
+        let mut tables = self.config.mullins.iter();
+        tables.find(|table| self.is_of(table.on.as_deref(), law)).map(MullinsConfig::law)
+    }
+
+    /// Whether what stands beside laws, [[relaxation]] and [[mullins]], is beside laws that can have it.
+    pub(super) fn check_beside_laws(&self) -> Result<()> {
+        for table in &self.config.relaxation {
+            self.isochoric_laws("relaxation", table.on.as_deref())?;
+        }
+        let mut softened = vec![false; self.laws.len()];
+        for table in &self.config.mullins {
             for i in self.isochoric_laws("mullins", table.on.as_deref())? {
-                let twice = self.laws[i].mullins.replace(table.law()).is_some();
+                let twice = std::mem::replace(&mut softened[i], true);
                 ensure!(
                     !twice,
                     misfit!(
@@ -165,19 +157,6 @@ impl Scene {
         })?)
     }
 
-    /// The place of a `[[relaxation]]` among the branches of a law, if it is of that.
-    pub fn branch_of(&self, law: &SceneLaw, table: usize) -> Option<usize> {
-        let tables = &self.config.relaxation;
-        let is_own = |table: usize| self.is_of(tables[table].on.as_deref(), law);
-        (table < tables.len() && is_own(table)).then(|| (0..table).filter(|&t| is_own(t)).count())
-    }
-
-    /// Whether a `[[mullins]]` is of a law, by its place among all.
-    pub fn is_softened_by(&self, law: &SceneLaw, table: usize) -> bool {
-        let tables = &self.config.mullins;
-        tables.get(table).is_some_and(|table| self.is_of(table.on.as_deref(), law))
-    }
-
     /// Whether a table with a name, or without one, is of a law.
     fn is_of(&self, on: Option<&str>, law: &SceneLaw) -> bool {
         on.is_none_or(|on| self.is_law_of(law, on))
@@ -192,9 +171,10 @@ impl Scene {
         first: usize,
     ) -> Option<Viscous> {
         // a rigid body has another elastic law, whose parameters are not those of the overstress
-        let has = !law.branches.is_empty() && !self.is_rigid(&self.parts[law.part].config.name);
+        let branches = self.branches(law);
+        let has = !branches.is_empty() && !self.is_rigid(&self.parts[law.part].config.name);
         let isochoric = law.material.build().isochoric().filter(|_| has)?;
-        Some(Viscous::new(isochoric, law.branches.clone(), elements, first))
+        Some(Viscous::new(isochoric, branches, elements, first))
     }
 
     /// The softening of a law on some elements, if it has any and is not rigid; `first` internal variables are
@@ -205,9 +185,10 @@ impl Scene {
         elements: Range<usize>,
         first: usize,
     ) -> Option<Mullins> {
-        let softening =
-            law.mullins.filter(|_| !self.is_rigid(&self.parts[law.part].config.name))?;
-        Some(Mullins::new(law.material.build().isochoric()?, softening, elements, first))
+        let is_rigid = self.is_rigid(&self.parts[law.part].config.name);
+        let softening = self.mullins(law).filter(|_| !is_rigid)?;
+        let isochoric = law.material.build().isochoric()?;
+        Some(Mullins::new(isochoric, softening, elements, first).named(&self.law_name(law)))
     }
 
     /// Whether a law is called so, or is of a body that is.
@@ -234,7 +215,7 @@ pub(super) fn laws(
         tags.volumes = Volumes::default();
         let material = config.material.specification()?;
         let config = config.material.clone();
-        return Ok(vec![SceneLaw::new(part, None, config, material)]);
+        return Ok(vec![SceneLaw { part, volume: None, config, material }]);
     };
     if tags.volumes.names.is_empty() {
         let names = vec![mesh::io::msh::BODY.to_owned()];
@@ -267,7 +248,7 @@ pub(super) fn laws(
         let context = || KeyPath::list("material").on(name);
         let config = material.material().with_context(context)?;
         let material = config.specification().with_context(context)?;
-        found.push(SceneLaw::new(part, Some(name.clone()), config, material));
+        found.push(SceneLaw { part, volume: Some(name.clone()), config, material });
     }
     sort_by_volume(mesh, &mut tags.volumes);
     Ok(found)

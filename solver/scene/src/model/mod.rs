@@ -6,18 +6,14 @@ mod assembly;
 mod afloat;
 mod chambers;
 mod contact;
-mod directions;
 mod laws;
-mod membranes;
 mod objectives;
 mod probes;
 mod progress;
 mod rigid;
-mod reinforcement;
 mod symmetry;
 
 pub use laws::SceneLaw;
-pub use membranes::SceneMembrane;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
 use std::collections::BTreeMap;
@@ -27,8 +23,8 @@ use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    BodyForce, Chamber, Contact, Elastic, Energies, Energy, Fibres, Friction, Inertia,
-    InternalVariables, Membrane, Mullins, Owner, Term, Traction, Viscous, Winding,
+    BodyForce, Chamber, Contact, Elastic, Energies, Friction, Inertia, InternalVariables, Mullins,
+    Term, Traction, Viscous,
 };
 use mechanics::forward::{Growth, Integrator, Newton, Problem, State, Stepping, Workspace};
 use mechanics::schedule::Field;
@@ -40,6 +36,7 @@ use program::{KeyPath, Settings, misfit};
 use crate::config::{BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, TimeConfig};
 use crate::memory;
 use crate::supports::Supports;
+use crate::term::{Ground, Region};
 
 /// Strain of a whole body that is as good as none, where loads are no smaller [1].
 const NEGLIGIBLE_STRAIN: f64 = 1e-11;
@@ -59,8 +56,6 @@ pub struct Scene {
     pub parts: Vec<ScenePart>,
     /// What they are made of, body by body, in the order of tetrahedra.
     pub laws: Vec<SceneLaw>,
-    /// The thin sheets.
-    pub membranes: Vec<SceneMembrane>,
     /// The bodies.
     pub body: Body,
     /// Numbers that were given values which are not in the settings, by their paths; of a wall the sum of its moves [m].
@@ -320,14 +315,25 @@ impl Scene {
         supports: &Supports,
     ) -> Result<Vec<Term>> {
         let mut terms = self.bodies(body, space)?;
-        terms.extend(owned(self.sheets(body, space)?, Membrane::owner));
-        terms.extend(owned(self.fibres(body, space)?, Fibres::owner));
-        terms.extend(owned(self.windings(body, space)?, Winding::owner));
+        let ground = Ground { path: &self.path, body, space, regions: self.regions(body) };
+        for room in self.config.rooms() {
+            terms.extend(room.build(&ground)?);
+        }
         for (place, law) in self.laws.iter().enumerate() {
             let inertia = self.inertia(law, body, space, supports)?;
             terms.extend(inertia.map(|inertia| Term::of(Inertia::owner(place), inertia)));
         }
         Ok(terms)
+    }
+
+    /// What has a law of its own on a body, in the order of laws.
+    pub(crate) fn regions(&self, body: &Body) -> Vec<Region> {
+        let region = |law: &SceneLaw| Region {
+            name: self.law_name(law),
+            body: self.parts[law.part].config.name.clone(),
+            elements: law.elements(body),
+        };
+        self.laws.iter().map(region).collect()
     }
 
     /// The terms of all bodies and volumes, but for inertia: elastic energy, overstress, softening and weight of each.
@@ -442,13 +448,4 @@ pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
     nodes.sort_unstable();
     nodes.dedup();
     nodes
-}
-
-/// Terms with the owners of their numbers, by their places.
-fn owned<E: Energy>(
-    energies: impl IntoIterator<Item = E>,
-    owner: fn(usize) -> Owner,
-) -> impl Iterator<Item = Term> {
-    let places = energies.into_iter().enumerate();
-    places.map(move |(place, energy)| Term::of(owner(place), energy))
 }

@@ -14,8 +14,9 @@ use mesh::Vec3;
 use program::misfit;
 
 use super::{Scene, nodes_of};
-use crate::config::{RigidConfig, is_pressure};
+use crate::config::is_pressure;
 use crate::supports::{Support, Supports};
+use crate::term::rigid::RigidConfig;
 
 /// How far points that hinge a part may be off a line, over its length.
 const STRAIGHT: f64 = 1e-6;
@@ -270,8 +271,9 @@ impl Scene {
         let weight = part.mass * length(&self.config.gravity);
         let on_part =
             (length(&part.force) + weight) / size.powi(2) + length(&part.moment) / size.powi(3);
-        let sheets = self.membranes.iter().map(|sheet| {
-            sheet.material.build(false).tangent(&Strain::zeros()).max() * sheet.thickness / size
+        let sheets = self.config.membrane.iter().filter_map(|sheet| {
+            let law = sheet.specification().ok()?.build(false);
+            Some(law.tangent(&Strain::zeros()).max() * sheet.thickness / size)
         });
         let threads = self.config.winding.iter().flat_map(|thread| thread.stiffness.values());
         let threads = threads.map(|stiffness| stiffness / size.powi(2));

@@ -46,8 +46,8 @@ impl Group {
     /// proportion to it as they are to their modulus.
     pub fn membrane(scene: &Scene, on: Option<&str>) -> Self {
         Self::of(scene, "membrane", Change::Factor, |number| {
-            let own = on.is_none_or(|on| scene.membranes[number.owner()].config.on == on);
-            own && number.path.ends_with(".thickness")
+            let own = on.is_none_or(|on| scene.config.membrane[number.owner()].on == on);
+            own && number.key == "thickness"
         })
     }
 

@@ -2,13 +2,12 @@
 
 use crate::model::SceneLaw;
 use anyhow::{Result, ensure};
-use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Membrane, Mullins, Owner, Viscous};
+use mechanics::energy::{BodyForce, Contact, Elastic, Inertia, Owner};
 use mechanics::material::{Law, Specification};
-use program::table::Table;
 
-use super::{Entry, Kind, Setting, Swept, any};
+use super::{Row, Setting, Swept};
 
-pub(super) const MATERIAL: Kind = Kind {
+pub(super) const MATERIAL: Row = Row {
     path: "material.BODY.PARAMETER",
     meaning: "a parameter of the law of a body or volume, as `solver list` names it; of a list, \
               with its place, as in material.body.mu.1",
@@ -47,7 +46,7 @@ pub(super) const MATERIAL: Kind = Kind {
     scale: None,
 };
 
-pub(super) const DENSITY: Kind = Kind {
+pub(super) const DENSITY: Row = Row {
     path: "density.BODY",
     meaning: "the density of a body or volume, where it is known",
     list: |scene| {
@@ -62,108 +61,8 @@ pub(super) const DENSITY: Kind = Kind {
     }),
     check: |scene, place| positive("a density", (DENSITY.value)(scene, place)),
     derivative: |swept, [law, _]| {
-        let of = |id| total(swept, id, 0);
+        let of = |owner| swept.by(owner, "density");
         of(BodyForce::weight_owner(law)) + of(Inertia::owner(law))
-    },
-    scale: None,
-};
-
-pub(super) const RELAXATION: Kind = Kind {
-    path: "relaxation.N.overstress or .time",
-    meaning: "a number of the N-th [[relaxation]], counted from 1",
-    list: |scene| {
-        let one = |table: usize| -> [Entry; 2] {
-            let name = |key: &str| format!("{}.{key}", table + 1);
-            [(name("overstress"), "1", [table, 0]), (name("time"), "s", [table, 1])]
-        };
-        (0..scene.config.relaxation.len()).flat_map(one).collect()
-    },
-    value: |scene, [table, k]| {
-        let table = &scene.config.relaxation[table];
-        [table.overstress, table.time][k]
-    },
-    set: Setting::By(|scene, _, [table, k], value| {
-        let table = &mut scene.config.relaxation[table];
-        *[&mut table.overstress, &mut table.time][k] = value;
-        scene.config.check()?;
-        scene.set_branches()
-    }),
-    check: any,
-    derivative: |swept, [table, k]| {
-        let of = |(i, law): (usize, &SceneLaw)| -> Option<f64> {
-            let place = 2 * swept.scene.branch_of(law, table)? + k;
-            swept.by.parameters.total(Viscous::owner(i)).get(place).copied()
-        };
-        swept.scene.laws.iter().enumerate().filter_map(of).sum()
-    },
-    scale: None,
-};
-
-pub(super) const MULLINS: Kind = Kind {
-    path: "mullins.N.r, .m or .beta",
-    meaning: "a number of the N-th [[mullins]], counted from 1",
-    list: |scene| {
-        let one = |table: usize| -> [Entry; 3] {
-            let keys = [("r", "1"), ("m", "Pa"), ("beta", "1")];
-            [0, 1, 2].map(|k| (format!("{}.{}", table + 1, keys[k].0), keys[k].1, [table, k]))
-        };
-        (0..scene.config.mullins.len()).flat_map(one).collect()
-    },
-    value: |scene, [table, k]| {
-        let table = &scene.config.mullins[table];
-        [table.r, table.m, table.beta][k]
-    },
-    set: Setting::By(|scene, _, [table, k], value| {
-        let table = &mut scene.config.mullins[table];
-        *[&mut table.r, &mut table.m, &mut table.beta][k] = value;
-        scene.config.check()?;
-        scene.set_mullins()
-    }),
-    check: any,
-    derivative: |swept, [table, k]| {
-        let laws = swept.scene.laws.iter().enumerate();
-        let own = laws.filter(|(_, law)| swept.scene.is_softened_by(law, table));
-        own.map(|(i, _)| total(swept, Mullins::owner(i), k)).sum()
-    },
-    scale: None,
-};
-
-pub(super) const MEMBRANE: Kind = Kind {
-    path: "membrane.TAG.thickness, .PARAMETER or .angle",
-    meaning: "the thickness of the sheet on a tag, a parameter of its law, or the angle of its warp to an axis",
-    list: |scene| {
-        let mut entries = Vec::new();
-        for (i, sheet) in scene.membranes.iter().enumerate() {
-            let on = &sheet.config.on;
-            entries.push((format!("{on}.thickness"), "m", [i, 0]));
-            let own =
-                parameters(sheet.material.law, &sheet.material.values).into_iter().enumerate();
-            entries.extend(own.map(|(k, (name, unit))| (format!("{on}.{name}"), unit, [i, k + 1])));
-            let angle = [i, sheet.material.values.len() + 1];
-            entries.extend(sheet.config.angle.map(|_| (format!("{on}.angle"), "°", angle)));
-        }
-        entries
-    },
-    value: |scene, [sheet, k]| scene.membranes[sheet].numbers()[k],
-    set: Setting::By(|scene, _, [sheet, k], value| {
-        let sheet = &mut scene.membranes[sheet];
-        match (k, sheet.material.values.get_mut(k.wrapping_sub(1))) {
-            (0, _) => sheet.thickness = value,
-            (_, Some(parameter)) => *parameter = value,
-            (_, None) => sheet.config.angle = Some(value),
-        }
-        Ok(())
-    }),
-    check: |scene, [sheet, _]| {
-        let sheet = &scene.membranes[sheet];
-        positive("the thickness of a membrane", sheet.thickness)?;
-        sheet.config.check_ranges(&sheet.config.title())?;
-        Ok(sheet.material.law.check(&sheet.material.values)?)
-    },
-    derivative: |swept, [sheet, k]| {
-        let by = total(swept, Membrane::owner(sheet), k);
-        let angle = k > swept.scene.membranes[sheet].material.values.len();
-        if angle { by.to_radians() } else { by }
     },
     scale: None,
 };

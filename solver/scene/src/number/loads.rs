@@ -1,22 +1,20 @@
 //! Numbers of loads and of the state at the start.
 
-use crate::config::{ChamberConfig, RigidConfig, SimConfig, TractionConfig};
+use crate::config::{ChamberConfig, SimConfig, TractionConfig};
 use crate::model::{Scene, ScenePart, nodes_of};
 use anyhow::ensure;
 use mechanics::body::Body;
-use mechanics::energy::{
-    BodyForce, ChamberId, Friction, RigidLoad, RigidMass, RigidMoment, Traction,
-};
+use mechanics::energy::{BodyForce, ChamberId, Friction, RigidLoad, Traction};
 use mechanics::forward::Problem;
 use mechanics::schedule::Written;
 use mesh::Vec3;
 
-use super::laws::{positive, total};
-use super::{Kind, Place, Setting, any, nothing_added};
+use super::laws::total;
+use super::{Indices, Row, Setting, any, nothing_added};
 
 const AXES: [&str; 3] = mechanics::symmetry::AXES;
 
-pub(super) const CHAMBER: Kind = Kind {
+pub(super) const CHAMBER: Row = Row {
     path: "chamber.TAG.KEY",
     meaning: "what is added to the pressure, fill, volume_change, volume_factor or injected volume of a chamber",
     list: |scene| {
@@ -40,7 +38,7 @@ pub(super) const CHAMBER: Kind = Kind {
     scale: Some(|scene, [chamber, _]| largest(scene, &scene.config.chamber[chamber].gas.value)),
 };
 
-pub(super) const FRICTION: Kind = Kind {
+pub(super) const FRICTION: Row = Row {
     path: "contact.friction",
     meaning: "the coefficient of friction, where there is some",
     list: |scene| {
@@ -61,7 +59,7 @@ pub(super) const FRICTION: Kind = Kind {
     scale: None,
 };
 
-pub(super) const GRAVITY: Kind = Kind {
+pub(super) const GRAVITY: Row = Row {
     path: "gravity.x, .y or .z",
     meaning: "what is added to a component of gravity",
     list: |scene| {
@@ -77,8 +75,10 @@ pub(super) const GRAVITY: Kind = Kind {
     derivative: |swept, [_, axis]| {
         let laws = 0..swept.scene.laws.len();
         let parts = 0..swept.scene.config.rigid.len();
-        let of_laws = laws.map(|law| total(swept, BodyForce::weight_owner(law), 1 + axis));
-        let of_parts = parts.map(|part| total(swept, RigidLoad::owner(part), 4 + axis));
+        let of_laws =
+            laws.map(|law| swept.by(BodyForce::weight_owner(law), &component("gravity", axis)));
+        let of_parts =
+            parts.map(|part| swept.by(RigidLoad::owner(part), &component("gravity", axis)));
         of_laws.chain(of_parts).sum()
     },
     scale: Some(|scene, _| {
@@ -86,7 +86,7 @@ pub(super) const GRAVITY: Kind = Kind {
     }),
 };
 
-pub(super) const TRACTION: Kind = Kind {
+pub(super) const TRACTION: Row = Row {
     path: "traction.TAG.x, .y or .z",
     meaning: "what is added to a component of the traction on a tag that has one",
     list: |scene| {
@@ -103,76 +103,14 @@ pub(super) const TRACTION: Kind = Kind {
     value: nothing_added,
     set: Setting::AddedTo(traction),
     check: any,
-    derivative: |swept, [load, axis]| total(swept, Traction::owner(load), axis),
+    derivative: |swept, [load, axis]| swept.by(Traction::owner(load), &component("traction", axis)),
     scale: Some(|scene, [load, _]| {
         let components = &scene.config.traction[load].traction.0;
         components.iter().map(|t| largest(scene, t)).fold(0.0, f64::max)
     }),
 };
 
-pub(super) const RIGID_MASS: Kind = Kind {
-    path: "rigid.PART.mass",
-    meaning: "the mass of a rigid part, where it has one",
-    list: |scene| {
-        let heavy = scene.config.rigid.iter().enumerate().filter(|(_, part)| part.mass > 0.0);
-        heavy.map(|(i, part)| (format!("{}.mass", part.on), "kg", [i, 0])).collect()
-    },
-    value: |scene, [part, _]| scene.config.rigid[part].mass,
-    set: Setting::By(|scene, _, [part, _], value| {
-        scene.config.rigid[part].mass = value;
-        Ok(())
-    }),
-    check: |scene, place| positive("a mass", (RIGID_MASS.value)(scene, place)),
-    derivative: |swept, [part, _]| {
-        let of = |id| total(swept, id, 0);
-        of(RigidLoad::owner(part)) + of(RigidMass::owner(part))
-    },
-    scale: None,
-};
-
-pub(super) const RIGID_FORCE: Kind = Kind {
-    path: "rigid.PART.force.x, .y or .z",
-    meaning: "what is added to a component of the force on a rigid part that has one",
-    list: |scene| {
-        let pushed = |part: &RigidConfig| part.force.0.iter().any(|force| !force.is_zero());
-        let parts = scene.config.rigid.iter().enumerate().filter(|(_, part)| pushed(part));
-        let one = |(i, part): (usize, &RigidConfig)| {
-            let (on, axes) = (part.on.clone(), part.axes());
-            let axes = AXES.iter().enumerate().filter(move |(k, _)| axes[*k]);
-            axes.map(move |(k, axis)| (format!("{on}.force.{axis}"), "N", [i, k]))
-        };
-        parts.flat_map(one).collect()
-    },
-    value: nothing_added,
-    set: Setting::AddedTo(rigid_force),
-    check: any,
-    derivative: |swept, [part, axis]| total(swept, RigidLoad::owner(part), 1 + axis),
-    scale: Some(|scene, [part, _]| {
-        let components = &scene.config.rigid[part].force.0;
-        components.iter().map(|force| largest(scene, force)).fold(0.0, f64::max)
-    }),
-};
-
-pub(super) const RIGID_MOMENT: Kind = Kind {
-    path: "rigid.PART.moment.x, .y or .z",
-    meaning: "what is added to a component of the moment on a rigid part, where it is not 0",
-    list: |scene| {
-        let one = |(i, part): (usize, &RigidConfig)| {
-            let turned = AXES.iter().enumerate().zip(&part.moment.0).filter(|(_, m)| !m.is_zero());
-            let paths =
-                turned.map(|((k, axis), _)| (format!("{}.moment.{axis}", part.on), "N m", [i, k]));
-            paths.collect::<Vec<_>>()
-        };
-        scene.config.rigid.iter().enumerate().flat_map(one).collect()
-    },
-    value: nothing_added,
-    set: Setting::AddedTo(rigid_moment),
-    check: any,
-    derivative: |swept, [part, axis]| total(swept, RigidMoment::owner(part), axis),
-    scale: Some(|scene, [part, axis]| largest(scene, &scene.config.rigid[part].moment.0[axis])),
-};
-
-pub(super) const VELOCITY: Kind = Kind {
+pub(super) const VELOCITY: Row = Row {
     path: "velocity.BODY.x, .y or .z",
     meaning: "a component of the velocity of a body at t = 0, where there is inertia",
     list: |scene| {
@@ -199,28 +137,25 @@ pub(super) const VELOCITY: Kind = Kind {
     scale: Some(|_, _| 1.0),
 };
 
-fn chamber(config: &mut SimConfig, [chamber, _]: Place) -> &mut Written {
+/// What a component of a vector is called among the numbers of a term.
+fn component(key: &str, axis: usize) -> String {
+    format!("{key}.{}", AXES[axis])
+}
+
+fn chamber(config: &mut SimConfig, [chamber, _]: Indices) -> &mut Written {
     &mut config.chamber[chamber].gas.value
 }
 
-fn gravity(config: &mut SimConfig, [_, axis]: Place) -> &mut Written {
+fn gravity(config: &mut SimConfig, [_, axis]: Indices) -> &mut Written {
     &mut config.gravity.0[axis]
 }
 
-fn traction(config: &mut SimConfig, [load, axis]: Place) -> &mut Written {
+fn traction(config: &mut SimConfig, [load, axis]: Indices) -> &mut Written {
     &mut config.traction[load].traction.0[axis]
 }
 
-fn rigid_force(config: &mut SimConfig, [part, axis]: Place) -> &mut Written {
-    &mut config.rigid[part].force.0[axis]
-}
-
-fn rigid_moment(config: &mut SimConfig, [part, axis]: Place) -> &mut Written {
-    &mut config.rigid[part].moment.0[axis]
-}
-
 /// The largest of a number over time, without sign, at the ends of time steps.
-fn largest(scene: &Scene, written: &Written) -> f64 {
+pub(super) fn largest(scene: &Scene, written: &Written) -> f64 {
     let schedule = scene.config.schedule(written);
     scene.times().iter().map(|&t| schedule.at(t).abs()).fold(0.0, f64::max)
 }

@@ -1,21 +1,22 @@
 //! The numbers of a scene: what may be calibrated, uncertain, other in a scenario, and checked.
 //!
-//! One row of [`KINDS`] for each kind of number: which ones a scene has, their value, how another
-//! one is set, and the derivative of a result by it, from the adjoint sweep. A number has a path,
+//! One entry of [`KINDS`] for each kind of number: which ones a scene has, their value, how another
+//! one is set, and the derivative of a result by it, from the adjoint sweep. Rooms of terms know their own. A number has a path,
 //! such as `material.body.c1`, `chamber.left.pressure` or `contact.friction`. A [`Group`] has
 //! numbers that change together, as all stresses by one factor do.
 
 mod group;
 mod laws;
 mod loads;
-mod reinforcement;
+mod room;
 mod walls;
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use anyhow::{Result, bail, ensure};
 use mechanics::adjoint::Gradient;
-use mechanics::energy::ParameterGradients;
+use mechanics::energy::{Owner, ParameterGradients, Term};
 use mechanics::forward::Problem;
 use mechanics::schedule::Written;
 use mesh::Vec3;
@@ -23,62 +24,67 @@ use program::{KeyPath, did_you_mean};
 
 use crate::config::SimConfig;
 use crate::model::Scene;
+use crate::term::Place;
+use laws::total;
 
 pub use group::{Change, Group};
 pub use loads::velocity_vjp;
 pub use walls::Walls;
 
-/// All kinds, in the order in which they are listed.
-pub const KINDS: &[Kind] = &[
-    laws::MATERIAL,
-    laws::DENSITY,
-    laws::RELAXATION,
-    laws::MULLINS,
-    laws::MEMBRANE,
-    reinforcement::FIBRE,
-    reinforcement::WINDING,
-    reinforcement::COURSE,
-    loads::CHAMBER,
-    loads::FRICTION,
-    loads::GRAVITY,
-    loads::TRACTION,
-    loads::RIGID_MASS,
-    loads::RIGID_FORCE,
-    loads::RIGID_MOMENT,
-    loads::VELOCITY,
-    walls::WALL,
-];
+/// All kinds, in the order in which they are listed: rows, and rooms of terms.
+pub static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
+    let laws = [laws::MATERIAL, laws::DENSITY].map(Kind::Row);
+    let none = SimConfig::default();
+    let rooms = none.rooms().into_iter().map(|room| Kind::Room(room.list(), room.explained()));
+    let loads = [
+        loads::CHAMBER,
+        loads::FRICTION,
+        loads::GRAVITY,
+        loads::TRACTION,
+        loads::VELOCITY,
+        walls::WALL,
+    ];
+    laws.into_iter().chain(rooms).chain(loads.map(Kind::Row)).collect()
+});
 
 /// A kind of number.
-pub struct Kind {
+pub enum Kind {
+    /// By functions of its own.
+    Row(Row),
+    /// Those of a room of terms, by its list, with the paths and what they are.
+    Room(&'static str, [&'static str; 2]),
+}
+
+/// A kind of number that is of no room.
+pub struct Row {
     /// The path; words in capitals are names of the scene.
-    pub path: &'static str,
+    path: &'static str,
     /// What it is.
-    pub meaning: &'static str,
+    meaning: &'static str,
     /// The numbers of a scene that are of this kind: rest of the path, unit and place.
     list: fn(&Scene) -> Vec<Entry>,
-    value: fn(&Scene, Place) -> f64,
+    value: fn(&Scene, Indices) -> f64,
     set: Setting,
     /// Whether the scene admits the value that was set.
-    check: fn(&Scene, Place) -> Result<()>,
-    derivative: fn(&Swept, Place) -> f64,
+    check: fn(&Scene, Indices) -> Result<()>,
+    derivative: fn(&Swept, Indices) -> f64,
     /// What changes of it are small against, where that is not its value.
-    scale: Option<fn(&Scene, Place) -> f64>,
+    scale: Option<fn(&Scene, Indices) -> f64>,
 }
 
 /// How a number is given a value.
 enum Setting {
     /// By a function.
-    By(fn(&mut Scene, Option<&Walls>, Place, f64) -> Result<()>),
+    By(fn(&mut Scene, Option<&Walls>, Indices, f64) -> Result<()>),
     /// It is added to this function of time.
-    AddedTo(fn(&mut SimConfig, Place) -> &mut Written),
+    AddedTo(fn(&mut SimConfig, Indices) -> &mut Written),
 }
 
 /// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
-type Place = [usize; 2];
+type Indices = [usize; 2];
 
 /// A number in the list of its kind: what its path has after the word of the kind, SI unit, place.
-type Entry = (String, &'static str, Place);
+type Entry = (String, &'static str, Indices);
 
 /// The derivatives of a result by all that a run depends on.
 pub struct Swept<'a> {
@@ -101,6 +107,14 @@ impl<'a> Swept<'a> {
         Self { scene, problem, by, by_walls }
     }
 
+    /// The derivative by a number of an owner, by its key; 0 where no term has it.
+    fn by(&self, owner: Owner, key: &str) -> f64 {
+        let own = |term: &&Term| term.owners.last().is_some_and(|(last, _)| *last == owner);
+        let place = |term: &Term| term.energy.slots().iter().position(|slot| slot.key == key);
+        let place = self.problem.energies.terms().find(own).and_then(place);
+        place.map_or(0.0, |k| total(self, owner, k))
+    }
+
     /// Derivatives by the numbers that the energies are made with.
     pub fn parameters(&self) -> &ParameterGradients {
         &self.by.parameters
@@ -114,24 +128,46 @@ pub struct Number {
     pub path: String,
     /// SI unit.
     pub unit: &'static str,
+    /// Its key in its table, as the last part of the path, where it is of a room; empty of others.
+    pub key: String,
     kind: &'static Kind,
-    place: Place,
+    place: Indices,
 }
 
 impl Kind {
+    /// The path; words in capitals are names of the scene.
+    pub fn path(&self) -> &'static str {
+        match self {
+            Self::Row(row) => row.path,
+            Self::Room(_, [paths, _]) => paths,
+        }
+    }
+
+    /// What it is.
+    pub fn meaning(&self) -> &'static str {
+        match self {
+            Self::Row(row) => row.meaning,
+            Self::Room(_, [_, meaning]) => meaning,
+        }
+    }
+
     /// The first word of the paths.
     pub fn word(&self) -> &'static str {
-        self.path.split('.').next().unwrap_or_default()
+        self.path().split('.').next().unwrap_or_default()
     }
 
     /// The numbers in a scene.
     pub fn numbers(&'static self, scene: &Scene) -> Vec<Number> {
+        let row = match self {
+            Self::Row(row) => row,
+            Self::Room(list, _) => return room::numbers(self, list, scene),
+        };
         let number = |(name, unit, place): Entry| {
             let path = [self.word(), &name].map(str::to_owned);
             let path = path.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>();
-            Number { path: path.join("."), unit, kind: self, place }
+            Number { path: path.join("."), unit, key: String::new(), kind: self, place }
         };
-        (self.list)(scene).into_iter().map(number).collect()
+        (row.list)(scene).into_iter().map(number).collect()
     }
 }
 
@@ -157,7 +193,7 @@ impl Number {
 
     /// Whether it is how far a wall stands off, which is added to where the wall is.
     pub fn is_wall(&self) -> bool {
-        self.word() == walls::WALL.word()
+        self.word() == "wall"
     }
 
     /// The word of its kind.
@@ -173,36 +209,61 @@ impl Number {
     /// The value in a scene, in its unit; of what may be a function of time, or of a position,
     /// what is added to it: 0.
     pub fn value(&self, scene: &Scene) -> f64 {
-        (self.kind.value)(scene, self.place)
+        match self.kind {
+            Kind::Row(row) => (row.value)(scene, self.place),
+            Kind::Room(..) if self.is_added(scene) => 0.0,
+            Kind::Room(..) => self.constant(scene).unwrap_or_default(),
+        }
+    }
+
+    /// Whether a value is added to a function of time.
+    fn is_added(&self, scene: &Scene) -> bool {
+        match self.kind {
+            Kind::Row(row) => matches!(row.set, Setting::AddedTo(_)),
+            Kind::Room(list, _) => room::written(self, list, scene).1,
+        }
+    }
+
+    /// The function of time to which it is added.
+    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Written> {
+        match self.kind {
+            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => Some(of(config, self.place)),
+            Kind::Row(_) => None,
+            Kind::Room(list, _) => match room::place(self, list, config) {
+                Place::AddedTo(written) => Some(written),
+                Place::Value(_) => None,
+            },
+        }
     }
 
     /// Gives it a value. Several numbers may have to change before a scene admits them:
     /// [`Self::check`] says whether it does.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
-        match self.kind.set {
-            Setting::By(set) => {
-                set(scene, walls, self.place, value)?;
-                let given = scene.given.entry(self.path.clone()).or_default();
-                *given = if self.is_wall() { *given + value } else { value };
-                Ok(())
+        if let Some(written) = self.added_to(&mut scene.config) {
+            return Ok(written.add(value)?);
+        }
+        match self.kind {
+            Kind::Row(Row { set: Setting::By(set), .. }) => set(scene, walls, self.place, value)?,
+            Kind::Row(_) => {}
+            Kind::Room(list, _) => {
+                if let Place::Value(number) = room::place(self, list, &mut scene.config) {
+                    *number = value;
+                }
             }
-            Setting::AddedTo(of) => Ok(of(&mut scene.config, self.place).add(value)?),
         }
-    }
-
-    /// The function of time to which it is added, where it is added to one.
-    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Written> {
-        match self.kind.set {
-            Setting::By(_) => None,
-            Setting::AddedTo(of) => Some(of(config, self.place)),
-        }
+        let given = scene.given.entry(self.path.clone()).or_default();
+        *given = if self.is_wall() { *given + value } else { value };
+        Ok(())
     }
 
     /// What it is in a scene, where it is no function of time or of the position.
     pub fn constant(&self, scene: &Scene) -> Option<f64> {
-        match self.kind.set {
-            Setting::By(_) => Some(self.value(scene)),
-            Setting::AddedTo(of) => of(&mut scene.config.clone(), self.place).number(),
+        match self.kind {
+            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => {
+                of(&mut scene.config.clone(), self.place).number()
+            }
+            Kind::Row(row) => Some((row.value)(scene, self.place)),
+            Kind::Room(list, _) => room::written(self, list, scene).0.number(),
         }
     }
 
@@ -223,17 +284,26 @@ impl Number {
 
     /// Whether the scene admits its value.
     pub fn check(&self, scene: &Scene) -> Result<()> {
-        (self.kind.check)(scene, self.place)
+        match self.kind {
+            Kind::Row(row) => (row.check)(scene, self.place),
+            Kind::Room(..) => scene.config.check(),
+        }
     }
 
     /// What changes of it are small against, in its unit, where that is not its value.
     pub fn scale(&self, scene: &Scene) -> Option<f64> {
-        self.kind.scale.map(|scale| scale(scene, self.place))
+        match self.kind {
+            Kind::Row(row) => row.scale.map(|scale| scale(scene, self.place)),
+            Kind::Room(list, _) => room::scale(self, list, scene),
+        }
     }
 
     /// The derivative of a result by it.
     pub fn derivative(&self, swept: &Swept) -> f64 {
-        (self.kind.derivative)(swept, self.place)
+        match self.kind {
+            Kind::Row(row) => (row.derivative)(swept, self.place),
+            Kind::Room(list, _) => room::derivative(self, list, swept),
+        }
     }
 }
 
@@ -250,11 +320,11 @@ pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
 }
 
 /// Every value is admitted.
-fn any(_: &Scene, _: Place) -> Result<()> {
+fn any(_: &Scene, _: Indices) -> Result<()> {
     Ok(())
 }
 
 /// What may be a function of time or of a position is changed by adding to it.
-fn nothing_added(_: &Scene, _: Place) -> f64 {
+fn nothing_added(_: &Scene, _: Indices) -> f64 {
     0.0
 }

@@ -7,10 +7,10 @@ use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 use mesh::offset::shifts;
 
-use super::{Kind, Number, Setting, any, nothing_added};
+use super::{Number, Row, Setting, any, nothing_added};
 use mechanics::extension::Extension;
 
-pub(super) const WALL: Kind = Kind {
+pub(super) const WALL: Row = Row {
     path: "wall.TAG or wall",
     meaning: "how far the whole boundary, or the part with a tag, stands outward along its normal; rigid parts stay where they are",
     list: |scene| {
@@ -65,7 +65,7 @@ impl Walls {
         numbers: impl IntoIterator<Item = &'a Number>,
         scene: &Scene,
     ) -> Result<Option<Self>> {
-        let any = numbers.into_iter().any(|number| number.word() == WALL.word());
+        let any = numbers.into_iter().any(|number| number.is_wall());
         any.then(|| Self::new(scene)).transpose()
     }
 

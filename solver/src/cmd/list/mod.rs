@@ -47,7 +47,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let text = match arguments {
-        Arguments { numbers: true, .. } => joined(number::KINDS, number_text),
+        Arguments { numbers: true, .. } => joined(&number::KINDS, number_text),
         Arguments { objectives: true, .. } => {
             quantities(List::Objective, &ObjectiveConfig::common_keys())
         }
@@ -78,7 +78,7 @@ fn kind_text(kind: &Kind, list: List) -> String {
 }
 
 fn number_text(kind: &number::Kind) -> String {
-    format!("{}\n", kind.path) + &wrapped("", kind.meaning)
+    format!("{}\n", kind.path()) + &wrapped("", kind.meaning())
 }
 
 /// Keys with their meanings, one under the other.

@@ -72,7 +72,7 @@ pub fn under(scene: &Scene, scenario: &ScenarioConfig) -> Result<Scene> {
 /// Why nothing in the scene is changed by a factor.
 fn lacking(scene: &Scene, key: &str, on: Option<&str>) -> String {
     if key == "membrane" {
-        let tags: Vec<&str> = scene.membranes.iter().map(|m| m.config.on.as_str()).collect();
+        let tags: Vec<&str> = scene.config.membrane.iter().map(|m| m.on.as_str()).collect();
         return match tags[..] {
             [] => "the scene has no [[membrane]]".to_owned(),
             _ => format!("no [[membrane]] is on it; expected some of: {}", tags.join(", ")),

@@ -7,7 +7,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use pulp::{Simd, WithSimd};
 
-use super::{Energy, Hessian, Iterate, Nature};
+use super::{Energy, Hessian, Iterate, Nature, Slot};
 use crate::element::{FunctionSpace, add_at};
 use crate::math::lanes::{Lanes, MOST, widest};
 use crate::math::pool::Pool;
@@ -52,6 +52,11 @@ pub(super) trait ElementEnergy: Send + Sync {
 
     /// Number of its parameters.
     fn parameter_count(&self) -> usize;
+
+    /// Its parameters, where they are not those of a law.
+    fn slots(&self) -> Vec<Slot> {
+        Vec::new()
+    }
 
     /// λᵀ ∂²E/∂u∂p of some elements, by the parameters; or several of these, one after the other, to be added.
     fn parameters_vjp<const N: usize>(
@@ -341,6 +346,10 @@ impl<E: ElementEnergy + 'static> Energy for E {
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         with_nodes!(iterate.space, merge_mixed::<E>(self, iterate, lambda, out));
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        ElementEnergy::slots(self)
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

@@ -9,7 +9,7 @@ use pulp::Simd;
 use super::Fibres;
 use crate::element::FunctionSpace;
 use crate::energy::elements::{Batch, Blocks, ElementEnergy, Nodal, points};
-use crate::energy::{Hessian, Iterate, Profile};
+use crate::energy::{Hessian, Iterate, Profile, Slot};
 use crate::material::fibre::Fibre;
 use crate::math::lanes::tensor::{Tensor, plus_identity, scaled};
 use crate::math::lanes::{Lanes, MOST};
@@ -234,6 +234,14 @@ impl ElementEnergy for Fibres {
 
     fn mixed_vjp<const N: usize>(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4] {
         self.element_mixed(at, lambda, element)
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        let along = |profile: Option<&Profile>| profile.map(|profile| profile.values().len());
+        let mut slots = Slot::along("k1", "Pa", along(self.stiffness.as_ref()));
+        slots.extend(["k2", "dispersion"].map(|key| Slot::new(key, "1")));
+        slots.extend(Slot::along("angle", "rad", along(self.directions.profile())));
+        slots
     }
 
     fn parameter_count(&self) -> usize {

@@ -38,7 +38,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::{Matrix2, Matrix3x2, SMatrix, Vector2};
 
-use super::{Direction, Energy, Hessian, Iterate, Nature, Owner};
+use super::{Direction, Energy, Hessian, Iterate, Nature, Owner, Slot};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::sheet::{self, Sheet, State, Strain, Stress};
 use crate::math::sparse::BlockMatrix;
@@ -401,8 +401,14 @@ impl Energy for Membrane {
         );
     }
 
+    fn slots(&self) -> Vec<Slot> {
+        let law = self.sheet.parameters().iter().map(|own| Slot::new(own.name, own.unit));
+        let angle = self.direction.map(|_| Slot::new("angle", "rad"));
+        [Slot::new("thickness", "m")].into_iter().chain(law).chain(angle).collect()
+    }
+
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        let count = 1 + self.sheet.parameter_count();
+        let count = 1 + self.sheet.parameters().len();
         let angles = usize::from(self.direction.is_some());
         let mut sum = vec![0.0; count + angles];
         self.for_each_facet(

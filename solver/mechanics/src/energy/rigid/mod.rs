@@ -32,7 +32,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 
-use super::{Chord, Energy, Hessian, Iterate, Nature, Owner, PastCotangent, chord};
+use super::{Chord, Energy, Hessian, Iterate, Nature, Owner, PastCotangent, Slot, chord};
 use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
@@ -304,6 +304,10 @@ impl Energy for RigidMass {
         });
     }
 
+    fn slots(&self) -> Vec<Slot> {
+        vec![Slot::new("mass", "kg")]
+    }
+
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
         let Some((rate, deviation)) = Self::deviation(iterate) else { return vec![0.0] };
         let unit = Self { mass: 1.0, ..self.clone() };
@@ -394,6 +398,12 @@ impl Energy for RigidLoad {
 
     /// By the mass, then by the three components of what is added to the force, and to gravity, which is ramped up
     /// in the first step as the rest of it.
+    fn slots(&self) -> Vec<Slot> {
+        let [force, gravity] =
+            [Slot::components("force", "N"), Slot::components("gravity", "m/s²")];
+        [Slot::new("mass", "kg")].into_iter().chain(force).chain(gravity).collect()
+    }
+
     fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {
         let moved = self.of_point(lambda);
         let by_force = |axis: usize| -(1.0 - self.force.0[axis].to_come(at.time)) * moved[axis];

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::super::{Energy, Hessian, Iterate, Nature, Owner};
+use super::super::{Energy, Hessian, Iterate, Nature, Owner, Slot};
 use super::pairs;
 use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
@@ -199,6 +199,10 @@ impl Energy for RigidMoment {
     fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {}
 
     /// By what is added to the three moments.
+    fn slots(&self) -> Vec<Slot> {
+        Slot::components("moment", "N m").to_vec()
+    }
+
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
         let by = |(moment, turn): (&Schedule, &Option<Turn>)| {
             let turn = turn.as_ref()?;

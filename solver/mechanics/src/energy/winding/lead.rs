@@ -9,7 +9,7 @@
 //! there.
 
 use crate::element::quadrature::gauss_jacobi;
-use crate::energy::Profile;
+use crate::energy::{Profile, Slot};
 
 /// Points of the rule in each piece of a spline.
 const POINTS: usize = 10;
@@ -57,6 +57,18 @@ impl Lead {
     pub fn number(&self) -> &Along {
         match self {
             Self::Pitch(along) | Self::Angle(along, _) => along,
+        }
+    }
+
+    /// What the values of the pitch or the angle are called.
+    pub(super) fn slots(&self) -> Vec<Slot> {
+        let values = match self.number() {
+            Along::Number(_) => None,
+            Along::Profile(profile) => Some(profile.values().len()),
+        };
+        match self {
+            Self::Pitch(_) => Slot::along("pitch", "m", values),
+            Self::Angle(..) => Slot::along("angle", "rad", values),
         }
     }
 

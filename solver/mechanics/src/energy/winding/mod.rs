@@ -34,7 +34,7 @@ mod measures;
 
 use mesh::Vec3;
 
-use super::{Energy, Hessian, Iterate, Nature, Owner, Profile};
+use super::{Energy, Hessian, Iterate, Nature, Owner, Profile, Slot};
 use crate::element::quadrature::Rule;
 use crate::element::{FunctionSpace, add_at, at, tabulate};
 use crate::material::slack::square;
@@ -63,6 +63,8 @@ pub struct Winding {
     /// Places of the points of a segment, and their weights.
     rule: Vec<(f64, f64)>,
     segments: Vec<Segment>,
+    /// The helix that it is, if it is one.
+    pub helix: Option<Helix>,
 }
 
 /// A straight piece of a thread in a facet or a tetrahedron.
@@ -260,7 +262,12 @@ impl Winding {
         let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();
         let turns = pieces.iter().map(|piece| piece.range[1] - piece.range[0]).sum();
         let rule = rule(space.degree());
-        Self { stiffness: vec![stiffness], pretension, slack, turns, rule, segments }
+        Self { stiffness: vec![stiffness], pretension, slack, turns, rule, segments, helix: None }
+    }
+
+    /// The same as a helix, or two of both hands, whose lead and phase are numbers of the thread, too.
+    pub fn with_helix(self, helix: Option<Helix>) -> Self {
+        Self { helix, ..self }
     }
 
     /// The same with a stiffness that changes along an axis [N]: each point of the thread has that of its height at rest.
@@ -419,6 +426,17 @@ impl Energy for Winding {
                 }
             },
         );
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        let values = (self.stiffness.len() > 1).then_some(self.stiffness.len());
+        let mut slots = Slot::along("stiffness", "N", values);
+        slots.push(Slot::new("pretension", "N"));
+        if let Some(helix) = &self.helix {
+            slots.extend(helix.lead.slots());
+            slots.push(Slot::new("phase", "rad"));
+        }
+        slots
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {

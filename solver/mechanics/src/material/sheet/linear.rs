@@ -72,8 +72,8 @@ impl Sheet for Linear {
         self.plane() * Mat3::new(1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu))
     }
 
-    fn parameter_count(&self) -> usize {
-        LAW.parameters.len()
+    fn parameters(&self) -> &'static [Parameter] {
+        LAW.parameters
     }
 
     fn add_parameter_vjp(&self, e: &Strain, s_bar: &Strain, out: &mut [f64]) {

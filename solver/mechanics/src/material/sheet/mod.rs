@@ -24,7 +24,7 @@ pub use neo_hookean::NeoHookean;
 pub use tension::{State, Strip, TensionField, principal};
 pub use woven::Woven;
 
-use super::Law;
+use super::{Law, Parameter};
 use crate::math::tensor::Mat3;
 
 /// Green–Lagrange strain [E₁₁, E₂₂, 2 E₁₂] in the plane of a sheet.
@@ -41,8 +41,8 @@ pub trait Sheet: Send + Sync {
     fn stress(&self, e: &Strain) -> Stress;
     /// D = ∂S/∂E [Pa]; where a second derivative jumps, that of one side.
     fn tangent(&self, e: &Strain) -> Mat3;
-    /// Number of parameters.
-    fn parameter_count(&self) -> usize;
+    /// What its law is made with, one number each.
+    fn parameters(&self) -> &'static [Parameter];
     /// Adds S̄ · ∂S/∂parameters for S̄ = [S̄₁₁, S̄₂₂, 2 S̄₁₂], in the order of the law's
     /// [`Law::parameters`].
     fn add_parameter_vjp(&self, e: &Strain, s_bar: &Strain, out: &mut [f64]);

@@ -83,8 +83,8 @@ impl Sheet for NeoHookean {
         self.mu * (4.0 / det.powi(3) * cof * cof.transpose() - 2.0 / det.powi(2) * by_cofactor)
     }
 
-    fn parameter_count(&self) -> usize {
-        LAW.parameters.len()
+    fn parameters(&self) -> &'static [Parameter] {
+        LAW.parameters
     }
 
     fn add_parameter_vjp(&self, e: &Strain, s_bar: &Strain, out: &mut [f64]) {

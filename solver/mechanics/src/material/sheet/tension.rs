@@ -37,6 +37,7 @@
 //! doi:10.1098/rspa.1990.0055.
 
 use super::{Sheet, Strain, Stress};
+use crate::material::Parameter;
 use crate::math::tensor::Mat3;
 
 /// The relaxed energy of a law.
@@ -140,8 +141,8 @@ impl Sheet for TensionField {
         }
     }
 
-    fn parameter_count(&self) -> usize {
-        self.0.parameter_count()
+    fn parameters(&self) -> &'static [Parameter] {
+        self.0.parameters()
     }
 
     /// ∂ψᵣ/∂p is ∂ψ/∂p in the strip, so that ∂S/∂p is ∂S/∂p there times the derivative of its strain by E: of

@@ -184,8 +184,8 @@ impl Sheet for Woven {
         self.stiffness()
     }
 
-    fn parameter_count(&self) -> usize {
-        LAW.parameters.len()
+    fn parameters(&self) -> &'static [Parameter] {
+        LAW.parameters
     }
 
     /// ∂D = −D ∂C D, with T = D S̄.

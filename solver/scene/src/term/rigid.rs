@@ -2,11 +2,13 @@
 
 use anyhow::{Result, ensure};
 use measure::written::FieldSchema;
+use mechanics::energy::{RigidLoad, RigidMass, RigidMoment};
 use mechanics::schedule::{WrittenField, axes};
 use program::table::Range;
 use program::{KeyPath, misfit};
 
-use super::{SimConfig, some_axes};
+use super::direction::some_axes;
+use super::{Around, Known, TableNumber, TermTable, components, value};
 
 program::table! {
     /// A part that moves without changing its shape: what a tag is glued to, such as a fitting or a disc, or a whole
@@ -42,7 +44,8 @@ impl RigidConfig {
         axes(&self.along)
     }
 
-    fn check(&self) -> Result<()> {
+    /// Whether what guides it admits its loads.
+    fn check_guides(&self) -> Result<()> {
         let Self { along, turns, .. } = self;
         ensure!(
             self.axes() == [true; 3] || !turns,
@@ -75,18 +78,29 @@ impl RigidConfig {
     }
 }
 
-impl SimConfig {
-    /// Checks what can be checked of rigid parts without a body.
-    pub(super) fn check_rigid(&self) -> Result<()> {
-        for (i, part) in self.rigid.iter().enumerate() {
-            part.check()?;
+impl TermTable for RigidConfig {
+    const LIST: &'static str = "rigid";
+    const PATHS: &'static str = "rigid.PART.mass, .force.x or .moment.x";
+    const MEANING: &'static str = "the mass of a rigid part, where it has one; what is added to a component of the force on one that has \
+         a force, or to one of its moment that is not 0";
+
+    fn name(&self, _: usize) -> String {
+        self.on.clone()
+    }
+
+    fn in_words(&self) -> Option<String> {
+        None
+    }
+
+    fn check(all: &[Self], around: &Around) -> Result<()> {
+        for (i, part) in all.iter().enumerate() {
+            part.check_guides()?;
             ensure!(
-                self.rigid[..i].iter().all(|other| other.on != part.on),
+                all[..i].iter().all(|other| other.on != part.on),
                 misfit!(part.title(), " is given twice")
             );
-            let counts = self.method().has_inertia() || !self.gravity.is_zero();
             ensure!(
-                part.mass == 0.0 || counts,
+                part.mass == 0.0 || around.method.has_inertia() || around.has_gravity,
                 misfit!(
                     part.title().key("mass"),
                     " = {} kg means nothing without gravity and inertia; expected gravity, or [time] with a method \
@@ -94,9 +108,8 @@ impl SimConfig {
                     part.mass
                 )
             );
-            let is_body = self.body.iter().any(|body| body.name == part.on);
             ensure!(
-                !is_body || part.mass == 0.0,
+                !around.bodies.contains(&&*part.on) || part.mass == 0.0,
                 misfit!(
                     part.title().key("mass"),
                     " = {} kg: a body has the mass of its material's density; expected none",
@@ -105,5 +118,23 @@ impl SimConfig {
             );
         }
         Ok(())
+    }
+
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
+        let (axes, pushed) = (self.axes(), !self.force.is_zero());
+        let turned = self.moment.0.each_ref().map(|moment| !moment.is_zero());
+        let Self { mass, force, moment, .. } = self;
+        let heavy = *mass > 0.0;
+        let force = components("force", "N", force).zip(axes);
+        let moment = components("moment", "N m", moment).zip(turned);
+        let vectors = force.filter(|_| pushed).chain(moment).filter(|(_, counts)| *counts);
+        let mass = heavy.then(|| value("mass", "kg", mass));
+        mass.into_iter().chain(vectors.map(|(number, _)| number)).collect()
+    }
+
+    fn derivative(_: &[Self], place: usize, key: &str, known: &Known) -> f64 {
+        let [load, mass, moment] = [RigidLoad::owner, RigidMass::owner, RigidMoment::owner]
+            .map(|owner| (known.by)(owner(place), key));
+        load + mass + moment
     }
 }

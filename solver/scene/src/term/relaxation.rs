@@ -1,10 +1,11 @@
 //! `[[relaxation]]`: stress that a material has for a while beside that of its law.
 
 use anyhow::{Result, ensure};
+use mechanics::energy::Viscous;
 use program::table::Range;
 use program::{KeyPath, misfit};
 
-use super::SimConfig;
+use super::{Around, Known, Region, TableNumber, TermTable, value};
 
 program::table! {
     /// A Maxwell branch beside the laws of bodies: one term of a Prony series. The law alone is what is
@@ -20,22 +21,27 @@ program::table! {
     }
 }
 
-impl RelaxationConfig {
-    /// What reports and messages call it.
-    pub fn in_words(&self) -> String {
+impl TermTable for RelaxationConfig {
+    const LIST: &'static str = "relaxation";
+    const PATHS: &'static str = "relaxation.N.overstress or .time";
+    const MEANING: &'static str = "a number of the N-th [[relaxation]], counted from 1";
+
+    fn name(&self, place: usize) -> String {
+        (place + 1).to_string()
+    }
+
+    fn in_words(&self) -> Option<String> {
         let Self { on, overstress, time } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
-        format!(
+        Some(format!(
             "relaxation{on}: {:.1} % more isochoric stress at once, for {time} s",
             100.0 * overstress
-        )
+        ))
     }
-}
 
-impl SimConfig {
-    pub(super) fn check_relaxation(&self) -> Result<()> {
+    fn check(all: &[Self], around: &Around) -> Result<()> {
         ensure!(
-            self.relaxation.is_empty() || self.time.is_some(),
+            all.is_empty() || around.in_time,
             misfit!(
                 KeyPath::list("relaxation"),
                 " without [time]: a scene without time steps has no rate; its state is that after a long \
@@ -44,5 +50,21 @@ impl SimConfig {
             )
         );
         Ok(())
+    }
+
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
+        let Self { overstress, time, .. } = self;
+        vec![value("overstress", "1", overstress), value("time", "s", time)]
+    }
+
+    /// Each law has the branches of the tables that are of it, one after the other.
+    fn derivative(all: &[Self], place: usize, key: &str, known: &Known) -> f64 {
+        let of = |(law, region): (usize, &Region)| {
+            let is_own = |table: &&Self| region.is_of(table.on.as_deref());
+            let branch = all[..place].iter().filter(is_own).count() + 1;
+            let own = is_own(&&all[place]);
+            own.then(|| (known.by)(Viscous::owner(law), &format!("{branch}.{key}")))
+        };
+        known.regions.iter().enumerate().filter_map(of).sum()
     }
 }

@@ -1,16 +1,20 @@
 //! `[[winding]]`: a thread that is wound on a tag.
 
+mod lay; // threads of a body
+mod measures; // what a report says of them
+
 use anyhow::{Result, ensure};
 use measure::written::Names;
-use mechanics::energy::Profile;
+use mechanics::body::Body;
+use mechanics::energy::{Profile, Term, Winding};
 use mechanics::material::slack::DEFAULT_SLACK;
 use program::table::{Range, nested};
 use program::{KeyPath, misfit};
+use reports::Terms;
 
-use super::SimConfig;
-use super::fibre::check_names;
 use super::line::AroundConfig;
 use super::profile::Along;
+use super::{Around, Ground, State, TableNumber, TermTable, along, check_names, owned, value};
 
 /// Most turns of a helix.
 const MOST_TURNS: f64 = 10_000.0;
@@ -71,29 +75,6 @@ impl WindingConfig {
         KeyPath::list("winding").named(&self.name)
     }
 
-    /// What reports and messages call it.
-    pub fn in_words(&self) -> String {
-        let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
-        let course = match (pitch, angle) {
-            (Some(pitch), _) => {
-                format!(
-                    "helix of pitch {} mm",
-                    pitch.in_words(|pitch| format!("{:.3}", 1e3 * pitch))
-                )
-            }
-            (None, Some(angle)) => {
-                format!("helix at {}°", angle.in_words(|angle| angle.to_string()))
-            }
-            (None, None) => format!("line through {} points", points.len()),
-        };
-        let double = if *double { ", double" } else { "" };
-        let on = on.all().join(" and ");
-        format!(
-            "winding {name} on {on}: {course}{double}, EA {} N",
-            stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
-        )
-    }
-
     /// How a helix climbs; none of a line through points.
     pub fn climb(&self) -> Result<Option<Climb<'_>>> {
         if !self.points.is_empty() {
@@ -121,7 +102,7 @@ impl WindingConfig {
     }
 
     /// Heights of the ends of a helix, on a tag between two heights [m].
-    pub fn heights(&self, [low, high]: [f64; 2]) -> Result<[f64; 2]> {
+    fn heights(&self, [low, high]: [f64; 2]) -> Result<[f64; 2]> {
         let (start, end) = (self.start.unwrap_or(low), self.end.unwrap_or(high));
         ensure!(
             end > start && (end - start).is_finite(),
@@ -131,7 +112,7 @@ impl WindingConfig {
     }
 
     /// Refuses a helix of too many turns.
-    pub fn check_turns(&self, turns: f64) -> Result<()> {
+    fn check_turns(&self, turns: f64) -> Result<()> {
         let course = self.pitch.as_ref().map(|pitch| ("pitch", pitch, "m"));
         let course = course.or(self.angle.as_ref().map(|angle| ("angle", angle, "°")));
         let course = course.map_or(String::new(), |(key, along, unit)| {
@@ -145,7 +126,7 @@ impl WindingConfig {
     }
 
     /// Whether it is one course.
-    fn check(&self) -> Result<()> {
+    fn check_course(&self) -> Result<()> {
         let key = |key: &str| self.title().key(key);
         ensure!(
             !self.on.all().is_empty(),
@@ -230,11 +211,42 @@ fn check_hand(key: &KeyPath, along: &Along, unit: &str) -> Result<()> {
     Ok(())
 }
 
-impl SimConfig {
-    pub(super) fn check_windings(&self) -> Result<()> {
-        check_names("winding", self.winding.iter().map(|winding| &winding.name))?;
-        self.winding.iter().try_for_each(WindingConfig::check)?;
-        if let (Some(winding), false) = (self.winding.first(), self.symmetry.is_empty()) {
+impl TermTable for WindingConfig {
+    const LIST: &'static str = "winding";
+    const PATHS: &'static str = "winding.NAME.stiffness, .pretension, .pitch, .angle or .phase";
+    const MEANING: &'static str = "the stiffness EA or the pretension of a [[winding]], or the pitch or the angle, as the scene has it, and \
+         the phase of one around an axis; of a table along the axis, with its place, as in winding.NAME.stiffness.2";
+
+    fn name(&self, _: usize) -> String {
+        self.name.clone()
+    }
+
+    fn in_words(&self) -> Option<String> {
+        let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
+        let course = match (pitch, angle) {
+            (Some(pitch), _) => {
+                format!(
+                    "helix of pitch {} mm",
+                    pitch.in_words(|pitch| format!("{:.3}", 1e3 * pitch))
+                )
+            }
+            (None, Some(angle)) => {
+                format!("helix at {}°", angle.in_words(|angle| angle.to_string()))
+            }
+            (None, None) => format!("line through {} points", points.len()),
+        };
+        let double = if *double { ", double" } else { "" };
+        let on = on.all().join(" and ");
+        Some(format!(
+            "winding {name} on {on}: {course}{double}, EA {} N",
+            stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
+        ))
+    }
+
+    fn check(all: &[Self], around: &Around) -> Result<()> {
+        check_names(Self::LIST, all.iter().map(|winding| &winding.name))?;
+        all.iter().try_for_each(Self::check_course)?;
+        if let (Some(winding), false) = (all.first(), around.cuts.is_empty()) {
             return Err(misfit!(
                 winding.title(),
                 " beside [[symmetry]]: a helix is not its own mirror image, and would leave the part at the cut; \
@@ -243,5 +255,40 @@ impl SimConfig {
             .into());
         }
         Ok(())
+    }
+
+    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
+        let threads = all.iter().map(|winding| lay::thread(winding, ground));
+        Ok(owned::<Self>(threads.collect::<Result<Vec<_>>>()?))
+    }
+
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
+        let Self { stiffness, pretension, pitch, angle, phase, points, .. } = self;
+        let mut all: Vec<_> = along("stiffness", "N", stiffness).collect();
+        all.push(value("pretension", "N", pretension));
+        if points.is_empty() {
+            all.extend(pitch.iter_mut().flat_map(|pitch| along("pitch", "m", pitch)));
+            all.extend(angle.iter_mut().flat_map(|angle| along("angle", "°", angle)));
+            all.push(value("phase", "°", phase));
+        }
+        all
+    }
+
+    fn warnings(&self, body: &Body) -> Vec<String> {
+        let Some((i, distance)) = lay::farthest_point(self, body) else { return Vec::new() };
+        let [x, y, z] = self.points[i].map(|x| 1e3 * x);
+        vec![format!(
+            "winding {}: point {} of the line, ({x:.3}, {y:.3}, {z:.3}) mm, is {:.3} mm from \"{}\"; the thread goes \
+             through the nearest point of that instead\n  give points on it, or another tag",
+            self.name,
+            i + 1,
+            1e3 * distance,
+            self.on.all().join("\" and \"")
+        )]
+    }
+
+    fn report(all: &[Self], state: State, terms: &mut Terms) {
+        let one = |(config, thread): (&Self, &Winding)| measures::of(config, thread, state);
+        terms.windings = Some(all.iter().zip(state.energies.each()).map(one).collect());
     }
 }

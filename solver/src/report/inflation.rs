@@ -1,34 +1,12 @@
-//! What is reported of softening after a first stretch: how far it goes, its fields for ParaView, and the
-//! inflations of chambers, of which the first differs from the others.
-//!
-//! | name of a cell field | is | unit |
-//! |-|-|-|
-//! | `mullins_factor` | mean of η in this state, 1 where nothing softens | 1 |
-//! | `mullins_factor_at_rest` | mean of η at rest after it | 1 |
+//! Inflations of chambers, of which the first differs from the others where bodies soften after a first stretch.
 
 use std::ops::RangeInclusive;
 
-use mechanics::energy::{Energies, Iterate, Mullins, MullinsMean, MullinsSummary};
-use mesh::io::vtu::Field;
 use reports::{Chamber, Inflated, Inflation, Step};
 use scene::Scene;
 
 /// Fall or rise of a pressure, as a part of the largest, below which it does not count as one.
 const NOTABLE: f64 = 0.01;
-
-/// How far each law with softening is softened; none of a scene without it.
-pub fn softened(scene: &Scene, energies: &Energies, at: &Iterate) -> Option<Vec<reports::Mullins>> {
-    let one = |(name, mullins): (String, &Mullins)| {
-        let MullinsSummary { largest_energy, factor, factor_at_rest, mean_factor_at_rest, lost } =
-            mullins.summary(at);
-        let on = name;
-        reports::Mullins { on, largest_energy, factor, factor_at_rest, mean_factor_at_rest, lost }
-    };
-    let own = scene.laws.iter().enumerate().filter_map(|(place, law)| {
-        Some((scene.law_name(law), energies.of::<Mullins>(Mullins::owner(place))?))
-    });
-    (!scene.config.mullins.is_empty()).then(|| own.map(one).collect())
-}
 
 /// The inflations of all chambers; none of a scene without softening.
 pub fn inflations(scene: &Scene, lines: &[Step]) -> Option<Vec<Inflation>> {
@@ -92,29 +70,6 @@ fn rises(values: &[f64]) -> Vec<RangeInclusive<usize>> {
         }
     }
     rises.into_iter().chain(top.map(|at| bottom..=at)).collect()
-}
-
-/// Fields of the cells.
-pub fn fields(energies: &Energies, at: &Iterate) -> Vec<Field> {
-    let softened: Vec<&Mullins> = energies.each().collect();
-    if softened.is_empty() {
-        return Vec::new();
-    }
-    let virgin = MullinsMean { factor: 1.0, factor_at_rest: 1.0 };
-    let mut means = vec![virgin; at.space.tets().len()];
-    for mullins in softened {
-        means[mullins.elements()].copy_from_slice(&mullins.means(at));
-    }
-    let field = |name: &str, of: fn(&MullinsMean) -> f64| Field {
-        name: name.to_owned(),
-        unit: "1".to_owned(),
-        components: 1,
-        values: means.iter().map(of).collect(),
-    };
-    vec![
-        field("mullins_factor", |mean| mean.factor),
-        field("mullins_factor_at_rest", |mean| mean.factor_at_rest),
-    ]
 }
 
 #[cfg(test)]

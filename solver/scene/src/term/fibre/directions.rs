@@ -11,49 +11,47 @@ use mesh::io::npy::read_f64;
 use mesh::io::vtu::{Field, Grid, read_vtu};
 use program::misfit;
 
-use super::Scene;
-use crate::config::{FibreConfig, Source, beside};
+use super::{FibreConfig, Source};
+use crate::term::Ground;
 
-impl Scene {
-    /// Where the fibres of a family lead, in the elements that it is in.
-    pub(super) fn directions_of(
-        &self,
-        fibre: &FibreConfig,
-        body: &Body,
-        elements: Range<usize>,
-    ) -> Result<Directions> {
-        let key = |key: &str| fibre.title().key(key);
-        let tets = &body.mesh.tets[elements.clone()];
-        let (vectors, key) = match fibre.leads()? {
-            Source::Formula(direction) => return Ok(direction.into()),
-            Source::Twisting(angle) => return Ok(Directions::Twisting(angle)),
-            Source::File(file) => {
-                let path = beside(&self.path, &file);
-                let vectors = read(&path, fibre.field.as_deref(), body, elements.clone());
-                (vectors.with_context(|| key("file"))?, key("file"))
-            }
-        };
-        let unit = |(vector, tet): (Vec3, &[usize; 4])| {
-            let (length, at) = (vector.norm(), centre(body, tet));
-            ensure!(
-                length > 0.0 && length.is_finite(),
-                misfit!(
-                    key.clone(),
-                    ": no direction in the element at ({:.6}, {:.6}, {:.6}) m, where the vector is [{}, {}, {}]; \
-                     expected one of a positive, finite length in each element",
-                    at.x,
-                    at.y,
-                    at.z,
-                    vector.x,
-                    vector.y,
-                    vector.z
-                )
-            );
-            Ok(vector / length)
-        };
-        let units: Result<Vec<Vec3>> = vectors.into_iter().zip(tets).map(unit).collect();
-        Ok(Directions::Elements(units?.into()))
-    }
+/// Where the fibres of a family lead, in the elements that it is in.
+pub(super) fn directions_of(
+    fibre: &FibreConfig,
+    ground: &Ground,
+    elements: Range<usize>,
+) -> Result<Directions> {
+    let body = ground.body;
+    let key = |key: &str| fibre.title().key(key);
+    let tets = &body.mesh.tets[elements.clone()];
+    let (vectors, key) = match fibre.leads()? {
+        Source::Formula(direction) => return Ok(direction.into()),
+        Source::Twisting(angle) => return Ok(Directions::Twisting(angle)),
+        Source::File(file) => {
+            let path = ground.path.with_file_name(&file);
+            let vectors = read(&path, fibre.field.as_deref(), body, elements.clone());
+            (vectors.with_context(|| key("file"))?, key("file"))
+        }
+    };
+    let unit = |(vector, tet): (Vec3, &[usize; 4])| {
+        let (length, at) = (vector.norm(), centre(body, tet));
+        ensure!(
+            length > 0.0 && length.is_finite(),
+            misfit!(
+                key.clone(),
+                ": no direction in the element at ({:.6}, {:.6}, {:.6}) m, where the vector is [{}, {}, {}]; \
+                 expected one of a positive, finite length in each element",
+                at.x,
+                at.y,
+                at.z,
+                vector.x,
+                vector.y,
+                vector.z
+            )
+        );
+        Ok(vector / length)
+    };
+    let units: Result<Vec<Vec3>> = vectors.into_iter().zip(tets).map(unit).collect();
+    Ok(Directions::Elements(units?.into()))
 }
 
 fn centre(body: &Body, tet: &[usize; 4]) -> Vec3 {

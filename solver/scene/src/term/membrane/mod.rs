@@ -1,5 +1,7 @@
 //! `[[membrane]]`: a thin sheet that is bonded to a tag.
 
+mod build; // sheets of a body
+
 use crate::law_table;
 use anyhow::{Context, Result, bail, ensure};
 use program::schema::one_of;
@@ -8,12 +10,13 @@ use program::{KeyPath, misfit};
 use schemars::{Schema, SchemaGenerator};
 use toml::Value;
 
-use mechanics::energy::Direction;
+use mechanics::energy::{Direction, Membrane, MembraneSummary, Term};
 use mechanics::material::sheet::{LAWS, Specification};
+use reports::Terms;
 
-use super::SimConfig;
-use super::fibre::{ANGLE, Leads};
+use super::direction::{ANGLE, Leads};
 use super::line::AroundConfig;
+use super::{Around, Ground, State, TableNumber, TermTable, owned, value};
 
 program::table! {
     /// A sheet bonded to facets, on the boundary or inside.
@@ -85,13 +88,38 @@ impl MembraneConfig {
     }
 }
 
-impl SimConfig {
-    /// Checks what can be checked of sheets without a body.
-    pub(super) fn check_membranes(&self) -> Result<()> {
-        for membrane in &self.membrane {
+impl TermTable for MembraneConfig {
+    const LIST: &'static str = "membrane";
+    const PATHS: &'static str = "membrane.TAG.thickness, .PARAMETER or .angle";
+    const MEANING: &'static str = "the thickness of the sheet on a tag, a parameter of its law, or the angle of its warp to an axis";
+
+    fn name(&self, _: usize) -> String {
+        self.on.clone()
+    }
+
+    fn in_words(&self) -> Option<String> {
+        let Self { on, thickness, angle, tension, .. } = self;
+        let Specification { law, values } = self.specification().ok()?;
+        let numbers = law.named(&values).into_iter();
+        let numbers = numbers.map(|(p, v)| match p.unit {
+            "1" => format!("{} {}", p.name, v[0]),
+            unit => format!("{} {:.3e} {unit}", p.name, v[0]),
+        });
+        Some(format!(
+            "membrane on {on}: {:.3} mm, {} ({}){}{}",
+            1e3 * thickness,
+            law.key,
+            numbers.collect::<Vec<_>>().join(", "),
+            angle.map_or_else(String::new, |angle| format!(", warp at {angle}° to an axis")),
+            if *tension { ", in tension only" } else { "" }
+        ))
+    }
+
+    fn check(all: &[Self], around: &Around) -> Result<()> {
+        for membrane in all {
             membrane.leads()?;
             ensure!(
-                self.cuts().iter().flatten().all(|cut| *cut != membrane.on),
+                around.cuts.iter().flatten().all(|cut| *cut != membrane.on),
                 misfit!(
                     membrane.title(),
                     ": the tag is a cut of [[symmetry]], where the whole body goes on: there is no surface \
@@ -101,5 +129,40 @@ impl SimConfig {
             );
         }
         Ok(())
+    }
+
+    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
+        let sheets = all.iter().map(|membrane| build::sheet(membrane, all, ground));
+        Ok(owned::<Self>(sheets.collect::<Result<Vec<_>>>()?))
+    }
+
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
+        let Self { thickness, material, angle, .. } = self;
+        let law = law_table::sheet_numbers(material).into_iter();
+        let law = law.map(|(own, number)| value(own.name, own.unit, number));
+        let angle = angle.iter_mut().map(|angle| value("angle", "°", angle));
+        [value("thickness", "m", thickness)].into_iter().chain(law).chain(angle).collect()
+    }
+
+    fn report(all: &[Self], State { energies, at }: State, terms: &mut Terms) {
+        let one = |(config, sheet): (&Self, &Membrane)| {
+            let MembraneSummary { area, energy, stretch, tension, taut, wrinkled, slack } =
+                sheet.summary(at);
+            let law = config.specification().map(|own| own.law.key.to_owned());
+            reports::Membrane {
+                on: config.on.clone(),
+                kind: law.unwrap_or_default(),
+                tension_only: config.tension,
+                thickness: config.thickness,
+                area,
+                energy,
+                stretch,
+                tension,
+                taut,
+                wrinkled,
+                slack,
+            }
+        };
+        terms.membranes = Some(all.iter().zip(energies.each()).map(one).collect());
     }
 }

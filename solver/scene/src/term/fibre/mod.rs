@@ -1,20 +1,30 @@
 //! `[[fibre]]`: a family of fibres in a body or volume, beside its law.
+//!
+//! | name of a cell field | is | unit |
+//! |-|-|-|
+//! | `fibre_NAME_direction` | mean of a₀ at rest, zero where the family is not | 1 |
+//! | `fibre_NAME_stretch` | mean of √I₄, 1 where the family is not | 1 |
+//! | `fibre_NAME_stress` | mean of the force of the fibres per rest area across them | Pa |
+
+mod build; // families of a body
+mod directions; // vectors from a file
 
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use mechanics::energy::{Axis, Direction, Profile};
+use mechanics::energy::{Axis, Direction, FibreMean, FibreSummary, Fibres, Iterate, Profile, Term};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
+use mesh::Vec3;
+use mesh::io::vtu::Field;
 use program::table::{Range, direction, nested};
 use program::{KeyPath, Misfit, misfit};
+use reports::Terms;
 
-use super::SimConfig;
-use super::line::{AroundConfig, unit};
+use super::direction::{ANGLE, AXIS, Leads};
+use super::line::AroundConfig;
 use super::profile::Along;
-
-/// Angles to an axis [°].
-pub(super) const ANGLE: Range = Range::between(-360.0, 360.0).unit("°");
+use super::{Around, Ground, State, TableNumber, TermTable, along, check_names, owned, value};
 
 program::table! {
     /// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
@@ -64,9 +74,6 @@ fn dispersion(at: &KeyPath, dispersion: &f64) -> Result<(), Misfit> {
     }
 }
 
-/// What gives an angle its axis, for messages.
-const AXIS: &str = "add around = { point = [0, 0, 0], axis = [0, 0, 1] }";
-
 /// Where the directions of fibres come from.
 #[derive(Clone, Debug)]
 pub enum Source {
@@ -82,23 +89,6 @@ impl FibreConfig {
     /// What messages call it.
     pub fn title(&self) -> KeyPath {
         KeyPath::list("fibre").named(&self.name)
-    }
-
-    /// What reports and messages call it.
-    pub fn in_words(&self) -> String {
-        let Self { name, on, angle, k1, k2, dispersion, .. } = self;
-        let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
-        let leads = match (self.direction, angle, &self.file) {
-            (Some([x, y, z]), ..) => format!("along ({x}, {y}, {z})"),
-            (None, Some(angle), _) => {
-                format!("at {}° to an axis", angle.in_words(|angle| angle.to_string()))
-            }
-            (None, None, Some(file)) => format!("as {} says", file.display()),
-            (None, None, None) => "away from an axis".to_owned(),
-        };
-        let k1 = k1.in_words(|k1| format!("{k1:.3e}"));
-        let senses = if self.compression { ", in both senses" } else { ", in tension only" };
-        format!("fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}")
     }
 
     /// The law; of a k1 that changes along an axis with the first value, in place of which a family has
@@ -184,76 +174,37 @@ impl FibreConfig {
     }
 }
 
-/// Keys of a direction field.
-pub(super) struct Leads<'a> {
-    /// The same direction everywhere.
-    pub direction: Option<[f64; 3]>,
-    /// An axis.
-    pub around: Option<&'a AroundConfig>,
-    /// Angle to it [°].
-    pub angle: Option<f64>,
-    /// Whether it leads away from it.
-    pub radial: bool,
-}
+impl TermTable for FibreConfig {
+    const LIST: &'static str = "fibre";
+    const PATHS: &'static str = "fibre.NAME.k1, .k2, .dispersion or .angle";
+    const MEANING: &'static str = "a number of the law of a [[fibre]], or its angle to an axis; of values along an axis, with the place in \
+              their list, as in fibre.weave.k1.2";
 
-impl Leads<'_> {
-    /// Whether any of them is given.
-    pub fn any(&self) -> bool {
-        let Self { direction, around, angle, radial } = self;
-        direction.is_some() || around.is_some() || angle.is_some() || *radial
+    fn name(&self, _: usize) -> String {
+        self.name.clone()
     }
 
-    /// The field.
-    pub fn field(&self, title: &KeyPath) -> Result<Direction> {
-        let key = |key: &str| title.clone().key(key);
-        let refused = match (self.direction, self.around, self.angle, self.radial) {
-            (Some(direction), None, None, false) => {
-                return Ok(Direction::Constant(unit(direction)));
+    fn in_words(&self) -> Option<String> {
+        let Self { name, on, angle, k1, k2, dispersion, .. } = self;
+        let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
+        let leads = match (self.direction, angle, &self.file) {
+            (Some([x, y, z]), ..) => format!("along ({x}, {y}, {z})"),
+            (None, Some(angle), _) => {
+                format!("at {}° to an axis", angle.in_words(|angle| angle.to_string()))
             }
-            (None, Some(around), Some(angle), false) => {
-                return Ok(Direction::Helical(around.line(), angle.to_radians()));
-            }
-            (None, Some(around), None, true) => return Ok(Direction::Radial(around.line())),
-            (Some(_), Some(_), ..) => {
-                misfit!(key("direction"), " beside around: expected one of both")
-            }
-            (_, None, Some(_), _) => misfit!(key("angle"), " without an axis: {AXIS}"),
-            (_, None, None, true) => misfit!(key("radial"), " without an axis: {AXIS}"),
-            (None, Some(_), Some(_), true) => {
-                misfit!(key("radial"), " beside angle: expected one of both")
-            }
-            (None, Some(_), None, false) => misfit!(
-                key("around"),
-                " without angle: expected angle = 0 (along the axis) to 90 (around it), or radial = true"
-            ),
-            (None, None, None, false) => misfit!(
-                title.clone(),
-                " has no direction: expected direction = [x, y, z], or around = {{ point = …, axis = … }} with angle"
-            ),
+            (None, None, Some(file)) => format!("as {} says", file.display()),
+            (None, None, None) => "away from an axis".to_owned(),
         };
-        Err(refused.into())
+        let k1 = k1.in_words(|k1| format!("{k1:.3e}"));
+        let senses = if self.compression { ", in both senses" } else { ", in tension only" };
+        Some(format!(
+            "fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}"
+        ))
     }
-}
 
-/// Refuses names that are empty, given twice, or would split the path of a number.
-pub(super) fn check_names<'a>(list: &str, names: impl Iterator<Item = &'a String>) -> Result<()> {
-    let mut known: Vec<&String> = Vec::new();
-    for name in names {
-        let key = KeyPath::list(list).named(name).key("name");
-        ensure!(
-            !name.is_empty() && !name.contains('.'),
-            misfit!(key, " = \"{name}\": a name has one letter or more, and no dot")
-        );
-        ensure!(!known.contains(&name), misfit!(key, ": two [[{list}]] are called \"{name}\""));
-        known.push(name);
-    }
-    Ok(())
-}
-
-impl SimConfig {
-    pub(super) fn check_fibres(&self) -> Result<()> {
-        check_names("fibre", self.fibre.iter().map(|fibre| &fibre.name))?;
-        for fibre in &self.fibre {
+    fn check(all: &[Self], _: &Around) -> Result<()> {
+        check_names(Self::LIST, all.iter().map(|fibre| &fibre.name))?;
+        for fibre in all {
             ensure!(
                 fibre.slack.is_none() || !fibre.compression,
                 misfit!(
@@ -266,4 +217,46 @@ impl SimConfig {
         }
         Ok(())
     }
+
+    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
+        Ok(owned::<Self>(build::families(all, ground)?))
+    }
+
+    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
+        let Self { k1, k2, dispersion, angle, .. } = self;
+        let law = [value("k2", "1", k2), value("dispersion", "1", dispersion)];
+        let angles = angle.iter_mut().flat_map(|angle| along("angle", "°", angle));
+        along("k1", "Pa", k1).chain(law).chain(angles).collect()
+    }
+
+    fn report(_: &[Self], State { energies, at }: State, terms: &mut Terms) {
+        let one = |family: &Fibres| {
+            let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
+            reports::Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
+        };
+        terms.fibres = Some(energies.each().map(one).collect());
+    }
+
+    fn fields(State { energies, at }: State) -> Vec<Field> {
+        energies.each().flat_map(|family| fields_of(family, at)).collect()
+    }
+}
+
+/// The fields of the cells of a family, of all elements.
+fn fields_of(family: &Fibres, at: &Iterate) -> [Field; 3] {
+    let elsewhere = FibreMean { direction: Vec3::zeros(), stretch: 1.0, stress: 0.0 };
+    let mut means = vec![elsewhere; at.space.tets().len()];
+    means[family.elements()].copy_from_slice(&family.means(at));
+    let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
+        name: format!("fibre_{}_{name}", family.name),
+        unit: unit.to_owned(),
+        components,
+        values,
+    };
+    let directions = means.iter().flat_map(|mean| <[f64; 3]>::from(mean.direction)).collect();
+    [
+        field("direction", "1", 3, directions),
+        field("stretch", "1", 1, means.iter().map(|mean| mean.stretch).collect()),
+        field("stress", "Pa", 1, means.iter().map(|mean| mean.stress).collect()),
+    ]
 }
