@@ -157,8 +157,8 @@ impl Calibration {
         let mut found = BTreeMap::new();
         for (group, value) in self.groups[0].iter().zip(values) {
             for (number, value) in group.iter().flat_map(|group| group.values(scene, *value)) {
-                // what is added is added to what the scene has added
-                let is_added = number.is_wall() || number.word() == "chamber";
+                // a number that is added to what the scene has is 0 there, whatever its [numbers] have added
+                let is_added = number.value(scene) == 0.0;
                 let before = scene.config.numbers.get(&number.path).filter(|_| is_added);
                 found.insert(number.path.clone(), value + before.unwrap_or(&0.0));
             }
