@@ -44,9 +44,6 @@ PAGES = [
     ("keys-validation", "validation.toml",
      "Simulations beside measured tables, for `solver validate`: see [Calibrate](calibrate.md).",
      "solver schema validation --markdown"),
-    ("keys-measured", "measured.toml",
-     "What was measured of a cast body, for `solver simulate --as-cast`: see [Calibrate](calibrate.md).",
-     "solver schema measured --markdown"),
     ("keys-report", "report.json",
      "What `solver simulate` writes. All quantities are in SI units. A run without an equilibrium has `reason` and `failure` "
      "in place of the keys from the last state. A number that is not finite is `null`.",

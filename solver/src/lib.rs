@@ -6,6 +6,7 @@
 //! Modules in dependency order; each uses only those before it:
 
 pub mod plot; // curves as pictures
+pub mod units; // units in which people measure
 pub mod fit; // tensile tests to laws
 pub mod export; // scenes as decks of other programs
 pub mod study; // runs of a scene with other numbers: error bars, calibration, validation

@@ -1,4 +1,4 @@
-//! `simulate --as-cast`: walls that are off are found from mass, gauges and probes.
+//! `solver calibrate` of walls: those that are off are found from mass, gauges and probes, and scenes take them.
 
 use mesh::Vec3;
 use mesh::io::{read_tets, write_tets};
@@ -18,7 +18,7 @@ pub fn workdir() -> Workdir {
         .replace("d1 = 1e6", &format!("d1 = 1e6\ndensity = {DENSITY}"));
     let tight = "\n[solver]\nrelative_tolerance = 1e-13\nabsolute_tolerance = 1e-12\n";
     dir.write("sim.toml", &(scene + chamber::PROBES + tight));
-    dir.write("measured.toml", "[mass]\nvalue = 0.03\nuncertainty = 1e-5\n");
+    dir.write("calibrate.toml", &calibration(&["cavity"], &[WEIGHED], &[0.03]));
     dir
 }
 
@@ -36,30 +36,45 @@ fn cast(dir: &Workdir, off: &[(&str, f64)]) -> f64 {
     DENSITY * volume(&mesh)
 }
 
-/// The offsets that were found [m].
-fn offsets(dir: &Workdir) -> Vec<f64> {
-    let report = dir.json("out/report.json");
-    let walls = report["as_cast"]["walls"].as_array().unwrap().iter();
-    walls.map(|wall| wall["offset"].as_f64().unwrap()).collect()
+const WEIGHED: &str = "weighed = true";
+const PROBED: &str = "probe = \"top\"";
+/// On the top, where 10 mm of silicone are over the chamber.
+const GAUGED: &str = "gauge = [0.0211, 0.0193, 0.0401]";
+
+/// What finds walls from values that were measured.
+fn calibration(walls: &[&str], experiments: &[&str], values: &[f64]) -> String {
+    let walls = walls.iter().map(|tag| format!("[[number]]\nof = \"wall.{tag}\"\n\n"));
+    let experiment = |(i, (keys, value)): (usize, (&&str, &f64))| {
+        format!(
+            "[[experiment]]\nname = \"{i}\"\nscene = \"sim.toml\"\n{keys}\nvalue = {value:e}\nuncertainty = 1e-6\n\n"
+        )
+    };
+    let experiments = experiments.iter().zip(values).enumerate().map(experiment);
+    walls.chain(experiments).collect()
 }
 
-const COMMAND: &str = "simulate sim.toml -o out --as-cast measured.toml";
+/// The offsets that are found [m].
+fn found(dir: &Workdir) -> Vec<f64> {
+    dir.solver("calibrate calibrate.toml -o out").assert_good();
+    let report = dir.json("out/calibration.json");
+    let numbers = report["numbers"].as_array().unwrap().iter();
+    numbers.map(|number| number["value"].as_f64().unwrap()).collect()
+}
 
 #[test]
 fn a_wall_is_found_from_the_mass_alone() {
     let dir = workdir();
     let off = -0.13e-3;
     let mass = cast(&dir, &[("cavity", off)]);
-    dir.write("measured.toml", &format!("[mass]\nvalue = {mass:e}\nuncertainty = 1e-5\n"));
-    let said = dir.solver(COMMAND);
-    said.assert_good();
-    assert!(said.stderr.contains("as cast: wall of cavity -0.130"), "{}", said.stderr);
-    let found = offsets(&dir);
-    assert!((found[0] / off - 1.0).abs() < 1e-6, "{found:?}");
-    // what is simulated is the cast body
+    dir.write("calibrate.toml", &calibration(&["cavity"], &[WEIGHED], &[mass]));
+    let [wall] = found(&dir)[..] else { panic!("one wall") };
+    assert!((wall / off - 1.0).abs() < 1e-6, "{wall}");
+    // a scene that includes it is that of the cast body
+    dir.write("cast.toml", "include = [\"sim.toml\", \"out/numbers.toml\"]\n");
+    dir.solver("simulate cast.toml -o cast").assert_good();
     dir.solver("simulate sim.toml --mesh cast.msh -o truth").assert_good();
     for name in ["top", "air"] {
-        let [a, b] = ["out", "truth"].map(|folder| dir.probe(folder, name));
+        let [a, b] = ["cast", "truth"].map(|folder| dir.probe(folder, name));
         assert!((a / b - 1.0).abs() < 1e-6, "{name}: {a:e} {b:e}");
     }
 }
@@ -70,24 +85,12 @@ fn two_walls_are_told_apart_by_mass_probe_and_gauge() {
     let truth = [("cavity", 0.09e-3), ("top", -0.2e-3)];
     let mass = cast(&dir, &truth);
     dir.solver("simulate sim.toml --mesh cast.msh -o truth").assert_good();
-    let top = dir.probe("truth", "top");
-    let walls = "walls = [\"cavity\", \"top\"]\n";
-    let weighed = format!("[mass]\nvalue = {mass:e}\nuncertainty = 1e-6\n");
-    let probed = format!("[[probe]]\nname = \"top\"\nvalue = {top:e}\nuncertainty = 1e-6\n");
-    dir.write("measured.toml", &format!("{walls}{weighed}{probed}"));
-    dir.solver(COMMAND).assert_good();
-    let found = offsets(&dir);
-    for (found, (tag, off)) in found.iter().zip(truth) {
-        assert!((found / off - 1.0).abs() < 1e-5, "{tag}: {found:e}");
-    }
-    // a gauge on the top, where 10 mm of silicone are over the chamber
-    let thickness = 0.01 + truth[0].1 + truth[1].1;
-    let gauge = format!(
-        "[[gauge]]\nat = [0.0211, 0.0193, 0.0401]\nthickness = {thickness:e}\nuncertainty = 1e-6\n"
-    );
-    dir.write("measured.toml", &format!("{walls}{gauge}{weighed}"));
-    dir.solver(COMMAND).assert_good();
-    for (found, (tag, off)) in offsets(&dir).iter().zip(truth) {
-        assert!((found / off - 1.0).abs() < 1e-5, "{tag}: {found:e}");
+    let (top, thickness) = (dir.probe("truth", "top"), 0.01 + truth[0].1 + truth[1].1);
+    for (beside, value) in [(PROBED, top), (GAUGED, thickness)] {
+        let text = calibration(&["cavity", "top"], &[WEIGHED, beside], &[mass, value]);
+        dir.write("calibrate.toml", &text);
+        for (found, (tag, off)) in found(&dir).iter().zip(truth) {
+            assert!((found / off - 1.0).abs() < 1e-5, "{beside}: {tag}: {found:e}");
+        }
     }
 }

@@ -42,9 +42,6 @@ fn kinds() -> Vec<Kind> {
         kind(solver, "validation", "validation", |p| {
             program::read_toml::<solver::study::validation::Config>(p).map(drop)
         }),
-        kind(solver, "measured", "measured", |p| {
-            program::read_toml::<solver::study::as_cast::Measured>(p).map(drop)
-        }),
         kind(fab::cmd::schema::FORMATS, "mold", "mold", |p| {
             fab::config::Config::read(Some(p), &[]).map(drop)
         }),

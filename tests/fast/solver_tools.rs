@@ -105,5 +105,8 @@ fn columns_of_runs_are_drawn() {
     let png = std::fs::read(dir.path("volume.png")).unwrap();
     assert!(png.starts_with(b"\x89PNG"));
     let run = dir.solver(&format!("{plot} --points measured.csv:load,volum"));
-    run.assert_refused(2, &["measured.csv", "no column \"volum\"; there are: load, volume"]);
+    run.assert_refused(
+        2,
+        &["measured.csv", "no column \"volum\"; there are: \"load\", \"volume\""],
+    );
 }

@@ -23,7 +23,7 @@ measured = "table.csv"
 where = { "load [N]" = 1 }
 x = "height [mm]"
 y = ["trial a [Pa]", "trial b [Pa]"]
-condition = [{ measured = "height [mm]", simulated = "height*1e3" }]
+condition = { measured = "height [mm]", simulated = "height*1e3" }
 simulated = "pressure*1.1"
 tolerance = [-0.05, 0.15]
 plot = "cushion"
@@ -118,7 +118,7 @@ measured = "walls.csv"
 where = { wall_mm = 2 }
 x = "wall_mm [mm]"
 y = ["buckles [kPa]"]
-condition = [{ value = 2, simulated = "t" }]
+condition = { measured = "wall_mm [mm]", simulated = "t" }
 simulated = "p"
 tolerance = [-0.1, 0.1]
 plot = "band"

@@ -17,8 +17,7 @@ mod windings;
 
 pub use failed::{Crossing, Failed, Failure, Pivot, SoftestStiffness, WorstElement};
 pub use measured::{
-    AsCast, Chamber, ErrorBar, ErrorBars, Locking, MaterialRange, Measurement, Offset, Probe,
-    StretchRange, Tag,
+    Chamber, ErrorBar, ErrorBars, Locking, MaterialRange, Probe, StretchRange, Tag,
 };
 pub use mullins::{Inflated, Inflation, Mullins};
 pub use numbers::{Numbers, numbers};

@@ -1,7 +1,6 @@
 //! What is measured on a state.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -159,44 +158,4 @@ pub struct ErrorBar {
     pub off: [f64; 2],
     /// What the probe changes by at these, to first order.
     pub change: [f64; 2],
-}
-
-/// Walls of a cast body, from what was measured of it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct AsCast {
-    /// The file of the measurements.
-    pub file: PathBuf,
-    /// The walls.
-    pub walls: Vec<Offset>,
-    /// The measurements, in the order of the file.
-    pub measurements: Vec<Measurement>,
-}
-
-/// By how much one wall is off.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct Offset {
-    /// Tag of the wall.
-    pub on: String,
-    /// Outward from the silicone: positive where it is thicker than modelled [m].
-    pub offset: f64,
-    /// Standard error [m].
-    pub standard_error: f64,
-}
-
-/// One measurement and what the body has.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-pub struct Measurement {
-    /// `mass`, `gauge 1` and so on, or the name of the probe.
-    pub of: String,
-    /// As measured.
-    pub measured: f64,
-    /// As modelled.
-    pub before: f64,
-    /// As cast, with the offsets that were found.
-    pub after: f64,
-    /// Standard uncertainty.
-    pub uncertainty: f64,
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::failed::{Crossing, Failed};
-use crate::measured::{AsCast, Chamber, ErrorBars, Locking, Probe, StretchRange, Tag};
+use crate::measured::{Chamber, ErrorBars, Locking, Probe, StretchRange, Tag};
 use crate::mullins::Inflation;
 use crate::stability::{Limit, Stability};
 use crate::step::{ForceBalance, Step};
@@ -41,9 +41,6 @@ pub struct Simulation {
     /// Planes of symmetry, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub symmetry: Option<Vec<CutPlane>>,
-    /// Walls that were moved to what was measured of the cast body, with `--as-cast`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub as_cast: Option<AsCast>,
     /// The state at rest, before any load, where forces balance there; not of a scene with inertia.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<Step>,

@@ -5,14 +5,13 @@ use std::time::Instant;
 
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    LoadStep, Problem, Progress, Reached, TimeStepper, Trajectory, Unreached, Workspace, about,
+    LoadStep, Problem, Progress, Reached, TimeStepper, Trajectory, Unreached, Workspace,
 };
 use mechanics::stability::{ArcProgress, Continuation};
 use scene::Scene;
 
 use crate::report::record::Finished;
-use crate::report::time_left::Pace;
-use crate::report::{buckling, leap, simulation, stability};
+use crate::report::{buckling, simulation, stability};
 
 /// Memory for the states of a run; others lie on disk [B].
 pub const STATE_MEMORY: f64 = 4e9;
@@ -40,10 +39,10 @@ pub struct Steps<'a> {
     ended: bool,
     /// All states, if they are kept.
     states: Option<Trajectory>,
-    /// Whether it was said that the body buckles, or that it moves too far in a time step.
+    /// Whether it was said that the body buckles.
     warned: bool,
-    /// How far the run is, where the log says so for every load step.
-    progress: Option<(Instant, Pace)>,
+    /// When it began, where the log says of every load step how far the run is.
+    progress: Option<Instant>,
 }
 
 impl<'a> Steps<'a> {
@@ -87,10 +86,7 @@ impl<'a> Steps<'a> {
 
     /// With a line in the log for every load step.
     pub fn with_progress(mut self) -> Self {
-        let reached = self.stepper.progress.last.last();
-        let from = reached.map_or(self.stepper.progress.time, |last| last.time);
-        let end = self.times.last().copied().unwrap_or(from);
-        self.progress = Some((Instant::now(), Pace::new(from, end)));
+        self.progress = Some(Instant::now());
         self
     }
 
@@ -144,7 +140,7 @@ impl<'a> Steps<'a> {
     }
 
     fn time_step(&mut self, workspace: &mut Workspace) -> Made {
-        let (n, before) = (self.made, self.stepper.progress.reached().to_vec());
+        let n = self.made;
         let prefix = format!("step {}/{}  ", n + 1, self.times.len());
         let mut steps: Vec<LoadStep> = Vec::new();
         let mut unreached = None;
@@ -153,11 +149,6 @@ impl<'a> Steps<'a> {
                 Ok(step) => steps.push(step),
                 Err(why) => unreached = Some(why),
             }
-        }
-        let leap = leap::leap(&self.scene.body, &before, self.stepper.progress.reached());
-        if let Some(leap) = leap.filter(|_| !self.warned) {
-            log::warn!("{}: time step {}: {leap}", self.scene.path.display(), n + 1);
-            self.warned = true;
         }
         let integrator = &self.stepper.progress.integrator;
         if unreached.is_none() {
@@ -229,15 +220,13 @@ impl<'a> Steps<'a> {
             Some(follower) => follower.next(stepper, self.problem, workspace, rest)?,
             None => stepper.next(self.problem, workspace, rest, end)?,
         };
-        if let Some((start, pace)) = &mut self.progress {
-            let now = start.elapsed().as_secs_f64();
-            let left = pace.left(step.time, now).filter(|_| self.follower.is_none());
+        if let Some(start) = self.progress {
             log::info!(
-                "{prefix}{}  {:2} iterations, forces off balance by {:.1e} N  {now:.1} s{}",
+                "{prefix}{}  {:2} iterations, forces off balance by {:.1e} N  {:.1} s",
                 self.scene.progress(step.time),
                 step.newton_iterations,
                 step.residual,
-                left.map(|s| format!("  about {} left", about(s))).unwrap_or_default()
+                start.elapsed().as_secs_f64()
             );
         }
         simulation::judge_step(&step);

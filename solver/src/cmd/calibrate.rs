@@ -6,22 +6,21 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use mechanics::math::least_squares::Residuals;
 use program::{Changes, FolderLock, Unusable};
 use scene::law_table;
 use serde_json::{Value, json};
 
 use crate::plot::{Axes, Series, Style, draw};
-use crate::study::calibration::least_squares::{Failure, Minimum, minimise};
 use crate::study::calibration::{Calibration, Experiment, Point, Sought};
+use crate::study::least_squares::{Minimum, minimise};
 
 /// Find numbers of your scenes from measurements on your own device
 ///
-/// CONFIG names scenes, measured tables of their probes with standard uncertainties, and the
-/// numbers that are sought: factors on modulus and density, offsets of pressures and walls,
-/// parameters of a law, or any number of the scene by its path. Writes to the output folder calibration.json, with standard errors,
-/// correlations and what each experiment tells; residuals.svg; and, where the material was
-/// sought, material.toml, to be included by a scene.
+/// CONFIG names scenes, what was measured of them with standard uncertainties (tables or values of their probes, the
+/// mass, gauges of walls), and the numbers that are sought: factors on modulus, density and sheets, an offset of
+/// pressures, or any number of the scene by its path, such as where a wall is. Writes to the output folder
+/// calibration.json, with standard errors, correlations and what each experiment tells; residuals.svg; numbers.toml, to be
+/// included by the scene; and, where the material was sought, material.toml, to be included by any scene.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// What is sought, and from what (TOML)
@@ -36,27 +35,21 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let calibration = Calibration::read_with(&arguments.config, &arguments.changes)?;
     let start: Vec<f64> = calibration.start.iter().map(|(_, value)| *value).collect();
-    let mut before = Vec::new();
-    let observe = |iteration: usize, values: &[f64], residuals: &Residuals| {
-        if iteration == 0 {
-            before = residuals.r.as_slice().to_vec();
-        }
-        let named = calibration.numbers.iter().zip(values);
-        let named: Vec<_> = named.map(|(n, v)| format!("{} {v:.5e}", n.title())).collect();
-        log::info!("iteration {iteration}  χ² {:.4e}  {}", residuals.sum(), named.join("  "));
-    };
-    let found = minimise(&start, |values| calibration.residuals(values), observe)?;
+    let names: Vec<String> = calibration.numbers.iter().map(Sought::title).collect();
+    let found = minimise(&names, &start, |values| calibration.residuals(values))?;
     let found = found.map_err(|failure| {
-        Unusable(format!("{}: {}", arguments.config.display(), why(&calibration, &failure)))
+        let why = failure.in_words(&names, calibration.measurements().len());
+        Unusable(format!("{}: {why}", arguments.config.display()))
     })?;
-    let points = points(&calibration, &found, &before);
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let text = table(&calibration, &found)?;
     write!(program::stdout(), "{text}")?;
-    let report = report(&calibration, &found, &points);
-    program::write_json(&folder.join("calibration.json"), &report)?;
+    program::write_json(&folder.join("calibration.json"), &report(&calibration, &found))?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;
+    let numbers = BTreeMap::from([("numbers", calibration.found(&found.numbers))]);
+    let numbers = toml::to_string(&numbers)?;
+    mesh::io::write_atomic(&folder.join("numbers.toml"), |out| out.write_all(numbers.as_bytes()))?;
     let path = folder.join("material.toml");
     if calibration.numbers.iter().any(Sought::is_of_material) {
         let material = material(&calibration, &found, &text)?;
@@ -68,57 +61,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn why(calibration: &Calibration, failure: &Failure) -> String {
-    match failure {
-        Failure::Start => {
-            "a scene has no equilibrium with its numbers as they are; mend it first by solver \
-             simulate"
-                .to_owned()
-        }
-        Failure::Undetermined(numbers) => {
-            let names: Vec<_> = numbers.iter().map(|&k| calibration.numbers[k].title()).collect();
-            let count: usize = calibration.experiments.iter().map(|e| e.points.len()).sum();
-            format!(
-                "{count} measurements do not determine {}: changes of {} leave all of them as \
-                 they are; measure something that tells them apart, or seek fewer",
-                names.join(" and "),
-                if names.len() > 1 { "these numbers together" } else { "this number" }
-            )
-        }
-        Failure::Unsettled(_) => format!("{failure}"),
-    }
-}
-
-fn standard_error(found: &Minimum, k: usize) -> f64 {
-    found.covariance[(k, k)].sqrt()
-}
-
-/// Each experiment with the index of its first residual.
-fn experiments(calibration: &Calibration) -> impl Iterator<Item = (&Experiment, usize)> {
-    calibration.experiments.iter().scan(0, |next, e| {
-        let first = *next;
-        *next += e.points.len();
-        Some((e, first))
-    })
-}
-
 /// The part of what is known of each number that each experiment tells, all others known.
-fn shares(calibration: &Calibration, found: &Minimum, k: usize) -> Vec<f64> {
-    let column = found.residuals.jacobian.column(k);
-    let of = |(e, first): (&Experiment, usize)| {
-        column.rows(first, e.points.len()).norm_squared() / column.norm_squared()
-    };
-    experiments(calibration).map(of).collect()
-}
-
-fn degrees_of_freedom(found: &Minimum) -> usize {
-    found.residuals.r.len().saturating_sub(found.numbers.len())
+fn shares<'a>(
+    calibration: &'a Calibration,
+    found: &Minimum,
+    k: usize,
+) -> impl Iterator<Item = (&'a str, f64)> {
+    let column = found.residuals.jacobian.column(k).into_owned();
+    calibration.experiments.iter().map(move |e| {
+        let share = column.rows(e.first, e.points.len()).norm_squared() / column.norm_squared();
+        (e.config.name.as_str(), share)
+    })
 }
 
 /// The numbers in lines of text.
 fn table(calibration: &Calibration, found: &Minimum) -> Result<String> {
     let mut text = String::new();
-    let over = degrees_of_freedom(found);
+    let over = found.degrees_of_freedom();
     let chi2 = found.residuals.sum();
     writeln!(
         text,
@@ -137,16 +96,16 @@ fn table(calibration: &Calibration, found: &Minimum) -> Result<String> {
     }
     for (k, number) in calibration.numbers.iter().enumerate() {
         let (unit, start) = calibration.start[k];
-        let shares = shares(calibration, found, k).into_iter().zip(&calibration.experiments);
+        let shares = shares(calibration, found, k);
         let shares: Vec<_> =
-            shares.map(|(s, e)| format!("{} {:.0} %", e.config.name, 100.0 * s)).collect();
+            shares.map(|(name, share)| format!("{name} {:.0} %", 100.0 * share)).collect();
         writeln!(
             text,
             "{} ({}): {:.6} ± {:.2e}{}, was {start}; from {}",
             number.title(),
             number.meaning(),
             found.numbers[k],
-            standard_error(found, k),
+            found.standard_error(k),
             if unit == "1" { String::new() } else { format!(" {unit}") },
             shares.join(", ")
         )?;
@@ -164,72 +123,67 @@ fn table(calibration: &Calibration, found: &Minimum) -> Result<String> {
 }
 
 fn correlation(found: &Minimum, i: usize, j: usize) -> f64 {
-    found.covariance[(i, j)] / (standard_error(found, i) * standard_error(found, j))
+    found.covariance[(i, j)] / (found.standard_error(i) * found.standard_error(j))
 }
 
-/// Measured and simulated points of each experiment, in the units of its column.
-fn points(calibration: &Calibration, found: &Minimum, before: &[f64]) -> Vec<Value> {
-    let of = |(e, first): (&Experiment, usize)| {
-        let one = |(i, point): (usize, &Point)| {
-            let simulated = |r: f64| point.measured / e.unit.1 + r * e.config.uncertainty;
-            let r = found.residuals.r[i];
-            json!({
-                "t": point.t,
-                "measured": point.measured / e.unit.1,
-                "before": simulated(before[i]),
-                "after": simulated(r),
-                "residual": r,
-            })
-        };
+/// Measured and simulated points of an experiment, in the units of its column.
+fn points(e: &Experiment, found: &Minimum) -> Value {
+    let one = |(i, point): (usize, &Point)| {
+        let simulated = |r: f64| point.measured / e.unit.1 + r * e.config.uncertainty;
+        let r = found.residuals.r[i];
         json!({
-            "name": e.config.name,
-            "probe": e.config.probe,
-            "columns": e.config.columns,
-            "uncertainty": e.config.uncertainty,
-            "points": (first..).zip(&e.points).map(one).collect::<Vec<_>>(),
+            "t": point.t,
+            "measured": point.measured / e.unit.1,
+            "before": simulated(found.before[i]),
+            "after": simulated(r),
+            "residual": r,
         })
     };
-    experiments(calibration).map(of).collect()
+    json!({
+        "name": e.config.name,
+        "probe": e.config.probe,
+        "columns": e.config.columns,
+        "uncertainty": e.config.uncertainty,
+        "points": (e.first..).zip(&e.points).map(one).collect::<Vec<_>>(),
+    })
 }
 
-fn report(calibration: &Calibration, found: &Minimum, points: &[Value]) -> Value {
+fn report(calibration: &Calibration, found: &Minimum) -> Value {
     let one = |k: usize| {
         let number = &calibration.numbers[k];
-        let names = calibration.experiments.iter().map(|e| e.config.name.clone());
-        let shares: serde_json::Map<_, _> =
-            names.zip(shares(calibration, found, k).into_iter().map(Value::from)).collect();
         json!({
             "name": number.title(),
             "meaning": number.meaning(),
             "unit": calibration.start[k].0,
             "start": calibration.start[k].1,
             "value": found.numbers[k],
-            "standard_error": standard_error(found, k),
-            "shares": shares,
+            "standard_error": found.standard_error(k),
+            "shares": shares(calibration, found, k).collect::<BTreeMap<_, _>>(),
         })
     };
     let count = found.numbers.len();
     let row = |i: usize| (0..count).map(|j| correlation(found, i, j)).collect::<Vec<f64>>();
+    let experiments = calibration.experiments.iter().map(|e| points(e, found));
     json!({
         "program": scene::PROGRAM,
         "set": calibration.set,
         "numbers": (0..count).map(one).collect::<Vec<_>>(),
         "correlations": (0..count).map(row).collect::<Vec<_>>(),
         "chi2": found.residuals.sum(),
-        "degrees_of_freedom": degrees_of_freedom(found),
+        "degrees_of_freedom": found.degrees_of_freedom(),
         "iterations": found.iterations,
-        "experiments": points,
+        "experiments": experiments.collect::<Vec<_>>(),
     })
 }
 
 /// Residuals over their standard uncertainties, experiment by experiment.
 fn picture(calibration: &Calibration, found: &Minimum, path: &Path) -> Result<()> {
-    let of = |(turn, (e, first)): (usize, (&Experiment, usize))| {
-        let residuals = found.residuals.r.as_slice()[first..].iter().copied();
+    let of = |(turn, e): (usize, &Experiment)| {
+        let residuals = found.residuals.r.as_slice()[e.first..].iter().copied();
         let points = e.points.iter().map(|p| p.t).zip(residuals).collect();
         Series { label: Some(e.config.name.clone()), points, style: Style::Dotted(1), turn }
     };
-    let series: Vec<Series> = experiments(calibration).enumerate().map(of).collect();
+    let series: Vec<Series> = calibration.experiments.iter().enumerate().map(of).collect();
     let y = "(simulated − measured) / standard uncertainty".to_owned();
     draw(path, &Axes { x: "t".to_owned(), y, ..Axes::default() }, &series)
 }
@@ -242,8 +196,11 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
     provenance.lines().try_for_each(|line| writeln!(text, "# {line}"))?;
     for experiment in &calibration.experiments {
         let own = &experiment.config;
-        let (columns, file) = (own.columns.join(", "), own.measured.display());
-        writeln!(text, "# {}: {columns} of {file}, probe {}", own.name, own.probe)?;
+        let table = own.measured.as_ref().map(|file| (own.columns.join(", "), file.display()));
+        let table = table.map(|(columns, file)| format!(": {columns} of {file}"));
+        let probe = own.probe.as_ref().map(|probe| format!(", probe {probe}"));
+        let (table, probe) = (table.unwrap_or_default(), probe.unwrap_or_default());
+        writeln!(text, "# {}{table}{probe}", own.name)?;
     }
     for law in &scene.laws {
         if scene.parts.len() > 1 {

@@ -11,9 +11,6 @@ use run::report::compare::{Comparison, Run};
 /// Spacings to the diagonal of the body, unless another is asked for.
 const SPACINGS: f64 = 200.0;
 
-/// Triangles of a boundary; as many take a minute and a few gigabytes.
-const MOST_TRIANGLES: f64 = 2e7;
-
 /// Compare runs of one body on several meshes with a reference
 ///
 /// All are folders of simulate. Writes for each run its degrees of freedom, the
@@ -43,11 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "--spacing is {spacing} m: expected a length of at least {:.0e} m, 1e-5 of the diagonal",
         1e-5 * reference.diagonal()
     );
-    require_triangles(&reference, spacing)?;
     let mut rows: Vec<Comparison> = Vec::new();
     for folder in &arguments.runs {
         let run = Run::read(folder)?;
-        require_triangles(&run, spacing)?;
         if run.problem != reference.problem {
             log::warn!(
                 "{} has another material, support or load than {}",
@@ -82,20 +77,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "runs": rows,
     });
     program::write_json(&arguments.output, &report)
-}
-
-/// Whether the boundaries of a run can be divided so finely.
-fn require_triangles(run: &Run, spacing: f64) -> Result<()> {
-    let count = run.deformed().triangle_count(spacing).max(run.at_rest().triangle_count(spacing));
-    ensure!(
-        count <= MOST_TRIANGLES,
-        "{}: its boundary makes {count:.1e} triangles with edges of {spacing:.1e} m, more than \
-         {MOST_TRIANGLES:.0e}: ask for a larger --spacing, or look at its displacement of up to \
-         {:.3} m",
-        run.folder.display(),
-        run.largest_displacement()
-    );
-    Ok(())
 }
 
 fn line(row: &Comparison) -> String {

@@ -3,21 +3,14 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mechanics::body::Body;
-use mechanics::forward::{about, newton_step};
 use scene::Scene;
 use scene::config::{ProbeConfig, beside};
 
 /// Part of a wanted value that counts as 1 in the objective.
 const SCALE: f64 = 0.05;
-
-/// Steps of Newton's method that an iteration is worth, with its trials and gradient, and for each variable those of its
-/// curvature. A judgement: two bodies were told 4 and 2 minutes, and took 1.2 and 2.8 of processor time.
-const STEPS: f64 = 12.0;
-const STEPS_PER_VARIABLE: f64 = 0.12;
 
 /// The mold that is looked for beside the scene.
 const MOLD: &str = "mold.toml";
@@ -104,37 +97,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         problem(arguments, &scene, &name, (&moved, &casting)).with_context(place)?,
     ));
     write(&files)?;
-    if let Some(said) = cost(&scene) {
-        log::info!("{said}");
-    }
     let folder = beside(&path, Path::new("optimize"));
     log::info!("{}: solver optimize {} -o {}", path.display(), path.display(), folder.display());
     Ok(())
-}
-
-/// What the design will take, from the time of one step of Newton's method; none where there is none.
-fn cost(scene: &Scene) -> Option<String> {
-    let (problem, mut workspace) = scene.problem(&scene.body).ok()?;
-    let (rest, time) = (&scene.body.mesh.vertices, scene.times()[0]);
-    let u = vec![0.0; problem.dofs()];
-    let mut step = || newton_step(&problem, &mut workspace, &problem.iterate(rest, &u, time));
-    // the first one orders the unknowns, too
-    step()?;
-    let clock = Instant::now();
-    step()?;
-    let step = clock.elapsed().as_secs_f64();
-    let variables = |handles: usize| if handles == 0 { 1 } else { 7 * handles };
-    let levels = std::iter::once((0, OFFSET)).chain(LEVELS);
-    let steps = levels.map(|(handles, iterations)| {
-        let each = STEPS + STEPS_PER_VARIABLE * variables(handles) as f64;
-        iterations as f64 * each
-    });
-    let seconds = step * steps.sum::<f64>() * scene.times().len() as f64;
-    let unknowns = problem.dofs();
-    Some(format!(
-        "the design of {unknowns} unknowns takes about {}, within a factor of three: a step of Newton's method takes {step:.2} s",
-        about(seconds)
-    ))
 }
 
 fn file_name(path: &Path) -> Result<String> {

@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::builder::RangedU64ValueParser;
-use program::Changes;
-use scene::Scene;
 
+use super::SceneArguments;
 use crate::export::{Deck, format_of};
 
 /// Write a scene and its mesh as an input deck for CalculiX or FEBio
@@ -16,25 +14,16 @@ use crate::export::{Deck, format_of};
 /// law has another energy, the deck and a warning say which.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The scene
-    scene: PathBuf,
+    #[command(flatten)]
+    of: SceneArguments,
     /// The deck: OUT.inp or OUT.feb
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Another tagged mesh in place of the scene's
-    #[arg(long, value_parser = super::other_mesh)]
-    mesh: Vec<super::OtherMesh>,
-    /// Another degree of the displacement in place of the scene's: 1 or 2
-    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=2))]
-    degree: Option<usize>,
-    #[command(flatten)]
-    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = format_of(&arguments.output)?;
-    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
-    scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
+    let scene = arguments.of.read()?;
     let deck = Deck::new(&scene)?;
     let text = scene.file.checked(|_| deck.text(format))?;
     mesh::io::write_atomic(&arguments.output, |out| out.write_all(text.as_bytes()))?;

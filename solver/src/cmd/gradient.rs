@@ -6,10 +6,10 @@ use anyhow::Result;
 use mechanics::element::FunctionSpace;
 use mechanics::math::linear::sum;
 use mesh::io::vtu;
-use program::{Changes, FolderLock};
+use program::FolderLock;
 use serde_json::json;
 
-use super::optimize::Problem;
+use super::DesignArguments;
 use design::optimize::Derivative;
 use run::report::results;
 
@@ -21,20 +21,15 @@ use run::report::results;
 /// such as a pressure, a modulus or the friction, with path and unit.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The design problem
-    design: PathBuf,
+    #[command(flatten)]
+    of: DesignArguments,
     /// Folder for the results; made if missing
     #[arg(short, long)]
     output: PathBuf,
-    /// At this tagged mesh, such as an optimised design.msh, in place of the scene's
-    #[arg(long, value_parser = super::other_mesh)]
-    mesh: Vec<super::OtherMesh>,
-    #[command(flatten)]
-    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let problem = Problem::read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let problem = arguments.of.read()?;
     let (design, scene) = (&problem.design, &problem.scene);
     let objectives = problem.objectives()?;
     let (mut level, at) = problem.start(&objectives, &design.levels()[0])?;

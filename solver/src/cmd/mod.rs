@@ -22,7 +22,12 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Subcommand;
+use clap::builder::RangedU64ValueParser;
+use program::Changes;
 use program::schema::SchemaArguments;
+use scene::Scene;
+
+use self::optimize::Problem;
 
 /// What `solver` can do.
 #[derive(Subcommand)]
@@ -74,6 +79,47 @@ impl Verb {
 
 /// A mesh in place of a scene's, and the name of its body if there are several.
 type OtherMesh = (Option<String>, PathBuf);
+
+/// A scene with what is other in it.
+#[derive(clap::Args)]
+struct SceneArguments {
+    /// The scene
+    scene: PathBuf,
+    /// Another tagged mesh in place of the scene's
+    #[arg(long, value_parser = other_mesh)]
+    mesh: Vec<OtherMesh>,
+    /// Another degree of the displacement in place of the scene's: 1, 2 or 3
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=3))]
+    degree: Option<usize>,
+    #[command(flatten)]
+    changes: Changes,
+}
+
+impl SceneArguments {
+    fn read(&self) -> Result<Scene> {
+        let mut scene = Scene::read_with(&self.scene, &self.mesh, &self.changes.set)?;
+        scene.config.degree = self.degree.unwrap_or(scene.config.degree);
+        Ok(scene)
+    }
+}
+
+/// A design problem at one shape.
+#[derive(clap::Args)]
+struct DesignArguments {
+    /// The design problem
+    design: PathBuf,
+    /// At this tagged mesh, such as an optimised design.msh, in place of the scene's
+    #[arg(long, value_parser = other_mesh)]
+    mesh: Vec<OtherMesh>,
+    #[command(flatten)]
+    changes: Changes,
+}
+
+impl DesignArguments {
+    fn read(&self) -> Result<Problem> {
+        Problem::read(&self.design, &self.mesh, &self.changes)
+    }
+}
 
 /// `path`, or `body=path`.
 fn other_mesh(text: &str) -> Result<OtherMesh, String> {

@@ -3,7 +3,7 @@
 use program::schema::Format;
 use scene::config::{DesignConfig, SimConfig};
 
-use crate::study::{as_cast, calibration, validation};
+use crate::study::{calibration, validation};
 
 /// What the verb can print.
 pub const FORMATS: &[Format] = &[
@@ -11,7 +11,6 @@ pub const FORMATS: &[Format] = &[
     Format::of::<DesignConfig>("design", "design.toml"),
     Format::of::<calibration::Config>("calibrate", "calibrate.toml"),
     Format::of::<validation::Config>("validation", "validation.toml"),
-    Format::of::<as_cast::Measured>("measured", "measured.toml"),
     Format::of_report::<reports::Simulation>("report", "report.json of simulate"),
     Format::of_report::<reports::Step>("steps", "a line of steps.jsonl of simulate"),
     Format::of_report::<reports::Optimization>("optimization", "report.json of optimize"),

@@ -1,19 +1,17 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
-use mechanics::forward::{
-    self, LoadStep, Problem, Unreached, Workspace, about, predicted_iterations, predicted_time,
-};
-use program::{Changes, FolderLock, Unusable};
-use reports::{AsCast, Simulation};
+use mechanics::forward::{LoadStep, Problem, Unreached, Workspace, about, predicted_time};
+use program::{FolderLock, Unusable};
+use reports::Simulation;
 use scene::{Scene, log_share};
 
-use crate::study::as_cast;
+use super::SceneArguments;
 use run::end::Outcome;
 use run::error_bars;
 use run::report::failure::Diagnosis;
@@ -21,7 +19,6 @@ use run::report::meeting;
 use run::report::record::{Checkpoint, Recorder, Work};
 use run::report::results;
 use run::report::simulation::{self, Spent};
-use run::report::time_left::foretell;
 use run::report::writer::write_beside;
 use run::steps::{Made, Steps};
 
@@ -34,20 +31,11 @@ use run::steps::{Made, Steps};
 /// command is given again.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The scene
-    scene: PathBuf,
+    #[command(flatten)]
+    of: SceneArguments,
     /// Folder for the results; made if missing
     #[arg(short, long)]
     output: PathBuf,
-    /// Another tagged mesh in place of the scene's
-    #[arg(long, value_parser = super::other_mesh)]
-    mesh: Vec<super::OtherMesh>,
-    /// What was measured of the cast body (TOML): walls are moved to it before the run
-    #[arg(long, value_name = "MEASURED")]
-    as_cast: Option<PathBuf>,
-    /// Another degree of the displacement in place of the scene's: 1, 2 or 3
-    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=3))]
-    degree: Option<usize>,
     /// Only the first of the scene's time steps
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     steps: Option<usize>,
@@ -63,13 +51,11 @@ pub struct Arguments {
     /// Forget an interrupted run in the folder
     #[arg(long)]
     restart: bool,
-    #[command(flatten)]
-    changes: Changes,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let (scene, as_cast) = read(arguments)?;
+    let scene = read(arguments)?;
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
@@ -77,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     error_bars::check(&scene)?;
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
-    let inputs = hash_inputs(&scene, arguments.as_cast.as_deref())?;
+    let inputs = hash_inputs(&scene)?;
     let checkpoint = if arguments.restart { None } else { Checkpoint::read(folder, &inputs)? };
     let done = checkpoint.as_ref().map_or(0, |c| c.steps);
     results::remove_stale(folder, done)?;
@@ -90,11 +76,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let last = arguments.steps.map_or(count, |n| n.min(count));
     let kind = scene.config.steps(last - if timed { done.min(last) } else { 0 });
     let predicted_s = predicted_time(&problem, &workspace, kind);
-    // steps tell how long the rest takes, and the end of a path is not known
-    if matches!(kind, forward::Steps::Load(1)) && scene.path().is_none() {
-        let expected = predicted_iterations(&problem, kind);
-        workspace.watch = Some(foretell(workspace.watch.take(), expected));
-    }
     log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
     let pictures = !arguments.final_only;
@@ -106,7 +87,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let steps = if keep { steps.keeping_states() } else { steps };
     let mut steps = steps.with_progress();
     let mut report = simulation::begun(&scene, &problem, folder)?;
-    report.as_cast = as_cast;
     let checkpoint = |steps: &Steps, workspace: &Workspace| Checkpoint {
         inputs: inputs.clone(),
         steps: steps.made(),
@@ -151,21 +131,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let refusal = outcome.write(&scene, (&problem, &mut workspace, &probes), folder, report)?;
     let Some(refusal) = refusal else { return Ok(()) };
-    Err(Unusable(format!("{}: {refusal}", arguments.scene.display())).into())
+    Err(Unusable(format!("{}: {refusal}", arguments.of.scene.display())).into())
 }
 
-/// The scene with what the arguments change, and its walls as they were measured.
-fn read(arguments: &Arguments) -> Result<(Scene, Option<AsCast>)> {
-    let mut scene = Scene::read_with(&arguments.scene, &arguments.mesh, &arguments.changes.set)?;
-    scene.config.degree = arguments.degree.unwrap_or(scene.config.degree);
+/// The scene with what the arguments change.
+fn read(arguments: &Arguments) -> Result<Scene> {
+    let mut scene = arguments.of.read()?;
     scene.certify = !arguments.no_certify;
     if arguments.curve {
         scene.config.solver.step_for_curves();
     }
-    let as_cast = arguments.as_cast.as_ref().map(|path| as_cast::apply(&mut scene, path));
-    let as_cast = as_cast.transpose()?;
-    as_cast.iter().flat_map(as_cast::in_words).for_each(|line| log::info!("{line}"));
-    Ok((scene, as_cast))
+    Ok(scene)
 }
 
 /// Says what will be solved.
@@ -248,7 +224,7 @@ fn failed(
     results::write_report(folder, &report)?;
     Ok(Unusable(format!(
         "{}: {}\n  the state at {} is in {}; its array worst_element marks the element",
-        arguments.scene.display(),
+        arguments.of.scene.display(),
         diagnosis.message,
         scene.progress(unreached.time),
         folder.join(results::FAILED).display()
@@ -266,19 +242,14 @@ fn keeps_states(scene: &Scene, done: usize) -> bool {
     wanted && !continues
 }
 
-/// What the states depend on: the scene, its meshes, the changes to it and what was measured.
-fn hash_inputs(scene: &Scene, as_cast: Option<&Path>) -> Result<String> {
+/// What the states depend on: the scene, the changes to it, its meshes and its obstacles.
+fn hash_inputs(scene: &Scene) -> Result<String> {
     let step = scene.config.solver.largest_load_step();
     let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string(), step.to_string()];
-    for part in &scene.parts {
-        hashes.push(program::sha256_file(&part.mesh_path)?);
-    }
-    for obstacle in &scene.config.obstacle {
-        let path = scene::config::beside(&scene.path, &obstacle.surface);
+    let obstacles = scene.config.obstacle.iter();
+    let obstacles = obstacles.map(|own| scene::config::beside(&scene.path, &own.surface));
+    for path in scene.parts.iter().map(|part| part.mesh_path.clone()).chain(obstacles) {
         hashes.push(program::sha256_file(&path)?);
-    }
-    if let Some(path) = as_cast {
-        hashes.push(program::sha256_file(path)?);
     }
     Ok(hashes.join(" "))
 }

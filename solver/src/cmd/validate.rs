@@ -77,20 +77,31 @@ fn pictures(config: &Config, found: &[Comparison], folder: &Path) -> Result<()> 
     names.dedup();
     for name in names {
         let rows: Vec<&Row> = config.row.iter().filter(|row| row.plot == *name).collect();
-        let mut runs: Vec<&str> = Vec::new();
-        let mut series = Vec::new();
-        for (i, row) in rows.iter().enumerate() {
-            let of_row: Vec<_> = found.iter().filter(|c| c.row == row.name).collect();
-            let Some(first) = of_row.first() else { continue };
-            series.extend(measured(first, i == 0));
-            let all = of_row.iter().flat_map(|one| curves(one).into_iter().map(move |c| (one, c)));
-            for (one, (run, values)) in all {
-                let turn = runs.iter().position(|r| *r == run).unwrap_or_else(|| {
-                    runs.push(run);
-                    runs.len() - 1
-                });
-                let label = series.iter().all(|s: &Series| s.label.as_deref() != Some(run));
-                series.push(simulated(one, run, values, turn, label));
+        let (mut runs, mut series) = (Vec::new(), Vec::<Series>::new());
+        let mut add = |label: Option<&str>, points: Vec<(f64, f64)>, style, turn| {
+            let is_known = series.iter().any(|one| one.label.as_deref() == label);
+            let label = label.filter(|_| !is_known).map(str::to_owned);
+            series.push(Series { label, points, style, turn });
+        };
+        for row in &rows {
+            for (i, one) in found.iter().filter(|one| one.row == row.name).enumerate() {
+                let measured = || one.measured.iter();
+                if i == 0 {
+                    let bars =
+                        measured().flat_map(|p| [p.y - p.spread, p.y + p.spread].map(|y| (p.x, y)));
+                    let points = measured().map(|p| (p.x, p.y)).collect();
+                    add(Some("measured"), points, Style::Circles(4), 0);
+                    add(None, bars.collect(), Style::Bars, 0);
+                }
+                for (run, values) in curves(one) {
+                    let known = runs.iter().position(|known| *known == run);
+                    let turn = known.unwrap_or(runs.len());
+                    if known.is_none() {
+                        runs.push(run);
+                    }
+                    let points = measured().zip(values).filter_map(|(p, s)| s.map(|s| (p.x, s)));
+                    add(Some(run), points.collect(), Style::Dotted(2), turn);
+                }
             }
         }
         let axes = Axes { x: rows[0].x.clone(), y: rows[0].y.join(", "), ..Axes::default() };
@@ -99,39 +110,10 @@ fn pictures(config: &Config, found: &[Comparison], folder: &Path) -> Result<()> 
     Ok(())
 }
 
-fn measured(one: &Comparison, label: bool) -> [Series; 2] {
-    let bars = one.measured.iter().flat_map(|p| [(p.x, p.y - p.spread), (p.x, p.y + p.spread)]);
-    [
-        Series {
-            label: label.then(|| "measured".to_owned()),
-            points: one.measured.iter().map(|p| (p.x, p.y)).collect(),
-            style: Style::Circles(4),
-            turn: 0,
-        },
-        Series { label: None, points: bars.collect(), style: Style::Bars, turn: 0 },
-    ]
-}
-
 /// The simulated ordinates of a comparison by the names of runs: of a band those of its ends.
 fn curves(one: &Comparison) -> Vec<(&str, &[Option<f64>])> {
     match &one.ends[..] {
         [] => vec![(&one.run, &one.simulated)],
         ends => ends.iter().map(|end| (&end.run[..], &end.simulated[..])).collect(),
-    }
-}
-
-fn simulated(
-    one: &Comparison,
-    run: &str,
-    values: &[Option<f64>],
-    turn: usize,
-    label: bool,
-) -> Series {
-    let both = one.measured.iter().zip(values);
-    Series {
-        label: label.then(|| run.to_owned()),
-        points: both.filter_map(|(p, s)| s.map(|s| (p.x, s))).collect(),
-        style: Style::Dotted(2),
-        turn,
     }
 }

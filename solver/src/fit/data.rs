@@ -11,8 +11,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use csv::StringRecord;
 use mechanics::material::response::Mode;
+
+use crate::units;
 
 /// Fewest points away from rest that make a test.
 const FEWEST: usize = 5;
@@ -52,31 +53,16 @@ pub fn read(path: &Path, mode: Mode, units: &Units, up_to: Option<f64>) -> Resul
 }
 
 fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)>> {
-    let text = text.trim_start_matches('\u{feff}');
-    let lines: Vec<&str> = text.lines().collect();
-    let header = header_line(&lines).context("empty; expected a header and a line per point")?;
-    let delimiter = delimiter(lines[header]);
-    let titles = fields(lines[header], delimiter);
-    let below = lines.get(header + 1).map(|line| fields(line, delimiter));
-    let below = below.filter(|cells| are_units(cells));
-    let layout = layout(&titles, below.as_deref(), units)?;
-    let first = header + 1 + usize::from(below.is_some());
-    let rows: String = text.split_inclusive('\n').skip(first).collect();
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(rows.as_bytes());
+    let lines = lines(text.trim_start_matches('\u{feff}'))?;
+    let header = header(&lines).context("empty; expected a header and a line per point")?;
+    let below = lines.get(header + 1).map(|line| &line.cells[..]).filter(|cells| are_units(cells));
+    let layout = layout(&lines[header].cells, below, units)?;
     let mut points = Vec::new();
-    for record in reader.records() {
-        let record = record?;
-        if record.iter().all(str::is_empty) {
+    for Line { number, cells } in &lines[header + 1 + usize::from(below.is_some())..] {
+        if cells.iter().all(String::is_empty) {
             continue;
         }
-        let line = record.position().map_or(0, csv::Position::line) as usize + first;
-        let point = layout.point(&record).with_context(|| format!("line {line}"))?;
+        let point = layout.point(cells).with_context(|| format!("line {number}"))?;
         if up_to.is_none_or(|end| point.0 <= end) {
             points.push(point);
         }
@@ -85,40 +71,48 @@ fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)
     Ok(points)
 }
 
+/// A line of the file: its number, from 1, and its cells.
+struct Line {
+    number: u64,
+    cells: Vec<String>,
+}
+
+/// All lines that have cells, which are parted as in the first one that names a stress, or else the first.
+fn lines(text: &str) -> Result<Vec<Line>> {
+    let mut texts = text.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    let titles = texts.clone().find(|line| line.to_lowercase().contains("stress"));
+    let titles = titles.or_else(|| texts.next()).unwrap_or_default();
+    let others = [b';', b'\t'].into_iter().find(|d| titles.as_bytes().contains(d));
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(others.unwrap_or(b','))
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let line = |record: csv::Result<csv::StringRecord>| {
+        let record = record?;
+        let number = record.position().map_or(0, csv::Position::line);
+        Ok(Line { number, cells: record.iter().map(str::to_owned).collect() })
+    };
+    reader.records().map(line).collect()
+}
+
 /// The line that names columns of stress and of strain or stretch; of several, as where a table of
 /// results comes first, the one with the most lines up to the next. Without any, the first line.
-fn header_line(lines: &[&str]) -> Option<usize> {
-    let is_text = |line: &str| !line.trim().is_empty() && !line.starts_with('#');
-    let names_both = |line: &str| {
-        let cells = fields(line, delimiter(line));
+fn header(lines: &[Line]) -> Option<usize> {
+    let names_both = |line: &Line| {
         let at = |words: &[&str]| {
             let named = |cell: &String| words.iter().any(|w| cell.to_lowercase().contains(w));
-            cells.iter().position(named)
+            line.cells.iter().position(named)
         };
         let (stress, strain) = (at(&["stress"]), at(&["strain", "stretch"]));
         stress.is_some() && strain.is_some() && stress != strain
     };
-    let candidates: Vec<usize> =
-        (0..lines.len()).filter(|&i| is_text(lines[i]) && names_both(lines[i])).collect();
+    let candidates: Vec<usize> = (0..lines.len()).filter(|&i| names_both(&lines[i])).collect();
     let ends = candidates.iter().skip(1).copied().chain([lines.len()]);
     let longest = candidates.iter().zip(ends).max_by_key(|&(&i, end)| (end - i, usize::MAX - i));
-    longest.map(|(&i, _)| i).or_else(|| lines.iter().position(|line| is_text(line)))
-}
-
-fn delimiter(line: &str) -> u8 {
-    let others = [b';', b'\t'].into_iter().find(|d| line.as_bytes().contains(d));
-    others.unwrap_or(b',')
-}
-
-/// The cells of a line, without their quotes.
-fn fields(line: &str, delimiter: u8) -> Vec<String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .trim(csv::Trim::All)
-        .has_headers(false)
-        .from_reader(line.as_bytes());
-    let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
-    record.iter().map(str::to_owned).collect()
+    longest.map(|(&i, _)| i).or_else(|| (!lines.is_empty()).then_some(0))
 }
 
 /// Whether cells below a header are units in brackets, as testing machines write them.
@@ -168,7 +162,9 @@ fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<
         stress + 1,
         &header[stress]
     );
-    let stress = (stress, STRESS.factor(titles[stress].1.as_ref(), units.stress.as_ref())?);
+    let pascals = ("Pa", "kPa");
+    let unit = factor("stress", pascals, titles[stress].1.as_ref(), units.stress.as_ref())?;
+    let stress = (stress, unit);
     if let Some(stretch) = find("stretch")? {
         let unit = titles[stretch].1.as_deref();
         let plain = unit.is_none_or(|u| ["1", "-", "", "mm/mm", "m/m"].contains(&u));
@@ -187,73 +183,46 @@ fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<
         strain + 1,
         &header[strain]
     );
-    let factor = STRAIN.factor(titles[strain].1.as_ref(), units.strain.as_ref())?;
-    Ok(Layout { stretch: (strain, factor, 1.0), stress })
+    let unit = factor("strain", ("1", "%"), titles[strain].1.as_ref(), units.strain.as_ref())?;
+    Ok(Layout { stretch: (strain, unit, 1.0), stress })
 }
 
-/// A quantity with its units: their names, and how much one is in SI.
-struct Quantity {
-    name: &'static str,
-    units: &'static [(&'static [&'static str], f64)],
-    /// What a header may say.
-    example: &'static str,
-}
-
-const STRAIN: Quantity = Quantity {
-    name: "strain",
-    units: &[(&["1", "-", "mm/mm", "m/m"], 1.0), (&["%", "percent"], 0.01)],
-    example: "strain [%], or give --strain-unit 1 or --strain-unit %",
-};
-
-const STRESS: Quantity = Quantity {
-    name: "stress",
-    units: &[
-        (&["Pa", "N/m2", "N/m²"], 1.0),
-        (&["kPa"], 1e3),
-        (&["MPa", "N/mm2", "N/mm²", "N/mm^2"], 1e6),
-        // pound-force 4.448 221 615 260 5 N on a square of 25.4 mm
-        (&["psi"], 4.448_221_615_260_5 / (0.0254 * 0.0254)),
-    ],
-    example: "stress [kPa], or give --stress-unit kPa",
-};
-
-impl Quantity {
-    /// The factor to SI of the unit in the header or the one given apart, which must not differ.
-    fn factor(&self, header: Option<&String>, apart: Option<&String>) -> Result<f64> {
-        let Self { name, units, example } = self;
-        if let (Some(header), Some(apart)) = (header, apart) {
-            ensure!(
-                header == apart,
-                "the header gives {name} in \"{header}\", but --{name}-unit is \"{apart}\""
-            );
-        }
-        let unit = header.or(apart);
-        let unit = unit.with_context(|| {
-            format!("no unit of {name}: write it in the header, as in {example}")
-        })?;
-        let found = units.iter().find(|(names, _)| names.contains(&unit.as_str()));
-        let known = || units.iter().map(|(names, _)| names[0]).collect::<Vec<_>>().join(", ");
-        Ok(found.with_context(|| format!("{name} in \"{unit}\": known units are {}", known()))?.1)
+/// The factor to SI of the unit in the header or the one given apart, which must not differ.
+fn factor(
+    name: &str,
+    (si, example): (&str, &str),
+    header: Option<&String>,
+    apart: Option<&String>,
+) -> Result<f64> {
+    if let (Some(header), Some(apart)) = (header, apart) {
+        ensure!(
+            header == apart,
+            "the header gives {name} in \"{header}\", but --{name}-unit is \"{apart}\""
+        );
     }
+    let unit = header.or(apart).with_context(|| {
+        format!("no unit of {name}: write it in the header, as in {name} [{example}], or give --{name}-unit {example}")
+    })?;
+    units::factor(unit, si).with_context(|| format!("{name} in \"{unit}\""))
 }
 
 impl Layout {
-    fn point(&self, record: &StringRecord) -> Result<(f64, f64)> {
+    fn point(&self, cells: &[String]) -> Result<(f64, f64)> {
         let (column, factor, offset) = self.stretch;
-        let stretch = offset + factor * self.number(record, column)?;
+        let stretch = offset + factor * number(cells, column)?;
         ensure!(stretch > 0.0, "stretch {stretch}: must be positive (is the unit right?)");
-        Ok((stretch, self.stress.1 * self.number(record, self.stress.0)?))
+        Ok((stretch, self.stress.1 * number(cells, self.stress.0)?))
     }
+}
 
-    fn number(&self, record: &StringRecord, column: usize) -> Result<f64> {
-        let text = record
-            .get(column)
-            .with_context(|| format!("{} columns; expected column {}", record.len(), column + 1))?;
-        // a cell has a comma where that does not part columns, or in quotes
-        let plain = text.replace(',', ".");
-        let number = plain.parse::<f64>().ok().filter(|n| n.is_finite());
-        number.with_context(|| format!("column {}: \"{text}\" is not a number", column + 1))
-    }
+fn number(cells: &[String], column: usize) -> Result<f64> {
+    let text = cells
+        .get(column)
+        .with_context(|| format!("{} columns; expected column {}", cells.len(), column + 1))?;
+    // a cell has a comma where that does not part columns, or in quotes
+    let plain = text.replace(',', ".");
+    let number = plain.parse::<f64>().ok().filter(|n| n.is_finite());
+    number.with_context(|| format!("column {}: \"{text}\" is not a number", column + 1))
 }
 
 /// Refuses what cannot be a test of a rubber; warns of what may not be.

@@ -112,7 +112,9 @@ pub fn state(schema: &mut Schema, key: &str, default: Option<Value>, words: &[&s
         needed.as_array_mut().into_iter().for_each(|keys| keys.push(key.into()));
         return;
     };
-    let Some(key) = table["properties"][key].as_object_mut() else { return };
+    let Some(key) = table["properties"][key.trim_start_matches("r#")].as_object_mut() else {
+        return;
+    };
     let is_empty = default.as_array().is_some_and(Vec::is_empty);
     if let Some(words) = words.first() {
         key.insert(DEFAULT_IN_WORDS.into(), (*words).into());

@@ -10,7 +10,6 @@ use mechanics::energy::Iterate;
 use mechanics::forward::{Failure, Problem, Uncertified, Unreached, Workspace};
 use mechanics::material::Kinematics;
 use mechanics::math::linear::Pivot;
-use mechanics::math::tensor::{Mat3, cofactor};
 use mechanics::stability::SoftestMode;
 use mechanics::stretch::Stretches;
 use mesh::Vec3;
@@ -157,19 +156,8 @@ pub fn inverted(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Option<Strin
 }
 
 fn smallest_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64], e: usize) -> f64 {
-    let n = space.nodes_per_element();
-    let nodes = &space.element_nodes()[n * e..n * (e + 1)];
-    let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
-    let g = Mat3::from_columns(&[b - a, c - a, d - a]);
-    let to_rest = cofactor(&g) / g.determinant();
-    let ratio = |gradients: &Vec<[f64; 3]>| {
-        let mut grad_u = Mat3::zeros();
-        for (&node, gradient) in nodes.iter().zip(gradients) {
-            grad_u += at(u, node) * (to_rest * Vec3::from(*gradient)).transpose();
-        }
-        Kinematics::new(&grad_u).j()
-    };
-    space.volume_table().gradients.iter().map(ratio).fold(f64::INFINITY, f64::min)
+    let gradients = space.displacement_gradients(rest, u, e);
+    gradients.map(|grad_u| Kinematics::new(&grad_u).j()).fold(f64::INFINITY, f64::min)
 }
 
 fn reason(

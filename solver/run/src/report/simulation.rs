@@ -46,7 +46,6 @@ pub fn begun(scene: &Scene, problem: &Problem, folder: &Path) -> Result<Simulati
         tets: scene.body.mesh.tets.len(),
         vertices: scene.body.mesh.vertices.len(),
         symmetry: cut.then(|| results::symmetry(&scene.body)),
-        as_cast: None,
         rest: None,
         steps: Vec::new(),
         factor_entries: 0,

@@ -94,14 +94,19 @@ impl Group {
         })
     }
 
+    /// What they become in a scene as it was read.
+    pub fn values(&self, scene: &Scene, by: f64) -> Vec<(&Number, f64)> {
+        let value = |number: &Number| match self.change {
+            Change::Value => by,
+            Change::Factor => by * number.value(scene),
+            Change::Offset => number.value(scene) + by,
+        };
+        self.numbers.iter().map(|number| (number, value(number))).collect()
+    }
+
     /// Changes them in a scene as it was read.
     pub fn apply(&self, scene: &mut Scene, walls: Option<&Walls>, by: f64) -> Result<()> {
-        for number in &self.numbers {
-            let value = match self.change {
-                Change::Value => by,
-                Change::Factor => by * number.value(scene),
-                Change::Offset => number.value(scene) + by,
-            };
+        for (number, value) in self.values(scene, by) {
             number.set(scene, walls, value)?;
         }
         self.numbers.iter().try_for_each(|number| number.check(scene))

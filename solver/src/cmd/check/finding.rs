@@ -138,18 +138,17 @@ fn quadratic(epsilon: &[f64], remainder: &[f64]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Outcome;
+    use super::super::{Outcome, Step};
     use super::*;
 
-    /// The finding for J(ε) along a direction, with a slope g·q, for steps up to `longest`.
-    fn found_to(longest: f64, j: impl Fn(f64) -> f64, slope: f64) -> Finding {
-        let epsilon: Vec<f64> = (0..7).map(|k| longest * 0.5_f64.powi(k)).collect();
-        let values: Vec<f64> = epsilon.iter().map(|&e| j(e)).collect();
-        Outcome::new("term", j(0.0), slope, &epsilon, &values).finding
+    /// J(ε) along a direction, at steps up to 0.01.
+    fn steps(count: i32, j: impl Fn(f64) -> f64) -> Vec<Step> {
+        (0..count).map(|k| 1e-2 * 0.5_f64.powi(k)).map(|e| (e, Some(j(e)))).collect()
     }
 
+    /// The finding for J(ε) with a slope g·q.
     fn found(j: impl Fn(f64) -> f64, slope: f64) -> Finding {
-        found_to(1e-2, j, slope)
+        Outcome::new("term", j(0.0), slope, &steps(7, &j), 7).finding
     }
 
     #[test]
@@ -171,10 +170,8 @@ mod tests {
     /// Three steps are too few for [`QUADRATIC`] remainders.
     #[test]
     fn few_remainders_that_fall_exactly_by_four_have_a_slope() {
-        let epsilon = [1e-2, 5e-3, 2.5e-3];
         let j = |e: f64| 5.0 + 1e-3 * e + 2e-6 * e * e;
-        let values = epsilon.map(j);
-        let finding = |slope: f64| Outcome::new("term", j(0.0), slope, &epsilon, &values).finding;
+        let finding = |slope: f64| Outcome::new("term", j(0.0), slope, &steps(3, j), 3).finding;
         assert!(finding(1e-3).passes() && matches!(finding(1e-3), Finding::Slope(_)));
         assert!(!finding(1.01e-3).passes());
     }
@@ -206,10 +203,7 @@ mod tests {
     #[test]
     fn a_term_without_curvature_has_a_slope_above_two() {
         let j = |e: f64| 5.0 + 1e-3 * e + e.powi(3);
-        let told = |slope: f64| {
-            let long = found(j, slope);
-            found_to(1e-4, j, slope).after(&[(1e-2, long)])
-        };
+        let told = |slope: f64| Outcome::new("term", j(0.0), slope, &steps(15, j), 7).finding;
         assert!(told(1e-3).passes() && matches!(told(1e-3), Finding::Faster(_)), "{}", told(1e-3));
         assert!(!told(1.01e-3).passes(), "{}", told(1.01e-3));
     }

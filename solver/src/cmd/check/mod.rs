@@ -4,22 +4,23 @@ mod finding;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
-use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use clap::builder::RangedU64ValueParser;
 use mechanics::forward::about;
 use mechanics::math::linear::dot;
 use mechanics::math::random::Random;
-use program::{Changes, Heartbeat, Unusable};
+use program::{Heartbeat, Unusable};
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
-use super::optimize::Problem;
+use super::DesignArguments;
 use design::optimize::{Evaluation, Level, Parameter, Perturbed};
 
-/// How often the test of a term is repeated with steps of a quarter of the length, while
-/// its slope is not accepted.
-const SHORTER: i32 = 4;
+/// How often the test of a term is repeated while its slope is not accepted, ...
+const SHORTER: usize = 4;
+/// ... each time without so many of the longest steps.
+const LONGEST: usize = 2;
 
 /// Check the gradients of a design problem against its objective
 ///
@@ -35,12 +36,8 @@ const SHORTER: i32 = 4;
 /// test passes.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The design problem
-    design: PathBuf,
-    /// Check at this tagged mesh, such as an optimised design.msh, in place of
-    /// the scene's
-    #[arg(long, value_parser = super::other_mesh)]
-    mesh: Vec<super::OtherMesh>,
+    #[command(flatten)]
+    of: DesignArguments,
     /// Number of handles; as in the first level if not given
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     handles: Option<u32>,
@@ -55,14 +52,12 @@ pub struct Arguments {
     #[arg(long, value_parser = positive)]
     motion: Option<f64>,
     /// Number of step lengths, each half the one before
-    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(i32).range(3..=30))]
-    steps: i32,
-    #[command(flatten)]
-    changes: Changes,
+    #[arg(long, default_value_t = 7, value_parser = RangedU64ValueParser::<usize>::new().range(3..=30))]
+    steps: usize,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let problem = Problem::read(&arguments.design, &arguments.mesh, &arguments.changes)?;
+    let problem = arguments.of.read()?;
     let (design, scene) = (&problem.design, &problem.scene);
     let objectives = problem.objectives()?;
     let mut settings = design.levels()[0].clone();
@@ -83,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
     let swept = sweeps(&mut level, &start)?;
-    let runs = parameters.len() as f64 * (1 + arguments.random) as f64 * f64::from(arguments.steps);
+    let runs = parameters.len() as f64 * (1 + arguments.random) as f64 * arguments.steps as f64;
     log::info!(
         "up to {runs} runs follow, about {}, and more where steps are too long",
         about(runs * start.forward_s)
@@ -119,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     Err(Unusable(format!(
         "{}: slope is not 2 ± 0.1, or cannot be measured:\n  {}",
-        arguments.design.display(),
+        arguments.of.design.display(),
         failed.join("\n  ")
     ))
     .into())
@@ -150,6 +145,9 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A value of a term at a step length ε; none where the step is too long.
+type Step = (f64, Option<f64>);
+
 /// The test of one term along one direction.
 struct Outcome {
     term: String,
@@ -163,18 +161,29 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn new(term: &str, at: f64, slope: f64, epsilon: &[f64], values: &[f64]) -> Self {
-        let change: Vec<f64> = values.iter().map(|v| v - at).collect();
-        let remainder: Vec<f64> =
-            change.iter().zip(epsilon).map(|(c, e)| (c - e * slope).abs()).collect();
-        let size = values.iter().fold(at.abs(), |m, v| m.max(v.abs()));
-        Self {
-            term: term.to_owned(),
-            directional: slope,
-            epsilon: epsilon.to_vec(),
-            finding: Finding::new(size, slope, epsilon, &change, &remainder),
-            remainder,
-            before: Vec::new(),
+    /// From steps each half the one before, of which `count` make a test. While the slope is not accepted, the test is
+    /// repeated without the longest two: too long ones hide the second order behind the third, or leave the range of
+    /// valid shapes. What counts is the last test.
+    fn new(term: &str, at: f64, slope: f64, steps: &[Step], count: usize) -> Self {
+        let mut before = Vec::new();
+        let mut left = steps;
+        loop {
+            let epsilon: Vec<f64> = left[..count].iter().map(|step| step.0).collect();
+            let values: Option<Vec<f64>> = left[..count].iter().map(|step| step.1).collect();
+            let (finding, remainder) = values.map_or((Finding::TooLong, Vec::new()), |values| {
+                let change: Vec<f64> = values.iter().map(|v| v - at).collect();
+                let off = |(c, e): (&f64, &f64)| (c - e * slope).abs();
+                let remainder: Vec<f64> = change.iter().zip(&epsilon).map(off).collect();
+                let size = values.iter().fold(at.abs(), |m, v| m.max(v.abs()));
+                (Finding::new(size, slope, &epsilon, &change, &remainder), remainder)
+            });
+            if finding.is_open() && left.len() >= count + LONGEST {
+                before.push((epsilon[0], finding));
+                left = &left[LONGEST..];
+                continue;
+            }
+            let (term, finding) = (term.to_owned(), finding.after(&before));
+            return Self { term, directional: slope, epsilon, remainder, finding, before };
         }
     }
 }
@@ -196,77 +205,56 @@ impl Case<'_> {
         q: &[f64],
         arguments: &Arguments,
     ) -> Result<Vec<Outcome>> {
-        let mut found = self.shortened(gradients, q, arguments)?;
-        if found.values().any(|outcome| outcome.finding.is_open()) {
+        let mut found = self.outcomes(gradients, q, arguments)?;
+        if found.iter().any(|outcome| outcome.finding.is_open()) {
             let back: Vec<f64> = q.iter().map(|q| -q).collect();
-            let back = self.shortened(gradients, &back, arguments)?;
-            for (term, own) in &mut found {
-                own.finding = own.finding.beside(back[term].finding);
+            let back = self.outcomes(gradients, &back, arguments)?;
+            for (own, back) in found.iter_mut().zip(back) {
+                own.finding = own.finding.beside(back.finding);
             }
         }
-        Ok(found.into_values().collect())
+        Ok(found)
     }
 
-    /// The test of all terms along q, by their names. A term whose slope is not accepted is tested again
-    /// with shorter steps: too long ones hide the second order behind the third, or leave
-    /// the range of valid shapes. What counts is the last test of a term.
-    fn shortened(
-        &mut self,
-        gradients: &BTreeMap<&str, Vec<f64>>,
-        q: &[f64],
-        arguments: &Arguments,
-    ) -> Result<BTreeMap<String, Outcome>> {
-        let longest = self.longest(q, arguments.motion);
-        let retries = SHORTER * i32::from(arguments.motion.is_none());
-        let mut last: BTreeMap<String, Outcome> = BTreeMap::new();
-        let mut too_long = Vec::new();
-        let mut failure = None;
-        for k in 0..=retries {
-            let epsilon = longest * 0.25_f64.powi(k);
-            match self.outcomes(gradients, q, epsilon, arguments.steps) {
-                Ok(outcomes) => update(&mut last, outcomes, &too_long),
-                Err(error) => {
-                    too_long.push((epsilon, Finding::TooLong));
-                    failure = Some(error);
-                }
-            }
-            if !last.is_empty() && !last.values().any(|outcome| outcome.finding.is_open()) {
-                break;
-            }
-        }
-        if let (true, Some(error)) = (last.is_empty(), failure) {
-            return Err(error);
-        }
-        for outcome in last.values_mut() {
-            outcome.finding = outcome.finding.after(&outcome.before);
-        }
-        Ok(last)
-    }
-
+    /// The test of all terms along q, with shorter steps while there is one whose slope is not accepted.
     fn outcomes(
         &mut self,
         gradients: &BTreeMap<&str, Vec<f64>>,
         q: &[f64],
-        longest: f64,
-        steps: i32,
+        arguments: &Arguments,
     ) -> Result<Vec<Outcome>> {
-        let epsilon: Vec<f64> = (0..steps).map(|k| longest * 0.5_f64.powi(k)).collect();
-        let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for (k, e) in epsilon.iter().enumerate() {
-            self.heartbeat.say(|| format!("  step length {} of {steps}: {e:.1e}", k + 1));
-            let by: Vec<f64> = q.iter().map(|q| e * q).collect();
-            let trial = self.perturbed.evaluate(self.level, self.start, self.parameter, &by);
-            let there = self.level.numbers(&trial.context("a trial")?);
-            for name in gradients.keys() {
-                values.entry(name).or_default().push(there[*name]);
-            }
-        }
+        let (count, longest) = (arguments.steps, self.longest(q, arguments.motion));
+        let most = count + arguments.motion.map_or(SHORTER * LONGEST, |_| 0);
         let here = self.level.numbers(self.start);
-        let outcome = |(name, gradient): (&&str, &Vec<f64>)| {
-            let at = here[*name];
-            Outcome::new(name, at, dot(gradient, q), &epsilon, &values[name])
-        };
-        Ok(gradients.iter().map(outcome).collect())
+        let (mut trials, mut failure) = (Vec::new(), None);
+        loop {
+            let epsilon = longest * 0.5_f64.powi(trials.len() as i32);
+            let (step, of) = (trials.len() + 1, trials.len().max(count - 1) + 1);
+            self.heartbeat.say(|| format!("  step length {step} of {of}: {epsilon:.1e}"));
+            let by: Vec<f64> = q.iter().map(|q| epsilon * q).collect();
+            let trial = self.perturbed.evaluate(self.level, self.start, self.parameter, &by);
+            let values = trial.map(|there| self.level.numbers(&there));
+            trials.push((epsilon, values.map_err(|error| failure = Some(error)).ok()));
+            if trials.len() < count || (trials.len() - count) % LONGEST != 0 {
+                continue;
+            }
+            let outcome = |(name, gradient): (&&str, &Vec<f64>)| {
+                let steps =
+                    trials.iter().map(|(e, values)| (*e, values.as_ref().map(|v| v[*name])));
+                let steps: Vec<Step> = steps.collect();
+                Outcome::new(name, here[*name], dot(gradient, q), &steps, count)
+            };
+            let found: Vec<Outcome> = gradients.iter().map(outcome).collect();
+            if trials.len() < most && found.iter().any(|outcome| outcome.finding.is_open()) {
+                continue;
+            }
+            return match failure {
+                Some(why) if found.iter().all(|o| o.finding == Finding::TooLong) => {
+                    Err(why.context("a trial"))
+                }
+                _ => Ok(found),
+            };
+        }
     }
 
     /// The longest ε.
@@ -285,25 +273,6 @@ impl Case<'_> {
             Parameter::Loads => motion.unwrap_or(0.1 * map.mean_edge()) / largest,
             _ => 1e-2 / largest,
         }
-    }
-}
-
-/// Replaces the tests of terms that are open by new ones, which remember them.
-fn update(
-    last: &mut BTreeMap<String, Outcome>,
-    outcomes: Vec<Outcome>,
-    too_long: &[(f64, Finding)],
-) {
-    for mut outcome in outcomes {
-        outcome.before = match last.remove(&outcome.term) {
-            Some(old) if !old.finding.is_open() => {
-                last.insert(old.term.clone(), old);
-                continue;
-            }
-            Some(old) => [old.before, vec![(old.epsilon[0], old.finding)]].concat(),
-            None => too_long.to_vec(),
-        };
-        last.insert(outcome.term.clone(), outcome);
     }
 }
 

@@ -11,9 +11,8 @@ use mechanics::energy::gas_law::{GAS_LAWS, Row};
 use mechanics::material::{LAWS, Law, sheet};
 use program::schema::Key;
 use scene::config::{ObjectiveConfig, ProbeConfig};
-use scene::silicone;
-
 use scene::number;
+use scene::silicone;
 
 /// Characters in a line.
 const WIDTH: usize = 96;
@@ -24,43 +23,39 @@ const WIDTH: usize = 96;
 /// material = "its-name"; a sheet is the kind of the material of a [[membrane]]; a gas law is selected by a key of a [[chamber]]; a probe is
 /// the kind of a [[probe]]; an objective is the kind of an [[objective]] of a design problem.
 #[derive(clap::Args)]
+#[group(multiple = false)]
 pub struct Arguments {
     /// The silicones and printed elastomers in place of the laws
     #[arg(long)]
     silicones: bool,
     /// The laws of thin sheets in place of those of bodies
-    #[arg(long, conflicts_with = "silicones")]
+    #[arg(long)]
     sheets: bool,
     /// The gas laws of chambers in place of the material laws
-    #[arg(long, conflicts_with_all = ["silicones", "sheets"])]
+    #[arg(long)]
     gas_laws: bool,
     /// The probes of scenes in place of the laws
-    #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws"])]
+    #[arg(long)]
     probes: bool,
     /// The objectives of design problems in place of the laws
-    #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws", "probes"])]
+    #[arg(long)]
     objectives: bool,
     /// The numbers of a scene that may be calibrated, uncertain or other in a scenario, in place of the laws
-    #[arg(long, conflicts_with_all = ["silicones", "sheets", "gas_laws", "probes", "objectives"])]
+    #[arg(long)]
     numbers: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Arguments { silicones, sheets, gas_laws, probes, objectives, numbers } = *arguments;
-    let text = if numbers {
-        joined(&number::KINDS, number_text)
-    } else if objectives {
-        quantities(List::Objective, &ObjectiveConfig::common_keys())
-    } else if probes {
-        quantities(List::Probe, &ProbeConfig::common_keys())
-    } else if sheets {
-        joined(sheet::LAWS, law_text)
-    } else if gas_laws {
-        joined(GAS_LAWS, gas_law_text)
-    } else if silicones {
-        silicones::text(silicone::all())
-    } else {
-        joined(LAWS, law_text)
+    let text = match arguments {
+        Arguments { numbers: true, .. } => joined(&number::KINDS, number_text),
+        Arguments { objectives: true, .. } => {
+            quantities(List::Objective, &ObjectiveConfig::common_keys())
+        }
+        Arguments { probes: true, .. } => quantities(List::Probe, &ProbeConfig::common_keys()),
+        Arguments { sheets: true, .. } => joined(sheet::LAWS, law_text),
+        Arguments { gas_laws: true, .. } => joined(GAS_LAWS, gas_law_text),
+        Arguments { silicones: true, .. } => silicones::text(silicone::all()),
+        _ => joined(LAWS, law_text),
     };
     Ok(write!(std::io::stdout().lock(), "{text}")?)
 }

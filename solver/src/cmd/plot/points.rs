@@ -1,12 +1,13 @@
 //! Points of a CSV file that are laid over curves.
 
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use anyhow::{Context, Result, ensure};
-use csv::StringRecord;
+use anyhow::{Context, Result, bail};
 
+use crate::study::table::Table;
 use run::report::columns::combined;
 
 /// `FILE` or `FILE:X,Y`, as it was given.
@@ -35,46 +36,31 @@ impl Points {
         self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// Reads them; lines that begin with # are comments.
+    /// Reads them.
     pub fn read(&self) -> Result<Vec<(f64, f64)>> {
         let text = mesh::io::read_text(&self.path)?;
         self.parse(&text).with_context(|| self.path.display().to_string())
     }
 
     fn parse(&self, text: &str) -> Result<Vec<(f64, f64)>> {
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let header = reader.headers()?.clone();
-        let known = || header.iter().collect::<Vec<_>>().join(", ");
-        ensure!(header.len() >= 2, "one column ({}): expected x and y, by commas", known());
-        if header.len() > 2 && self.columns.is_none() {
-            let (path, [x, y]) = (self.path.display(), [&header[0], &header[1]]);
-            log::info!("{path}: x is \"{x}\", y is \"{y}\"; {path}:X,Y names others");
-        }
-        let point = |record: csv::Result<StringRecord>| {
-            let record = record?;
-            let Some([x, y]) = &self.columns else {
-                return Ok((number(&record, 0)?, number(&record, 1)?));
-            };
-            let find = |name: &str| {
-                let at = header.iter().position(|one| one == name);
-                let none = || format!("no column {name:?}; there are: {}", known());
-                number(&record, at.with_context(none)?)
-            };
-            Ok((combined(x, &find)?, combined(y, &find)?))
+        let table = Table::parse(text, &BTreeMap::new())?;
+        let [x, y] = match (&self.columns, &table.titles[..]) {
+            (Some(named), _) => named.clone(),
+            (None, [x, y, others @ ..]) => {
+                if !others.is_empty() {
+                    let path = self.path.display();
+                    log::info!("{path}: x is \"{x}\", y is \"{y}\"; {path}:X,Y names others");
+                }
+                [x.clone(), y.clone()]
+            }
+            (None, titles) => bail!("one column ({}): expected x and y", titles.join(", ")),
         };
-        let points: Vec<_> = reader.records().map(point).collect::<Result<_>>()?;
-        ensure!(!points.is_empty(), "no line below the header: there is no point to draw");
-        Ok(points)
+        let point = |line: usize| {
+            let number = |title: &str| table.number(line, title);
+            Ok((combined(&x, &number)?, combined(&y, &number)?))
+        };
+        (0..table.lines()).map(point).collect()
     }
-}
-
-fn number(record: &StringRecord, column: usize) -> Result<f64> {
-    let text = record.get(column).unwrap_or_default();
-    let line = record.position().map_or(0, csv::Position::line);
-    text.parse().ok().with_context(|| format!("line {line}: {text:?} is not a number"))
 }
 
 #[cfg(test)]
@@ -100,10 +86,10 @@ mod tests {
     #[test]
     fn what_is_no_table_of_points_is_named() {
         for (given, text, words) in [
-            ("a.csv:pressur,angle*2", TABLE, "no column \"pressur\"; there are: force [N]"),
+            ("a.csv:pressur,angle*2", TABLE, "no column \"pressur\"; there are: \"force [N]\""),
             ("a.csv:force [N]*x,angle*2", TABLE, "the factor of \"force [N]*x\""),
-            ("a.csv", "x, y\n1, two\n", "line 2: \"two\" is not a number"),
-            ("a.csv", "x, y\n", "no line below the header"),
+            ("a.csv", "x, y\n1, two\n", "line 2: \"y\" is \"two\""),
+            ("a.csv", "x, y\n", "the table has no line"),
             ("a.csv", "x\n1\n", "one column (x)"),
         ] {
             let error = read(given, text).expect_err(given);

@@ -1,103 +1,46 @@
 //! Calibration: numbers of scenes from measurements on one's own device.
 //!
-//! Each `[[experiment]]` names a scene, one of its probes, and a measured table of that probe.
+//! Each `[[experiment]]` names a scene and what was measured: a table or a value of one of its probes, the mass of the
+//! body, or the thickness of a wall. So walls are found that are off in a body as it was cast.
 //! The numbers minimise the sum of the squared differences over their standard uncertainties
-//! ([`least_squares`]), with derivatives by the adjoint method ([`run::sensitivity`]).
+//! ([`least_squares`](super::least_squares)), with derivatives by the adjoint method ([`run::sensitivity`]).
 
-pub mod least_squares;
+mod experiment;
+mod shape;
 mod sought;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use measure::probe::Probe;
 use mechanics::math::least_squares::Residuals;
 use nalgebra::{DMatrix, DVector};
+use program::table::{Table as _, each};
 use program::{Change, Changes, KeyPath, Keys, Settings, misfit};
 use scene::Scene;
 use scene::config::beside;
-use schemars::JsonSchema;
-use serde::Deserialize;
-
-use crate::study::validation::table::{Table, unit};
-use run::{Run, Start};
 use scene::number::{Group, Number, Swept, Walls};
+
+use crate::study::least_squares;
+use experiment::Quantity;
+pub use experiment::{Experiment, ExperimentConfig, Point};
+use run::{Run, Start};
 pub use sought::Sought;
 
 const KEYS: Keys = Keys { paths: &["scene", "measured"], named: &[], meaning: None };
 
-/// Two times are the same when they differ by less than this part of the last.
-const SAME: f64 = 1e-6;
-
-/// What is sought, and from what: a file in TOML.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// What is sought.
-    #[serde(default)]
-    pub number: Vec<Sought>,
-    /// From what.
-    #[serde(default)]
-    pub experiment: Vec<ExperimentConfig>,
-}
-
-/// Measurements of one probe.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ExperimentConfig {
-    /// The name in tables and pictures.
-    pub name: String,
-    /// The scene, relative to the file.
-    pub scene: PathBuf,
-    /// The probe of the scene that was measured.
-    pub probe: String,
-    /// Measured table (CSV), relative to the file.
-    pub measured: PathBuf,
-    /// Entries that its lines must have, by the titles of columns.
-    #[serde(default, rename = "where")]
-    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub lines: BTreeMap<String, toml::Value>,
-    /// Titles of the measured columns, with their unit: one, or several for repeated trials.
-    pub columns: Vec<String>,
-    /// Standard uncertainty of a measurement, in the unit of the columns.
-    pub uncertainty: f64,
-    /// When; without it, at the end of the scene.
-    pub time: Option<Time>,
-}
-
-/// At which t of the scene.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a time [s], or the title of a column")]
-pub enum Time {
-    /// All lines [s].
-    At(f64),
-    /// What a column says, by its title.
-    Column(String),
-}
-
-/// Measurements of one probe, in SI.
-pub struct Experiment {
-    /// As it was written.
-    pub config: ExperimentConfig,
-    /// Index of its scene.
-    scene: usize,
-    /// Index of its probe in the scene.
-    probe: usize,
-    /// Unit of the column, and what one is in that of the probe.
-    pub unit: (String, f64),
-    /// Measurements.
-    pub points: Vec<Point>,
-}
-
-/// A measurement.
-pub struct Point {
-    /// Time step at whose end it was made, counted from 1.
-    step: usize,
-    /// t there [s].
-    pub t: f64,
-    /// In the unit of the probe.
-    pub measured: f64,
+/// Step of the differences of masses and gauges: of walls [m], of factors [1].
+const STEP: f64 = 1e-6;
+program::table! {
+    /// What is sought, and from what: a file in TOML.
+    #[derive(Clone, Debug)]
+    pub struct Config {
+        /// What is sought.
+        number: Vec<Sought> = Vec::new();
+        /// From what.
+        experiment: Vec<ExperimentConfig> = Vec::new(), each(ExperimentConfig::title);
+    }
 }
 
 /// The experiments and what is sought.
@@ -133,12 +76,15 @@ impl Calibration {
 
     fn of(file: &Settings, path: &Path, of_scenes: &[Change]) -> Result<Self> {
         let config: Config = file.parse()?;
-        let context = || path.display().to_string();
-        ensure!(!config.number.is_empty(), "{}: no [[number]]; expected what is sought", context());
-        ensure!(!config.experiment.is_empty(), "{}: no [[experiment]]", context());
+        config.check_ranges(&KeyPath::default())?;
+        ensure!(!config.number.is_empty(), "no [[number]]; expected what is sought");
+        ensure!(!config.experiment.is_empty(), "no [[experiment]]");
+        for (k, number) in config.number.iter().enumerate() {
+            number.check().context(KeyPath::list("number").number(k + 1))?;
+        }
         let mut paths: Vec<PathBuf> = Vec::new();
         let mut scenes: Vec<Scene> = Vec::new();
-        let mut experiments = Vec::new();
+        let mut experiments: Vec<Experiment> = Vec::new();
         for own in config.experiment {
             let scene = beside(path, &own.scene);
             let known = paths.iter().position(|known| *known == scene);
@@ -147,19 +93,18 @@ impl Calibration {
                 scenes.push(Scene::read_with(&scene, &[], of_scenes)?);
                 paths.push(scene);
             }
-            let title = KeyPath::list("experiment").named(&own.name);
-            let twice = experiments.iter().any(|e: &Experiment| e.config.name == own.name);
-            ensure!(
-                !twice,
-                misfit!(title, " is given twice; expected names that differ").titled(context())
-            );
-            let experiment = Experiment::read(own, path, index, &scenes[index]);
-            experiments.push(experiment.with_context(|| title).with_context(context)?);
+            let title = own.title();
+            let twice = experiments.iter().any(|e| e.config.name == own.name);
+            ensure!(!twice, misfit!(title, " is given twice; expected names that differ"));
+            let first = experiments.last().map_or(0, |last| last.first + last.points.len());
+            let experiment = Experiment::read(own, path, (index, &scenes[index]), first);
+            experiments.push(experiment.context(title)?);
         }
         let numbers = config.number;
-        let groups = scenes.iter().map(|scene| groups(&numbers, scene)).collect::<Result<Vec<_>>>();
-        let groups = groups.with_context(context)?;
-        let start = starts(&numbers, &scenes, &groups).with_context(context)?;
+        let of_scene =
+            |scene: &Scene| -> Vec<_> { numbers.iter().map(|n| n.group(scene)).collect() };
+        let groups: Vec<Vec<Option<Group>>> = scenes.iter().map(of_scene).collect();
+        let start = starts(&numbers, &scenes, &groups)?;
         let of_scene = |(scene, groups): (&Scene, &Vec<Option<Group>>)| {
             Walls::of(groups.iter().flatten().flat_map(|group| &group.numbers), scene)
         };
@@ -183,72 +128,118 @@ impl Calibration {
     /// Values of all measured points, experiment by experiment, in the units of the probes, and
     /// their derivatives by the numbers; none where a scene has no equilibrium.
     pub fn model(&self, values: &[f64]) -> Result<Option<(DVector<f64>, DMatrix<f64>)>> {
-        let starts: Vec<usize> = self
-            .experiments
-            .iter()
-            .scan(0, |sum, e| Some(std::mem::replace(sum, *sum + e.points.len())))
-            .collect();
-        let count = self.experiments.iter().map(|e| e.points.len()).sum();
-        let mut simulated = DVector::zeros(count);
-        let mut by = DMatrix::zeros(count, values.len());
-        for (index, nominal) in self.scenes.iter().enumerate() {
-            let walls = self.walls[index].as_ref();
-            let mut scene = nominal.clone();
-            let groups = &self.groups[index];
-            for (k, &value) in values.iter().enumerate() {
-                let Some(group) = &groups[k] else { continue };
-                if let Err(why) = group.apply(&mut scene, walls, value) {
-                    log::info!("{} = {value:.4e}: {why:#}", self.numbers[k].title());
-                    return Ok(None);
-                }
-            }
-            let own: Vec<(usize, &Experiment)> = starts
-                .iter()
-                .copied()
-                .zip(&self.experiments)
-                .filter(|(_, e)| e.scene == index)
-                .collect();
-            let Some(rows) = simulate(scene, &own, groups, walls, values)? else {
+        let count = self.measurements().len();
+        let (mut simulated, mut by) = (DVector::zeros(count), DMatrix::zeros(count, values.len()));
+        for scene in 0..self.scenes.len() {
+            if !self.simulate(scene, values, (&mut simulated, &mut by))? {
                 return Ok(None);
-            };
-            for Row { place, value, derivatives } in rows {
-                simulated[place] = value;
-                (0..values.len()).for_each(|k| by[(place, k)] = derivatives[k]);
             }
         }
         Ok(Some((simulated, by)))
     }
 
-    /// [`Self::model`] less the measurements, over their standard uncertainties; none also
-    /// where a probe is not finite.
+    /// A scene with values of the numbers; none where it cannot have them.
+    fn scene(&self, index: usize, values: &[f64]) -> Option<Scene> {
+        let mut scene = self.scenes[index].clone();
+        for ((number, group), &value) in self.numbers.iter().zip(&self.groups[index]).zip(values) {
+            let Some(group) = group else { continue };
+            if let Err(why) = group.apply(&mut scene, self.walls[index].as_ref(), value) {
+                log::info!("{} = {value:.4e}: {why:#}", number.title());
+                return None;
+            }
+        }
+        Some(scene)
+    }
+
+    /// The numbers of the first scene as they were found, by their paths, for `[numbers]` of a scene.
+    pub fn found(&self, values: &[f64]) -> BTreeMap<String, f64> {
+        let scene = &self.scenes[0];
+        let mut found = BTreeMap::new();
+        for (group, value) in self.groups[0].iter().zip(values) {
+            for (number, value) in group.iter().flat_map(|group| group.values(scene, *value)) {
+                // a number that is added to what the scene has is 0 there, whatever its [numbers] have added
+                let is_added = number.value(scene) == 0.0;
+                let before = scene.config.numbers.get(&number.path).filter(|_| is_added);
+                found.insert(number.path.clone(), value + before.unwrap_or(&0.0));
+            }
+        }
+        found
+    }
+
+    /// Puts in the values of the points of one scene and their derivatives. False where it has no equilibrium.
+    fn simulate(
+        &self,
+        index: usize,
+        values: &[f64],
+        (simulated, by): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) -> Result<bool> {
+        let (groups, walls) = (&self.groups[index], self.walls[index].as_ref());
+        let Some(scene) = self.scene(index, values) else { return Ok(false) };
+        let own: Vec<&Experiment> = self.experiments.iter().filter(|e| e.scene == index).collect();
+        for Experiment { quantity, first, .. } in &own {
+            let Quantity::Shape(shape) = quantity else { continue };
+            simulated[*first] = shape.value(&scene)?;
+            for k in (0..values.len()).filter(|&k| groups[k].is_some()) {
+                let moved = |by: f64| {
+                    let mut moved = values.to_vec();
+                    moved[k] += by;
+                    self.scene(index, &moved).map(|scene| shape.value(&scene)).transpose()
+                };
+                let [Some(more), Some(less)] = [moved(STEP)?, moved(-STEP)?] else {
+                    return Ok(false);
+                };
+                by[(*first, k)] = (more - less) / (2.0 * STEP);
+            }
+        }
+        if own.iter().all(|e| matches!(e.quantity, Quantity::Shape(_))) {
+            return Ok(true);
+        }
+        let path = scene.path.display().to_string();
+        let run = match Run::new(scene, Start::default())? {
+            Ok(run) => run,
+            Err(why) => {
+                log::info!("{path}: {}", why.unreached);
+                return Ok(false);
+            }
+        };
+        for n in (1..=run.states.steps()).rev() {
+            let (mut places, mut probes) = (Vec::new(), Vec::<&Probe>::new());
+            for own in &own {
+                let Quantity::Probe(probe) = own.quantity else { continue };
+                let at_step = (own.first..).zip(&own.points).filter(|(_, point)| point.step == n);
+                places.extend(at_step.map(|(place, _)| place));
+                probes.resize(places.len(), &run.probes[probe]);
+            }
+            if places.is_empty() {
+                continue;
+            }
+            for (place, (value, gradient)) in places.into_iter().zip(run.sensitivities(&probes, n)?)
+            {
+                let swept = Swept::new(&run.scene, &run.problem, walls, &gradient);
+                simulated[place] = value;
+                for (k, (group, &value)) in groups.iter().zip(values).enumerate() {
+                    by[(place, k)] =
+                        group.as_ref().map_or(0.0, |group| group.derivative(&swept, value));
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// [`Self::model`] less the measurements, over their standard uncertainties.
     pub fn residuals(&self, values: &[f64]) -> Result<Option<Residuals>> {
-        let Some((simulated, mut jacobian)) = self.model(values)? else { return Ok(None) };
-        let mut r = simulated;
-        for (i, (measured, uncertainty)) in self.measurements().enumerate() {
-            r[i] = (r[i] - measured) / uncertainty;
-            jacobian.row_mut(i).scale_mut(1.0 / uncertainty);
-        }
-        if !r.iter().chain(jacobian.iter()).all(|value| value.is_finite()) {
-            return Ok(None);
-        }
-        Ok(Some(Residuals { r, jacobian }))
+        let model = self.model(values)?;
+        Ok(model.and_then(|model| least_squares::residuals(model, &self.measurements())))
     }
 
     /// All measurements with their standard uncertainties, in the units of the probes.
-    pub fn measurements(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.experiments.iter().flat_map(|e| {
+    pub fn measurements(&self) -> Vec<(f64, f64)> {
+        let of = |e: &Experiment| -> Vec<_> {
             let uncertainty = e.config.uncertainty * e.unit.1;
-            e.points.iter().map(move |point| (point.measured, uncertainty))
-        })
+            e.points.iter().map(|point| (point.measured, uncertainty)).collect()
+        };
+        self.experiments.iter().flat_map(of).collect()
     }
-}
-
-/// What the numbers stand for in a scene.
-fn groups(numbers: &[Sought], scene: &Scene) -> Result<Vec<Option<Group>>> {
-    let one = |number: &Sought| {
-        number.group(scene).with_context(|| format!("in {}", scene.path.display()))
-    };
-    numbers.iter().map(one).collect()
 }
 
 /// Unit and value of each number, which all scenes that have it must share.
@@ -301,136 +292,4 @@ fn known(scenes: &[Scene]) -> String {
     let all: BTreeSet<String> =
         scenes.iter().flat_map(Number::all).map(|number| number.path).collect();
     all.into_iter().collect::<Vec<_>>().join(", ")
-}
-
-impl Experiment {
-    fn read(own: ExperimentConfig, path: &Path, index: usize, scene: &Scene) -> Result<Self> {
-        ensure!(
-            own.uncertainty.is_finite() && own.uncertainty > 0.0,
-            misfit!(
-                KeyPath::of("uncertainty"),
-                " = {}: expected a positive number",
-                own.uncertainty
-            )
-        );
-        let names: Vec<&str> = scene.config.probe.iter().map(|probe| probe.name()).collect();
-        let Some(probe) = names.iter().position(|name| *name == own.probe) else {
-            bail!(misfit!(
-                KeyPath::of("probe"),
-                " = \"{}\": the scene has no [[probe]] of this name; there are: {}",
-                own.probe,
-                if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-            ));
-        };
-        let wanted = scene.config.probe[probe].kind().unit;
-        let table = Table::read(&beside(path, &own.measured), &own.lines)?;
-        let times = scene.times();
-        let (mut unit, mut points) = (None, Vec::new());
-        for title in &own.columns {
-            let own_unit = in_unit(title, wanted)?;
-            let first = unit.get_or_insert_with(|| own_unit.clone());
-            let columns = KeyPath::of("columns");
-            ensure!(
-                *first == own_unit,
-                misfit!(columns, " = {:?}: expected one unit", own.columns)
-            );
-            let measured = table.numbers(title)?;
-            let at = match &own.time {
-                Some(Time::Column(title)) => table.numbers(title)?,
-                Some(Time::At(t)) => vec![*t; measured.len()],
-                None => vec![times[times.len() - 1]; measured.len()],
-            };
-            for (t, measured) in at.into_iter().zip(measured) {
-                let step = step_at(t, &times)?;
-                points.push(Point { step, t: times[step - 1], measured: measured * own_unit.1 });
-            }
-        }
-        let unit =
-            unit.ok_or_else(|| misfit!(KeyPath::of("columns"), " = []: name a column or more"))?;
-        Ok(Self { config: own, scene: index, probe, unit, points })
-    }
-}
-
-/// The unit in the title of a column, and what one is in the unit of a probe.
-fn in_unit(title: &str, wanted: &str) -> Result<(String, f64)> {
-    let own = unit(title)
-        .with_context(|| format!("the column \"{title}\" has no unit, as in \"{title} [mm]\""))?;
-    let known: &[(&str, f64)] = match wanted {
-        "m" => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6)],
-        "N" => &[("N", 1.0), ("mN", 1e-3), ("kN", 1e3)],
-        "deg" => &[("deg", 1.0), ("°", 1.0), ("rad", 180.0 / std::f64::consts::PI)],
-        "m³" => {
-            &[("m³", 1.0), ("m3", 1.0), ("l", 1e-3), ("ml", 1e-6), ("cm3", 1e-6), ("cm³", 1e-6)]
-        }
-        "1/m" => &[("1/m", 1.0), ("1/mm", 1e3)],
-        other => bail!("a probe in {other} cannot be calibrated with"),
-    };
-    let factor = known.iter().find(|(name, _)| *name == own).map(|(_, factor)| *factor);
-    let names = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    let factor = factor.with_context(|| {
-        format!("\"{title}\" is in {own}, the probe in {wanted}: expected one of {}", names())
-    })?;
-    Ok((own.to_owned(), factor))
-}
-
-/// The time step that ends at t, counted from 1.
-fn step_at(t: f64, times: &[f64]) -> Result<usize> {
-    let same = |end: &f64| (end - t).abs() <= SAME * times[times.len() - 1];
-    times.iter().position(same).map(|n| n + 1).ok_or_else(|| {
-        let ends: Vec<String> = times.iter().take(12).map(|t| format!("{t}")).collect();
-        let more = if times.len() > 12 { ", …" } else { "" };
-        anyhow!(
-            "measured at t = {t} s, where no time step of the scene ends; they end at {}{more} s: \
-             set `at` or `steps` in [time]",
-            ends.join(", ")
-        )
-    })
-}
-
-/// A measured point, simulated.
-struct Row {
-    place: usize,
-    value: f64,
-    derivatives: Vec<f64>,
-}
-
-/// The measured points of one scene, where it has an equilibrium at all steps. Experiments are
-/// given with the place of their first point.
-fn simulate(
-    scene: Scene,
-    experiments: &[(usize, &Experiment)],
-    groups: &[Option<Group>],
-    walls: Option<&Walls>,
-    values: &[f64],
-) -> Result<Option<Vec<Row>>> {
-    let path = scene.path.display().to_string();
-    let run = match Run::new(scene, Start::default())? {
-        Ok(run) => run,
-        Err(why) => {
-            log::info!("{path}: {}", why.unreached);
-            return Ok(None);
-        }
-    };
-    let mut rows = Vec::new();
-    for n in (1..=run.states.steps()).rev() {
-        let at_step = |&(first, e): &(usize, &Experiment)| {
-            let own = e.points.iter().enumerate().filter(|(_, point)| point.step == n);
-            own.map(|(i, _)| (first + i, e.probe)).collect::<Vec<_>>()
-        };
-        let wanted: Vec<(usize, usize)> = experiments.iter().flat_map(at_step).collect();
-        if wanted.is_empty() {
-            continue;
-        }
-        let own: Vec<&Probe> = wanted.iter().map(|&(_, probe)| &run.probes[probe]).collect();
-        let found = run.sensitivities(&own, n)?;
-        for ((place, _), (value, by)) in wanted.into_iter().zip(found) {
-            let swept = Swept::new(&run.scene, &run.problem, walls, &by);
-            let one = |(group, &value): (&Option<Group>, &f64)| {
-                group.as_ref().map_or(0.0, |group| group.derivative(&swept, value))
-            };
-            let derivatives = groups.iter().zip(values).map(one).collect();
-            rows.push(Row { place, value, derivatives });
-        }
-    }
-    Ok(Some(rows))
 }

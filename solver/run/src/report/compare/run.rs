@@ -59,9 +59,6 @@ impl Run {
             "{} has shape {shape:?}, the mesh has {nodes} nodes of degree {degree}",
             file.display()
         );
-        if let Some(i) = u.iter().position(|x| !x.is_finite()) {
-            bail!("{} is {} at index {i}: no displacement", file.display(), u[i]);
-        }
         Ok(Self {
             folder: folder.to_path_buf(),
             space,
@@ -87,9 +84,7 @@ impl Run {
 
     /// Diagonal of the bounding box at rest [m].
     pub fn diagonal(&self) -> f64 {
-        let low = self.rest.iter().fold(self.rest[0], |m, x| m.inf(x));
-        let high = self.rest.iter().fold(self.rest[0], |m, x| m.sup(x));
-        (high - low).norm()
+        mesh::measure::diagonal(&self.rest)
     }
 
     /// Largest displacement of a node [m].

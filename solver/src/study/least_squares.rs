@@ -9,7 +9,7 @@
 
 use anyhow::Result;
 use mechanics::math::least_squares::{LevenbergMarquardt, Residuals};
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Iterations, at most.
 const ITERATIONS: usize = 50;
@@ -29,6 +29,8 @@ pub struct Minimum {
     pub numbers: Vec<f64>,
     /// There.
     pub residuals: Residuals,
+    /// r at the start.
+    pub before: DVector<f64>,
     /// C.
     pub covariance: DMatrix<f64>,
     /// Steps that were taken.
@@ -36,40 +38,71 @@ pub struct Minimum {
 }
 
 impl Minimum {
-    /// With (JᵀJ)⁻¹ where the iteration ended.
-    fn new(at: LevenbergMarquardt, inverse: DMatrix<f64>, iterations: usize) -> Self {
-        let LevenbergMarquardt { x: numbers, residuals, .. } = at;
-        let over = residuals.r.len().saturating_sub(numbers.len());
-        let scatter = if over > 0 { (residuals.sum() / over as f64).max(1.0) } else { 1.0 };
-        Self { numbers, residuals, covariance: inverse * scatter, iterations }
+    /// The standard error of a number: √C_kk.
+    pub fn standard_error(&self, k: usize) -> f64 {
+        self.covariance[(k, k)].sqrt()
+    }
+
+    /// ν: measurements less numbers.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.residuals.r.len().saturating_sub(self.numbers.len())
     }
 }
 
 /// Why there is no minimum.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// The model has no value at the start.
-    #[error("the model cannot be evaluated at the start")]
     Start,
     /// Some combination of these numbers changes no residual.
-    #[error("the measurements do not determine some of the numbers")]
     Undetermined(Vec<usize>),
     /// χ² still falls after the last iteration, or its derivatives do not belong to it.
-    #[error("no minimum after {0} iterations")]
     Unsettled(usize),
 }
 
-/// The minimum from a start. `model` gives none where it cannot be evaluated, and `observe`
-/// sees each iteration's numbers and residuals.
+impl Failure {
+    /// For people: the numbers have names, and there are so many measurements.
+    pub fn in_words(&self, names: &[String], measurements: usize) -> String {
+        match self {
+            Self::Start => "there is no equilibrium with the numbers as they are; mend the scene first by solver simulate"
+                .to_owned(),
+            Self::Undetermined(which) => format!(
+                "{measurements} measurements do not determine {}: changes of {} leave all of them as they are; measure \
+                 something that tells them apart, or seek fewer",
+                which.iter().map(|&k| names[k].as_str()).collect::<Vec<_>>().join(" and "),
+                if which.len() > 1 { "these numbers together" } else { "this number" }
+            ),
+            Self::Unsettled(iterations) => format!("no minimum after {iterations} iterations"),
+        }
+    }
+}
+
+/// What a model says of measurements (value, σ), and its derivatives, as residuals; none where one is not finite.
+pub fn residuals(
+    (mut r, mut jacobian): (DVector<f64>, DMatrix<f64>),
+    measurements: &[(f64, f64)],
+) -> Option<Residuals> {
+    for (i, (measured, uncertainty)) in measurements.iter().enumerate() {
+        r[i] = (r[i] - measured) / uncertainty;
+        jacobian.row_mut(i).scale_mut(1.0 / uncertainty);
+    }
+    let is_finite = r.iter().chain(jacobian.iter()).all(|value| value.is_finite());
+    is_finite.then_some(Residuals { r, jacobian })
+}
+
+/// The minimum from a start; the log shows each iteration. `model` gives none where it cannot be evaluated.
 pub fn minimise(
+    names: &[String],
     start: &[f64],
     mut model: impl FnMut(&[f64]) -> Result<Option<Residuals>>,
-    mut observe: impl FnMut(usize, &[f64], &Residuals),
 ) -> Result<Result<Minimum, Failure>> {
     let Some(first) = model(start)? else { return Ok(Err(Failure::Start)) };
+    let before = first.r.clone();
     let mut at = LevenbergMarquardt::new(start, first);
     for iterations in 0..=ITERATIONS {
-        observe(iterations, &at.x, &at.residuals);
+        let named: Vec<_> = names.iter().zip(&at.x).map(|(n, v)| format!("{n} {v:.5e}")).collect();
+        let chi2 = at.residuals.sum();
+        log::info!("iteration {iterations}  χ² {chi2:.4e}  {}", named.join("  "));
         let normal = at.residuals.normal();
         let free = undetermined(&normal);
         if !free.is_empty() {
@@ -79,16 +112,21 @@ pub fn minimise(
         let whole = -(&inverse * at.residuals.jacobian.tr_mul(&at.residuals.r));
         let within =
             |part: f64| (0..whole.len()).all(|k| whole[k].abs() <= part * inverse[(k, k)].sqrt());
-        if within(SETTLED_STEP) {
-            return Ok(Ok(Minimum::new(at, inverse, iterations)));
-        }
-        while !at.advance(&mut model)?.helped {
-            if within(SIMULATION_ROUNDING) {
-                return Ok(Ok(Minimum::new(at, inverse, iterations)));
-            }
-            if at.damping > LARGEST_DAMPING {
+        let mut settled = within(SETTLED_STEP);
+        while !settled && !at.advance(&mut model)?.helped {
+            settled = within(SIMULATION_ROUNDING);
+            if !settled && at.damping > LARGEST_DAMPING {
                 return Ok(Err(Failure::Unsettled(iterations)));
             }
+        }
+        if settled {
+            let LevenbergMarquardt { x: numbers, residuals, .. } = at;
+            let mut found = Minimum { numbers, residuals, before, covariance: inverse, iterations };
+            let over = found.degrees_of_freedom();
+            if over > 0 {
+                found.covariance *= (found.residuals.sum() / over as f64).max(1.0);
+            }
+            return Ok(Ok(found));
         }
     }
     Ok(Err(Failure::Unsettled(ITERATIONS)))
@@ -113,9 +151,15 @@ fn undetermined(normal: &DMatrix<f64>) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::DVector;
-
     use super::*;
+
+    /// The minimum of a model of numbers without names.
+    fn found(
+        start: &[f64],
+        model: impl FnMut(&[f64]) -> Result<Option<Residuals>>,
+    ) -> Result<Minimum, Failure> {
+        minimise(&[], start, model).expect("a model")
+    }
 
     /// y = a exp(b x) at some x, with σ = 0.1.
     fn exponential(p: &[f64], y: &[f64]) -> Residuals {
@@ -131,7 +175,7 @@ mod tests {
 
     fn fit(y: &[f64]) -> Minimum {
         let model = |p: &[f64]| Ok((p[1] < 3.0).then(|| exponential(p, y)));
-        minimise(&[1.0, 0.0], model, |_, _, _| ()).expect("a model").expect("a minimum")
+        found(&[1.0, 0.0], model).expect("a minimum")
     }
 
     #[test]
@@ -152,7 +196,7 @@ mod tests {
                 let r = DVector::from_fn(9, |i, _| p[0] - y(i));
                 Ok(Some(Residuals { r, jacobian: DMatrix::from_element(9, 1, 1.0) }))
             };
-            let found = minimise(&[0.0], model, |_, _, _| ()).expect("ok").expect("a minimum");
+            let found = found(&[0.0], model).expect("a minimum");
             assert!((found.numbers[0] - 7.0).abs() < 1e-6);
             assert!((found.covariance[(0, 0)].sqrt() / expected - 1.0).abs() < 1e-9);
         }
@@ -166,7 +210,7 @@ mod tests {
             let r = DVector::from_fn(9, |i, _| p[0] - i as f64 + noise);
             Ok(Some(Residuals { r, jacobian: DMatrix::from_element(9, 1, 1.0) }))
         };
-        let found = minimise(&[0.0], model, |_, _, _| ()).expect("ok").expect("a minimum");
+        let found = found(&[0.0], model).expect("a minimum");
         assert!((found.numbers[0] - 4.0).abs() < 1e-3, "{:?}", found.numbers);
     }
 
@@ -177,7 +221,6 @@ mod tests {
             let by = |i: usize, k: usize| if k == 2 { i as f64 } else { 1.0 };
             Ok(Some(Residuals { r, jacobian: DMatrix::from_fn(4, 3, by) }))
         };
-        let found = minimise(&[1.0; 3], model, |_, _, _| ()).expect("ok");
-        assert_eq!(found.err(), Some(Failure::Undetermined(vec![0, 1])));
+        assert_eq!(found(&[1.0; 3], model).err(), Some(Failure::Undetermined(vec![0, 1])));
     }
 }

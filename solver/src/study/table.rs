@@ -1,13 +1,16 @@
-//! Measured tables: a line of titles with units, then a line per point, separated by commas.
+//! Measured tables: a line of titles with units, then a line per point, separated by commas. Lines that begin with # are
+//! comments.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use program::{KeyPath, Misfit, misfit};
 
 /// A measured table as text, by the titles of its columns.
 pub struct Table {
-    titles: Vec<String>,
+    /// Of all columns.
+    pub titles: Vec<String>,
     lines: Vec<Line>,
 }
 
@@ -24,9 +27,12 @@ impl Table {
         Self::parse(&text, wanted).with_context(|| path.display().to_string())
     }
 
-    fn parse(text: &str, wanted: &BTreeMap<String, toml::Value>) -> Result<Self> {
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    /// [`Self::read`] of a text.
+    pub fn parse(text: &str, wanted: &BTreeMap<String, toml::Value>) -> Result<Self> {
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
         let titles = reader.headers()?.iter().map(str::to_owned).collect();
         let line = |record: csv::Result<csv::StringRecord>| -> Result<Line> {
             let record = record?;
@@ -49,11 +55,9 @@ impl Table {
 
     fn column(&self, title: &str) -> Result<usize> {
         let all = || format!("there are: \"{}\"", self.titles.join("\", \""));
-        if let Some(column) = self.titles.iter().position(|t| t == title) {
-            return Ok(column);
-        }
+        let find = |title: &str| self.titles.iter().position(|t| t == title);
         // a title that has no unit is given one where it is used
-        if let Some(column) = self.titles.iter().position(|t| t == quantity(title)) {
+        if let Some(column) = find(title).or_else(|| find(quantity(title))) {
             return Ok(column);
         }
         match self.titles.iter().find(|t| quantity(t) == quantity(title)) {
@@ -64,21 +68,37 @@ impl Table {
         }
     }
 
+    /// Number of lines.
+    pub fn lines(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// The number in a line and in the column with a title.
+    pub fn number(&self, line: usize, title: &str) -> Result<f64> {
+        let Line { number: line, entries } = &self.lines[line];
+        let text = &entries[self.column(title)?];
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.with_context(|| {
+            format!("line {line}: \"{title}\" is \"{text}\"; expected a finite number")
+        })
+    }
+
     /// The numbers of a column, by its title with a unit, which is added to one that has none.
     pub fn numbers(&self, title: &str) -> Result<Vec<f64>> {
-        let column = self.column(title)?;
+        self.column(title)?;
         ensure!(
             quantity(title) != title,
             "the column \"{title}\" has no unit; expected \"{title} [mm]\", or another one"
         );
-        let number = |line: &Line| {
-            let text = &line.entries[column];
-            let number: Option<f64> = text.parse().ok().filter(|n: &f64| n.is_finite());
-            number.with_context(|| {
-                format!("line {}: \"{title}\" is \"{text}\"; expected a finite number", line.number)
-            })
-        };
-        self.lines.iter().map(number).collect()
+        (0..self.lines()).map(|line| self.number(line, title)).collect()
+    }
+}
+
+/// The rule of a list of a file that has an entry or more.
+pub fn some<T>(at: &KeyPath, list: &Vec<T>) -> Result<(), Misfit> {
+    match list.is_empty() {
+        true => Err(misfit!(at.clone(), " = []: expected one or more")),
+        false => Ok(()),
     }
 }
 
