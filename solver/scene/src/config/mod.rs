@@ -151,6 +151,11 @@ impl SimConfig {
         Settings::read(path, changes, SCENE_KEYS)
     }
 
+    /// The values of a scene in place of a file.
+    pub fn settings_of(values: toml::Table) -> Result<Settings> {
+        Settings::of_values(values, SCENE_KEYS)
+    }
+
     /// The scene in a file, of which everything is sound that can be checked without a body.
     pub fn of(settings: &Settings) -> Result<Self> {
         refuse_outside_of_chambers(settings)?;
