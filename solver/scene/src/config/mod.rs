@@ -25,7 +25,7 @@ mod symmetry;
 mod uncertainty;
 mod winding;
 
-use measure::written::{FieldSchema, MethodSchema};
+use measure::written::{FieldSchema, MethodSchema, some_axes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -375,17 +375,6 @@ program::table! {
         /// Force per area [Pa].
         #[schemars(with = "FieldSchema")]
         traction: WrittenField;
-    }
-}
-
-/// The rule of axes.
-fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
-    let count = axes(components).iter().filter(|axis| **axis).count();
-    match components.len() == count && count > 0 {
-        true => Ok(()),
-        false => {
-            Err(misfit!(at.clone(), " = \"{components}\": must be some of x, y, z, each once"))
-        }
     }
 }
 
