@@ -320,7 +320,7 @@ fibre-path: $(TIP)/tip.csv $(addprefix $(TIP)/pictures/,front.svg along.svg bent
 	@cat $<
 
 # The $(1) of Gjoka et al. 2024 through our chain: the boundary of their mesh $(4) as CAD surface, tetrahedra of our
-# own, tagged by the surfaces in $(5). Run file $(3) in their folder $(2), which is not part of the project.
+# own, tagged by the surfaces in $(5). State file $(3) in their folder $(2), which is not part of the project.
 THEIRS := ../shared/data/pneumatic-actuator-design
 
 define authors
@@ -342,8 +342,8 @@ build/$(1)-authors/tagged.msh: build/$(1)-authors/volume.msh $(call source,pipel
 build/$(1)-authors/baseline/report.json: $(call source,pipelines/$(1)/authors/sim.toml) build/$(1)-authors/tagged.msh | setup
 	$(BIN)/solver simulate $$< -o $$(@D)
 endef
-$(eval $(call authors,gripper,gripper_bellows,run_gripper_bellows_log_inside.json,gripper_bellows_thick.msh,selections))
-$(eval $(call authors,worm,worm,run_worm.json,worm_long_clean.msh,model/patches))
+$(eval $(call authors,gripper,gripper_bellows,state_gripper_bellows.json,gripper_bellows_thick.msh,selections))
+$(eval $(call authors,worm,worm,state_worm.json,worm_long_clean.msh,model/patches))
 
 # The selections of the gripper are offset to volumes.
 build/gripper-authors/selections/%.obj: build/gripper-authors/model/model.json | setup

@@ -24,6 +24,16 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SILICONE = {"kind": "mooney-rivlin-quadratic", "c1": 55e3, "c2": 5e3, "c3": 1.7e3, "d1": 1e6}
 EDGE = 0.01
+TRIANGLE = """solid wall
+facet normal 0 0 1
+outer loop
+vertex 0 0 -1
+vertex 1 0 -1
+vertex 0 1 -1
+endloop
+endfacet
+endsolid wall
+"""
 
 
 def box(cells=3):
@@ -167,6 +177,41 @@ class Scenes(unittest.TestCase):
         flat[:, 2] = 0
         with self.assertRaises(sp.InputError):
             other.vertices = flat
+
+    def test_values_of_numpy_tuples_and_paths_are_values(self):
+        up = {"kind": "displacement", "on": "top", "axis": [0, 0, 1]}
+        wall, heavy = {"name": "wall", "surface": "wall.stl"}, SILICONE | {"density": 1070}
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "wall.stl").write_text(TRIANGLE)
+            plain, other = (
+                scene(folder=folder, contact={}, **more)
+                for more in [
+                    {"gravity": [0, 0, -9.5], "obstacle": [wall], "material": heavy},
+                    {
+                        "gravity": (0, 0.0, np.float32(-9.5)),
+                        "degree": np.int64(1),
+                        "obstacle": [wall | {"surface": pathlib.Path("wall.stl")}],
+                        "probes": {"height": up | {"on": np.str_("top"), "axis": np.array([0, 0, 1])}},
+                        "material": heavy | {"c1": np.float64(55e3), "c2": np.array(5e3)},
+                        "puffer": "0.1",
+                    },
+                ]
+            )
+            self.assertEqual(other.to_toml(), plain.to_toml())
+        endless = {}
+        endless["in"] = endless
+        for words, more in [
+            ("chamber 1 pressure: nan: must be finite", {"chambers": {"cavity": float("nan")}}),
+            ("gravity 3: inf: must be finite", {"gravity": np.array([0, 0, np.inf])}),
+            ("chamber 1 pressure: 1e-31: numbers are 0, or from", {"chambers": {"cavity": 1e-31}}),
+            ("fixed 1 components: None: a scene has numbers", {"fixed": [{"on": "seat", "components": None}]}),
+            ("material c1: <object", {"material": SILICONE | {"c1": object()}}),
+            ("time: 32 lists and tables in each other", {"time": endless}),
+            ("unknown field `include`", {"include": "other.toml"}),
+        ]:
+            with self.assertRaises(sp.InputError, msg=words) as caught:
+                scene(**more)
+            self.assertIn(words, str(caught.exception))
 
     def test_without_an_equilibrium_there_is_a_diagnosis(self):
         with self.assertRaises(sp.NoEquilibrium) as caught:

@@ -14,17 +14,18 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use mechanics::body::{Body, TagError};
 use mechanics::contact::images::Mirrored;
 use mechanics::contact::pairs::Pair;
 use mesh::Vec3;
-use program::{KeyPath, misfit};
+use program::table::{Range, Table as _};
+use program::{KeyPath, Misfit, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::bound::{ProbeBound, SlopeBound};
-use crate::quantity::{Cores, Walls, positive};
+use crate::quantity::{Axis, Cores, Walls};
 use crate::written::Names;
 
 /// Tolerance of a constraint over its size.
@@ -47,45 +48,47 @@ pub enum ConstraintConfig {
     Slope(SlopeBound),
 }
 
-/// `kind = "wall"`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct WallConfig {
-    /// As reports call it.
-    name: String,
-    /// Tag, body, or list of them.
-    on: Names,
-    /// Tags of the other side, which have no vertex in common with `on`; without them, each two of `on`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    against: Vec<String>,
-    /// The thinnest wall allowed [m].
-    least: f64,
+program::table! {
+    /// `kind = "wall"`.
+    #[derive(Clone, Debug)]
+    pub struct WallConfig {
+        /// As reports call it.
+        name: String;
+        /// Tag, body, or list of them.
+        on: Names;
+        /// Tags of the other side, which have no vertex in common with `on`; without them, each two of `on`.
+        against: Vec<String> = Vec::new();
+        /// The thinnest wall allowed [m].
+        least: f64, Range::POSITIVE.unit("m");
+    }
 }
 
-/// `kind = "core"`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CoreConfig {
-    /// As reports call it.
-    name: String,
-    /// Tag of the chamber's wall, or list of tags that bound one chamber.
-    on: Names,
-    /// The thinnest core allowed [m].
-    least: f64,
+program::table! {
+    /// `kind = "core"`.
+    #[derive(Clone, Debug)]
+    pub struct CoreConfig {
+        /// As reports call it.
+        name: String;
+        /// Tag of the chamber's wall, or list of tags that bound one chamber.
+        on: Names;
+        /// The thinnest core allowed [m].
+        least: f64, Range::POSITIVE.unit("m");
+    }
 }
 
-/// `kind = "draft"`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DraftConfig {
-    /// As reports call it.
-    name: String,
-    /// Tag, body, or list of them.
-    on: Names,
-    /// The way in which the core, or a piece of the mold, is pulled off them.
-    pull: [f64; 3],
-    /// The least angle by which they lean away from it [deg].
-    least: f64,
+program::table! {
+    /// `kind = "draft"`.
+    #[derive(Clone, Debug)]
+    pub struct DraftConfig {
+        /// As reports call it.
+        name: String;
+        /// Tag, body, or list of them.
+        on: Names;
+        /// The way in which the core, or a piece of the mold, is pulled off them.
+        pull: Axis;
+        /// The least angle by which they lean away from it [deg].
+        least: f64, Range::at_least(0.0).below(90.0).unit("°");
+    }
 }
 
 impl ConstraintConfig {
@@ -131,35 +134,25 @@ impl ConstraintConfig {
         self.check_keys().with_context(|| self.title())
     }
 
-    fn check_keys(&self) -> Result<()> {
+    fn check_keys(&self) -> Result<(), Misfit> {
+        let here = KeyPath::default();
         match self {
-            Self::Wall(WallConfig { on, against, least, .. }) => {
-                positive("least", *least)?;
-                ensure!(
-                    !against.is_empty() || on.all().len() > 1,
-                    misfit!(
+            Self::Wall(wall) => {
+                wall.check_ranges(&here)?;
+                match wall.against.is_empty() && wall.on.all().len() < 2 {
+                    false => Ok(()),
+                    true => Err(misfit!(
                         KeyPath::of("on"),
                         " = {:?}: one side of a wall; name the other by against = [...], or two tags or more in on",
-                        on.all()
-                    )
-                );
+                        wall.on.all()
+                    )),
+                }
             }
-            Self::Core(CoreConfig { least, .. }) => positive("least", *least)?,
-            Self::Draft(DraftConfig { pull, least, .. }) => {
-                let length = Vec3::from(*pull).norm();
-                ensure!(
-                    length.is_finite() && length > 0.0,
-                    misfit!(KeyPath::of("pull"), " = {pull:?}: must have a direction")
-                );
-                ensure!(
-                    (0.0..90.0).contains(least),
-                    misfit!(KeyPath::of("least"), " = {least}: must be from 0° to less than 90°")
-                );
-            }
-            Self::Probe(bound) => bound.check()?,
-            Self::Slope(bound) => bound.check()?,
+            Self::Core(core) => core.check_ranges(&here),
+            Self::Draft(draft) => draft.check_ranges(&here),
+            Self::Probe(bound) => bound.check_ranges(&here).and_then(|()| bound.check()),
+            Self::Slope(bound) => bound.check_ranges(&here),
         }
-        Ok(())
     }
 
     /// The inequalities on the rest shape of a body; none of a probe.
@@ -200,7 +193,7 @@ impl DraftConfig {
     fn build(&self, body: &Body) -> Result<Form> {
         let facets: Result<Vec<_>, _> = self.on.all().iter().map(|on| body.facets(on)).collect();
         let sine = self.least.to_radians().sin();
-        Ok(Form::Draft { facets: facets?.concat(), pull: Vec3::from(self.pull).normalize(), sine })
+        Ok(Form::Draft { facets: facets?.concat(), pull: self.pull.unit(), sine })
     }
 }
 

@@ -60,7 +60,9 @@ impl<C: Common> Entry<C> {
     /// Checks what can be checked without a body.
     pub fn check(&self) -> Result<()> {
         let may_be_maximised = self.kind.may_be_maximised && self.own.may_be_maximised();
-        let checked = self.common.check(may_be_maximised).and_then(|()| self.own.check());
+        let own = || Ok(self.own.check_ranges(&KeyPath::default())?);
+        let checked = self.common.check(may_be_maximised).and_then(|()| own());
+        let checked = checked.and_then(|()| self.own.check());
         Ok(checked.map_err(|what| self.title().around(self.title(), &what))?)
     }
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use mechanics::contact::barrier::Form;
 use mechanics::contact::density::Density;
 use mechanics::forward::Method;
-use mechanics::schedule::{Malformed, Schedule, Written};
+use mechanics::schedule::{Malformed, Schedule, Written, axes};
 use program::{KeyPath, Misfit, did_you_mean, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,17 @@ impl Names {
         match self {
             Self::One(name) => std::slice::from_ref(name),
             Self::Several(names) => names,
+        }
+    }
+}
+
+/// The rule of axes.
+pub fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
+    let count = axes(components).iter().filter(|axis| **axis).count();
+    match components.len() == count && count > 0 {
+        true => Ok(()),
+        false => {
+            Err(misfit!(at.clone(), " = \"{components}\": must be some of x, y, z, each once"))
         }
     }
 }

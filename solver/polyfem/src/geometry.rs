@@ -9,7 +9,6 @@ use mesh::{SurfaceMesh, Tags, TetMesh, Vec3};
 use super::document::Key;
 use super::planar::{self, Plane};
 use super::selection::{Facet, UNSELECTED, select};
-use super::text;
 
 /// Tag of the front and back of a slab.
 pub const FACES: &str = "s_planar";
@@ -61,15 +60,6 @@ impl Geometry {
     /// A tag as our scene calls it.
     pub fn on(&self, solid: &Solid, tag: &str) -> String {
         if self.several { format!("{}.{tag}", solid.name) } else { tag.to_owned() }
-    }
-
-    /// The tags with these ids, body by body.
-    pub fn tags(&self, ids: &[i64]) -> Vec<String> {
-        let of_one = |id: &i64| {
-            let owners = self.solids.iter().filter(|solid| solid.ids.contains_key(id));
-            owners.map(|solid| self.on(solid, &tag(*id))).collect::<Vec<_>>()
-        };
-        ids.iter().flat_map(of_one).collect()
     }
 }
 
@@ -158,7 +148,11 @@ fn unused(path: &Path, names: &mut Vec<String>) -> String {
     let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let stem: String = stem.chars().map(plain).collect();
-    text::unused(&stem, '_', names)
+    let numbered = (2..).map(|number| format!("{stem}_{number}"));
+    let mut all = std::iter::once(stem.clone()).chain(numbered);
+    let name = all.find(|name| !names.contains(name)).expect("numbers do not end");
+    names.push(name.clone());
+    name
 }
 
 fn body(path: &Path) -> Result<Read> {

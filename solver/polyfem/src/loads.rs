@@ -1,10 +1,11 @@
 //! Boundary conditions: Dirichlet conditions (supports) and loads.
 
 use anyhow::Result;
+use toml::{Table, Value};
 
 use super::document::Key;
 use super::geometry::{Geometry, Solid, tag};
-use super::text::{Text, list};
+use super::tables::{push, table};
 use super::value::{Amount, Clock, amount, amounts};
 
 /// Where loads act and when.
@@ -23,38 +24,39 @@ impl Setting<'_> {
 }
 
 /// Acceleration by gravity: minus the right-hand side.
-pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Vec<Amount>>> {
+pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Value>> {
     let Some(key) = conditions.get("rhs") else { return Ok(None) };
-    let mut all = amounts(&key, None, at.clock, at.dimension())?;
-    if all.iter().all(Amount::is_zero) {
-        return Ok(None);
-    }
-    all.resize(3, Amount::Number(0.0));
-    Ok(Some(all.into_iter().map(Amount::negated).collect()))
+    let all = amounts(&key, None, at.clock, at.dimension())?;
+    let is_zero = all.iter().all(Amount::is_zero);
+    let down: Vec<Amount> = all.into_iter().map(Amount::negated).collect();
+    Ok((!is_zero).then(|| vector(&down)))
 }
 
-/// Writes all supports and loads.
-pub fn write(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<()> {
+/// Adds all supports and loads.
+pub fn add(conditions: Option<&Key>, at: &Setting, scene: &mut Table) -> Result<()> {
     let items = |name: &str| conditions.map(|c| c.items_of(name)).unwrap_or_default();
     for load in items("dirichlet_boundary") {
-        fixed(&load, at, text)?;
+        fixed(&load, at, scene)?;
     }
     if at.clock.planar {
         for solid in &at.geometry.solids {
-            text.table("[[fixed]]").name("on", &solid.name).name("components", "z");
+            let of_plane = [("on", solid.name.clone().into()), ("components", "z".into())];
+            push(scene, "fixed", table(of_plane));
         }
     }
     for load in items("pressure_boundary") {
         let key = load.need("value", "a number, an expression or a list over time")?;
         let value = amount(&key, load.get("time_reference").as_ref(), at.clock)?.negated();
         for on in named(&load, at)? {
-            text.table("[[chamber]]").name("on", &on).key("pressure", &value.toml());
+            let chamber = [("on", on.into()), ("pressure", value.clone().into())];
+            push(scene, "chamber", table(chamber));
         }
     }
     for load in items("neumann_boundary") {
         let traction = values(&load, "the force per area [Pa]", at, at.dimension())?;
         for on in named(&load, at)? {
-            text.table("[[traction]]").name("on", &on).key("traction", &vector(&traction));
+            let load = [("on", on.into()), ("traction", vector(&traction))];
+            push(scene, "traction", table(load));
         }
     }
     Ok(())
@@ -80,14 +82,14 @@ fn values(load: &Key, what: &str, at: &Setting, dimension: usize) -> Result<Vec<
     amounts(&key, load.get("time_reference").as_ref(), at.clock, dimension)
 }
 
-/// A vector in TOML, with zeros for what is missing.
-fn vector(amounts: &[Amount]) -> String {
+/// A vector, with zeros for what is missing.
+fn vector(amounts: &[Amount]) -> Value {
     let mut all = amounts.to_vec();
     all.resize(3, Amount::Number(0.0));
-    list(all.iter().map(Amount::toml))
+    all.into()
 }
 
-fn fixed(load: &Key, at: &Setting, text: &mut Text) -> Result<()> {
+fn fixed(load: &Key, at: &Setting, scene: &mut Table) -> Result<()> {
     let mut displacement = values(load, "the displacement [m]", at, at.dimension())?;
     let mut components = String::from(&"xyz"[..at.dimension()]);
     if let Some(active) = load.get("dimension") {
@@ -104,35 +106,38 @@ fn fixed(load: &Key, at: &Setting, text: &mut Text) -> Result<()> {
         }
     }
     for on in named(load, at)? {
-        text.table("[[fixed]]").name("on", &on);
+        let mut support = table([("on", on.into())]);
         if components != "xyz" {
-            text.name("components", &components);
+            support.insert("components".to_owned(), components.clone().into());
         }
         if !displacement.iter().all(Amount::is_zero) {
-            text.key("displacement", &vector(&displacement));
+            support.insert("displacement".to_owned(), vector(&displacement));
         }
+        push(scene, "fixed", support);
     }
     Ok(())
 }
 
-/// Writes the obstacles with their displacements.
-pub fn write_obstacles(conditions: Option<&Key>, at: &Setting, text: &mut Text) -> Result<()> {
+/// Adds the obstacles with their displacements.
+pub fn add_obstacles(conditions: Option<&Key>, at: &Setting, scene: &mut Table) -> Result<()> {
     let all = conditions.map(|c| c.items_of("obstacle_displacements")).unwrap_or_default();
     for obstacle in &at.geometry.obstacles {
-        text.table("[[obstacle]]").name("name", &obstacle.name);
-        text.name("surface", &format!("{}.obj", obstacle.name));
+        let surface = format!("{}.obj", obstacle.name);
+        let mut moved =
+            table([("name", obstacle.name.clone().into()), ("surface", surface.into())]);
         for load in &all {
             if Some(load.need("id", "the id of the obstacle")?.id()?) == obstacle.id {
                 let displacement = values(load, "the displacement [m]", at, 3)?;
-                text.key("displacement", &vector(&displacement));
+                moved.insert("displacement".to_owned(), vector(&displacement));
             }
         }
+        push(scene, "obstacle", moved);
     }
     Ok(())
 }
 
 /// The initial velocity of a body, if it has one [m/s].
-pub fn velocity(root: &Key, solid: &Solid, dimension: usize) -> Result<Option<String>> {
+pub fn velocity(root: &Key, solid: &Solid, dimension: usize) -> Result<Option<Vec<f64>>> {
     let all = root.get("initial_conditions").map(|c| c.items_of("velocity"));
     for item in all.unwrap_or_default() {
         let ids = item.need("id", "the volume_selection of a body")?.ids()?;
@@ -141,7 +146,7 @@ pub fn velocity(root: &Key, solid: &Solid, dimension: usize) -> Result<Option<St
         }
         let mut numbers = item.need("value", "the velocity [m/s]")?.numbers(dimension)?;
         numbers.resize(3, 0.0);
-        return Ok(Some(list(numbers.into_iter().map(super::text::number))));
+        return Ok(Some(numbers));
     }
     Ok(None)
 }

@@ -1,9 +1,9 @@
 //! Laws by their names there and here.
 
 use anyhow::Result;
+use toml::Table;
 
 use super::document::Key;
-use super::text::{number, quoted};
 
 /// Density where a material gives none, as PolyFEM assumes it [kg/m³].
 const DENSITY: f64 = 1.0;
@@ -14,22 +14,21 @@ struct Translated {
     parameters: Vec<(&'static str, f64)>,
 }
 
-/// The material of the bodies with a volume id, as an inline table.
+/// The material of the bodies with a volume id.
 ///
 /// A plane NeoHookean body has λ = Eν/(1 − ν²) there. Its slab gets the E and ν
 /// that give the same λ and μ in space, with which its energy is the same:
 /// tr FᵀF − 3 of a plane strain is tr FᵀF − 2 in the plane.
-pub fn material(materials: &Key, id: i64, planar: bool) -> Result<String> {
+pub fn material(materials: &Key, id: i64, planar: bool) -> Result<Table> {
     for key in materials.items() {
         if key.optional("id", Key::ids)?.is_some_and(|ids| !ids.contains(&id)) {
             continue;
         }
         let law = law(&key, planar)?;
         let density = key.optional("rho", Key::positive)?.unwrap_or(DENSITY);
-        let mut fields = vec![format!("kind = {}", quoted(law.kind))];
-        fields.extend(law.parameters.iter().map(|(name, v)| format!("{name} = {}", number(*v))));
-        fields.push(format!("density = {}", number(density)));
-        return Ok(format!("{{ {} }}", fields.join(", ")));
+        let numbers = law.parameters.into_iter().chain([("density", density)]);
+        let numbers = numbers.map(|(name, value)| (name.to_owned(), value.into()));
+        return Ok(numbers.chain([("kind".to_owned(), law.kind.into())]).collect());
     }
     Err(materials.wrong(&format!(
         "no material has the id {id}, the volume_selection of a body: expected one, or one \

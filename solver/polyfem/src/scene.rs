@@ -2,14 +2,15 @@
 
 use ::scene::config::ContactForm;
 use anyhow::Result;
+use toml::{Table, Value};
 
 use super::Options;
 use super::document::{Document, Key};
 use super::geometry::{self, Geometry};
 use super::loads::{self, Setting};
 use super::material::material;
-use super::text::{Text, list};
-use super::value::{Amount, Clock};
+use super::tables::{push, table};
+use super::value::Clock;
 
 /// Why keys of a state file have no part in our scene. `*` is any word.
 pub const REASONS: &[(&str, &str)] = &[
@@ -36,18 +37,18 @@ const STIFFNESS: f64 = 1e5;
 
 /// A scene of ours.
 pub struct Translated {
-    /// The text of `sim.toml`.
-    pub text: String,
+    /// The comments at the top of `sim.toml` ...
+    pub comments: String,
+    /// ... and what it holds.
+    pub values: Table,
     /// The bodies.
     pub geometry: Geometry,
-    /// Number of time steps; none in a static scene.
-    pub steps: usize,
     /// What the user should know beside the keys.
     pub notes: Vec<String>,
 }
 
-/// Reads a state file; `optimised` if an optimisation uses it.
-pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<Translated> {
+/// Reads a state file.
+pub fn read(document: &Document, options: &Options) -> Result<Translated> {
     let root = document.root();
     let mut notes = Vec::new();
     let bodies = root.need("geometry", "the list of bodies")?;
@@ -64,21 +65,25 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
     geometry.several = geometry.solids.len() > 1 || clock.planar || moving;
     let at = Setting { geometry: &geometry, clock: &clock };
 
-    let mut text = Text::new(&header(document, &geometry));
-    degrees(&root, &mut text)?;
+    let mut scene = Table::new();
+    degrees(&root, &mut scene)?;
     if let Some(gravity) =
         conditions.as_ref().map(|c| loads::gravity(c, &at)).transpose()?.flatten()
     {
-        text.key("gravity", &list(gravity.iter().map(Amount::toml)));
+        scene.insert("gravity".to_owned(), gravity);
     }
     for (solid, velocity) in geometry.solids.iter().zip(velocities) {
         let law = material(&materials, solid.volume, clock.planar)?;
-        if geometry.several {
-            text.table("[[body]]").name("name", &solid.name);
-        }
-        text.name("mesh", &format!("{}.msh", solid.name)).key("material", &law);
+        let mesh = format!("{}.msh", solid.name);
+        let mut body = table([("mesh", mesh.into()), ("material", law.into())]);
         if let Some(velocity) = velocity {
-            text.key("velocity", &velocity);
+            body.insert("velocity".to_owned(), velocity.into());
+        }
+        if geometry.several {
+            body.insert("name".to_owned(), solid.name.clone().into());
+            push(&mut scene, "body", body);
+        } else {
+            scene.extend(body);
         }
     }
     for key in materials.items() {
@@ -87,10 +92,10 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
             key.leave("no body is made of it");
         }
     }
-    loads::write_obstacles(conditions.as_ref(), &at, &mut text)?;
-    loads::write(conditions.as_ref(), &at, &mut text)?;
-    contact(&root, optimised, options.form, &mut text, &mut notes)?;
-    time(&root, &clock, &mut text)?;
+    loads::add_obstacles(conditions.as_ref(), &at, &mut scene)?;
+    loads::add(conditions.as_ref(), &at, &mut scene)?;
+    contact(&root, options.form, &mut scene, &mut notes)?;
+    time(&root, &clock, &mut scene)?;
     if let Some(thickness) = geometry.thickness {
         notes.push(format!(
             "the plane bodies became slabs in plane strain, {thickness:.6} m thick; energies, \
@@ -100,27 +105,26 @@ pub fn read(document: &Document, optimised: bool, options: &Options) -> Result<T
     if options.thickness.is_some() && geometry.thickness.is_none() {
         notes.push("the thickness of slabs has no part in it: its bodies are not plane".to_owned());
     }
-    let steps = clock.ends.len();
-    Ok(Translated { text: text.0, geometry, steps, notes })
+    Ok(Translated { comments: comments(document, &geometry), values: scene, geometry, notes })
 }
 
-fn header(document: &Document, geometry: &Geometry) -> Vec<String> {
-    let name = document.path.file_name().map(|n| n.to_string_lossy().into_owned());
-    let mut comments = vec![format!(
-        "From {} by solver import; what has no part in it is in import.report.json.",
-        name.unwrap_or_default()
-    )];
-    if let Some(thickness) = geometry.thickness {
-        comments.push(format!(
-            "A plane scene: slabs {thickness} m thick in plane strain; \"{}\" is their front and back.",
+/// The comments at the top of `sim.toml`.
+fn comments(document: &Document, geometry: &Geometry) -> String {
+    let name = document.path.file_name().unwrap_or_default().to_string_lossy();
+    let from = format!(
+        "# From {name} by solver import; what has no part in it is in import.report.json.\n"
+    );
+    let plane = geometry.thickness.map(|thickness| {
+        format!(
+            "# A plane scene: slabs {thickness} m thick in plane strain; \"{}\" is their front and back.\n",
             geometry::FACES
-        ));
-    }
-    comments
+        )
+    });
+    from + &plane.unwrap_or_default() + "\n"
 }
 
 /// Polynomial degree and quadrature.
-fn degrees(root: &Key, text: &mut Text) -> Result<()> {
+fn degrees(root: &Key, scene: &mut Table) -> Result<()> {
     let space = root.get("space");
     let order = space.as_ref().and_then(|s| s.get("discr_order"));
     // as PolyFEM assumes it
@@ -128,12 +132,12 @@ fn degrees(root: &Key, text: &mut Text) -> Result<()> {
     if let Some(key) = order.filter(|_| !(1..=3).contains(&degree)) {
         return Err(key.wrong(&format!("{degree}: expected 1, 2 or 3")));
     }
-    text.key("degree", &degree.to_string());
+    scene.insert("degree".to_owned(), Value::try_from(degree)?);
     let advanced = space.as_ref().and_then(|s| s.get("advanced"));
     if let Some(key) = advanced.and_then(|a| a.get("quadrature_order")) {
         let order = key.count()?;
         if (5..=12).contains(&order) {
-            text.key("quadrature", &order.to_string());
+            scene.insert("quadrature".to_owned(), Value::try_from(order)?);
         } else {
             key.leave("energies are integrated to a degree from 5 to 12 here; 5 if not said");
         }
@@ -168,9 +172,8 @@ fn clock(root: &Key, planar: bool) -> Result<Clock> {
     Ok(Clock { start, ends, planar })
 }
 
-fn time(root: &Key, clock: &Clock, text: &mut Text) -> Result<()> {
+fn time(root: &Key, clock: &Clock, scene: &mut Table) -> Result<()> {
     let (Some(time), Some(end)) = (root.get("time"), clock.ends.last()) else { return Ok(()) };
-    text.table("[time]").number("end", *end).key("steps", &clock.ends.len().to_string());
     let mut method = "implicit-euler".to_owned();
     if let Some(integrator) = time.get("integrator") {
         let kind = integrator.get("type").unwrap_or_else(|| integrator.clone());
@@ -190,15 +193,16 @@ fn time(root: &Key, clock: &Clock, text: &mut Text) -> Result<()> {
     if time.optional("quasistatic", Key::flag)? == Some(true) {
         method = "quasistatic".to_owned();
     }
-    text.name("method", &method);
+    let steps = Value::try_from(clock.ends.len())?;
+    let table = table([("end", (*end).into()), ("steps", steps), ("method", method.into())]);
+    scene.insert("time".to_owned(), table.into());
     Ok(())
 }
 
 fn contact(
     root: &Key,
-    optimised: bool,
     wanted: Option<ContactForm>,
-    text: &mut Text,
+    scene: &mut Table,
     notes: &mut Vec<String>,
 ) -> Result<()> {
     let solver = root.get("solver").and_then(|s| s.get("contact"));
@@ -215,7 +219,7 @@ fn contact(
     };
     let activation = contact.need("dhat", "where the barrier begins [m]")?.positive()?;
     let written = contact.optional("use_convergent_formulation", Key::flag)?;
-    let form = form(written.unwrap_or(false), optimised, wanted, notes);
+    let form = form(written.unwrap_or(false), wanted, notes);
     let stiffness = solver.as_ref().and_then(|s| s.get("barrier_stiffness"));
     let stiffness = match stiffness.filter(|k| k.value != "adaptive") {
         Some(key) => key.positive()?,
@@ -227,15 +231,21 @@ fn contact(
             STIFFNESS
         }
     };
-    text.table("[contact]").name("form", name_of(form)).name("pairs", "all");
-    text.number("activation", activation).number("stiffness", stiffness);
+    let mut table = table([
+        ("form", Value::try_from(form)?),
+        ("pairs", "all".into()),
+        ("activation", activation.into()),
+        ("stiffness", stiffness.into()),
+    ]);
     if let Some(friction) = contact.optional("friction_coefficient", Key::number)? {
         let speed = contact.get("epsv");
         if friction > 0.0 {
             let speed = speed.as_ref().map_or(Ok(FRICTION_SPEED), Key::positive)?;
-            text.number("friction", friction).number("friction_speed", speed);
+            table.insert("friction".to_owned(), friction.into());
+            table.insert("friction_speed".to_owned(), speed.into());
         }
     }
+    scene.insert("contact".to_owned(), table.into());
     if let Some(key) = solver.and_then(|s| s.get("friction_iterations"))
         && key.count()? != 1
     {
@@ -244,33 +254,10 @@ fn contact(
     Ok(())
 }
 
-/// A form as scenes have it.
-fn name_of(form: ContactForm) -> &'static str {
-    match form {
-        ContactForm::Plain => "plain",
-        ContactForm::Even => "even",
-        ContactForm::Convergent => "convergent",
-    }
-}
-
-fn form(
-    convergent: bool,
-    optimised: bool,
-    wanted: Option<ContactForm>,
-    notes: &mut Vec<String>,
-) -> ContactForm {
+fn form(convergent: bool, wanted: Option<ContactForm>, notes: &mut Vec<String>) -> ContactForm {
     let written = if convergent { ContactForm::Convergent } else { ContactForm::Plain };
     if let Some(wanted) = wanted {
         return wanted;
-    }
-    if written == ContactForm::Plain && optimised {
-        notes.push(
-            "[contact] form = \"convergent\", although the state file says plain: the authors' \
-             program of 2024 switches to it in an optimisation; --form plain keeps what the file \
-             says"
-                .to_owned(),
-        );
-        return ContactForm::Convergent;
     }
     if written == ContactForm::Plain {
         notes.push(

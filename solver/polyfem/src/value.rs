@@ -7,8 +7,10 @@
 use anyhow::{Result, anyhow};
 use mechanics::schedule::Expression;
 
+use toml::Value;
+
 use super::document::Key;
-use super::text::number;
+use super::tables::table;
 
 /// Two times are the same when they differ by less [s].
 const SAME_TIME: f64 = 1e-9;
@@ -50,18 +52,17 @@ impl Amount {
             Self::Table(rows) => Self::Table(rows.into_iter().map(|[t, v]| [t, 0.0 - v]).collect()),
         }
     }
+}
 
-    /// As it is written in a scene.
-    pub fn toml(&self) -> String {
-        match self {
-            Self::Number(value) => number(*value),
-            Self::Expression(text) => super::text::quoted(text),
-            Self::Table(rows) => {
-                let column = |k: usize| {
-                    let numbers: Vec<String> = rows.iter().map(|row| number(row[k])).collect();
-                    numbers.join(", ")
-                };
-                format!("{{ t = [{}], value = [{}] }}", column(0), column(1))
+/// As it is in a scene.
+impl From<Amount> for Value {
+    fn from(amount: Amount) -> Self {
+        match amount {
+            Amount::Number(value) => value.into(),
+            Amount::Expression(text) => text.into(),
+            Amount::Table(rows) => {
+                let column = |k: usize| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
+                table([("t", column(0).into()), ("value", column(1).into())]).into()
             }
         }
     }
@@ -179,7 +180,7 @@ fn expression(key: &Key, text: &str, clock: &Clock) -> Result<String> {
 /// A name in our words.
 fn word(name: &str, clock: &Clock) -> Result<String, String> {
     Ok(match name {
-        "t" if clock.start != 0.0 => format!("(t + {})", number(clock.start)),
+        "t" if clock.start != 0.0 => format!("(t + {:?})", clock.start),
         "z" if clock.planar => "0".to_owned(),
         "e" => "exp(1)".to_owned(),
         "ln" => "log".to_owned(),
@@ -229,10 +230,10 @@ mod tests {
             assert_eq!(value(ours).value, -value(theirs).value, "{theirs}");
         }
         assert_eq!(
-            read("{\"v\": \"-55000\"}", &at_rest()).expect("a number").negated().toml(),
-            "55000.0"
+            read("{\"v\": \"-55000\"}", &at_rest()).expect("a number").negated(),
+            Amount::Number(55000.0)
         );
-        assert_eq!(Amount::Number(0.0).negated().toml(), "0.0");
+        assert_eq!(Value::from(Amount::Number(0.0).negated()).to_string(), "0.0");
     }
 
     #[test]

@@ -7,24 +7,19 @@ use anyhow::Result;
 use mesh::io::{write_atomic, write_surface, write_tets};
 use serde_json::{Value, json};
 
-use super::document::Document;
-use super::geometry::Solid;
-use super::{Imported, Reasons};
+use super::Imported;
+use super::scene::REASONS;
 
-/// The names of what is written, and of what an earlier import may have left.
+/// The names of what is written.
 const SCENE: &str = "sim.toml";
-const DESIGN: &str = "design.toml";
 const REPORT: &str = "import.report.json";
 
 impl Imported {
     /// Keys that have no part in our scene, by the reason.
     pub fn left(&self) -> BTreeMap<String, Vec<String>> {
         let mut left: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for (document, reasons) in &self.documents {
-            let file = document.path.file_name().unwrap_or_default().to_string_lossy();
-            for (pointer, why) in document.left(reasons) {
-                left.entry(format!("{file}: {why}")).or_default().push(pointer);
-            }
+        for (pointer, why) in self.document.left(REASONS) {
+            left.entry(why).or_default().push(pointer);
         }
         left
     }
@@ -38,7 +33,7 @@ impl Imported {
     /// Writes the scene; `sim.toml` appears last, when all that it names is there.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let _lock = program::FolderLock::new(folder)?;
-        for name in [SCENE, DESIGN, REPORT] {
+        for name in [SCENE, REPORT] {
             mesh::io::remove_output(&folder.join(name))?;
         }
         for solid in &self.scene.geometry.solids {
@@ -47,65 +42,20 @@ impl Imported {
         for obstacle in &self.scene.geometry.obstacles {
             write_surface(&folder.join(format!("{}.obj", obstacle.name)), &obstacle.surface)?;
         }
-        if let Some(design) = &self.design {
-            for target in &design.targets {
-                write_atomic(&folder.join(&target.name), |out| out.write_all(&target.bytes))?;
-            }
-            write_atomic(&folder.join(DESIGN), |out| out.write_all(design.text.as_bytes()))?;
-        }
         program::write_json(&folder.join(REPORT), &self.report())?;
-        write_atomic(&folder.join(SCENE), |out| out.write_all(self.scene.text.as_bytes()))?;
+        let text = self.scene.comments.clone() + &toml::to_string(&self.scene.values)?;
+        write_atomic(&folder.join(SCENE), |out| out.write_all(text.as_bytes()))?;
         Ok(())
     }
 
     fn report(&self) -> Value {
-        let file = |(document, reasons): &(Document, Reasons)| {
-            json!({
-                "path": document.path,
-                "sha256": document.sha256,
-                "left": document.left(reasons),
-            })
-        };
-        let files: Vec<Value> = self.documents.iter().map(file).collect();
-        let bodies: Vec<Value> = self.scene.geometry.solids.iter().map(facts).collect();
         json!({
             "program": ::scene::PROGRAM,
-            "files": files,
+            "path": self.document.path,
+            "sha256": self.document.sha256,
+            "left": self.document.left(REASONS),
             "notes": self.scene.notes,
             "thickness": self.scene.geometry.thickness,
-            "bodies": bodies,
         })
     }
-}
-
-/// Sizes of a body and its tags.
-fn facts(solid: &Solid) -> Value {
-    let mut tags = serde_json::Map::new();
-    for (name, id) in solid.tags.names.iter().zip(1..) {
-        let facets = solid.tags.facets_of(id);
-        let area = |f: &[usize; 3]| {
-            let [a, b, c] = f.map(|v| solid.mesh.vertices[v]);
-            mesh::measure::triangle_area(a, b, c)
-        };
-        let mut vertices: Vec<usize> = facets.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        tags.insert(
-            name.clone(),
-            json!({
-                "facets": facets.len(),
-                "vertices": vertices.len(),
-                "area": facets.iter().map(area).sum::<f64>(),
-            }),
-        );
-    }
-    let (low, high) = mesh::measure::bounds(&solid.mesh.vertices);
-    json!({
-        "name": solid.name,
-        "vertices": solid.mesh.vertices.len(),
-        "tets": solid.mesh.tets.len(),
-        "volume": mesh::measure::volume(&solid.mesh),
-        "bounds": [<[f64; 3]>::from(low), <[f64; 3]>::from(high)],
-        "tags": tags,
-    })
 }

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Iterable, Mapping, overload
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
@@ -72,8 +70,8 @@ class Scene:
         else:
             whole |= {"mesh": _IN_MEMORY, "material": material}
             bodies = [body]
-        text = json.dumps({key: value for key, value in whole.items() if value is not None}, default=_plain)
-        self._native = _native.Scene.of_tables(text, os.fspath(folder), [body._native for body in bodies])
+        given = {key: value for key, value in whole.items() if value is not None}
+        self._native = _native.Scene.of_tables(given, os.fspath(folder), [body._native for body in bodies])
         self._said = Said()
 
     @classmethod
@@ -175,8 +173,7 @@ class Scene:
 
         Raises InputError where the scene does not have what is changed, or does not admit it.
         """
-        table = {"name": "", **changes}
-        return Scene._of(self._native.scenario(json.dumps(table, default=_plain)), self._said)
+        return Scene._of(self._native.scenario({"name": "", **changes}), self._said)
 
     def simulate(
         self,
@@ -273,12 +270,3 @@ def _number(path: str, value: float) -> float:
 
 def _gas(gas: Any) -> Mapping[str, Any]:
     return gas if isinstance(gas, Mapping) else {"pressure": gas}
-
-
-def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays, and paths, as JSON has them."""
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    raise _native.InputError(f"{value!r}: a scene has numbers, texts, lists and tables")

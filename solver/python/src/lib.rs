@@ -10,6 +10,7 @@ mod error;
 mod run;
 mod saved;
 mod scene;
+mod values;
 
 use pyo3::prelude::*;
 

@@ -7,8 +7,9 @@ use anyhow::{Context, anyhow, ensure};
 use design::optimize::scene_of;
 use mechanics::element::FunctionSpace;
 use numpy::{PyArray2, PyReadonlyArray2};
-use program::{Change, Settings};
+use program::{Change, Keys, Settings};
 use pyo3::prelude::*;
+use pyo3::types::PyMapping;
 use run::error_bars;
 use run::next_to::is_free_of_history;
 use scene::config::ScenarioConfig;
@@ -18,6 +19,7 @@ use crate::body::{Body, points, vectors};
 use crate::computing::{collect, compute};
 use crate::error::{refused, refused_as};
 use crate::run::Run;
+use crate::values::table;
 
 /// A scene. It may be used by several threads: each run has a copy of its own.
 #[pyclass(frozen, module = "softpuffer._native")]
@@ -31,6 +33,20 @@ impl Scene {
         // what it warns of is said where the scene is simulated
         collect(|| check(&scene)).0?;
         Ok(Self::of(scene.into()))
+    }
+
+    fn of_values(
+        py: Python<'_>,
+        values: toml::Table,
+        folder: &Path,
+        bodies: &[PyRef<'_, Body>],
+    ) -> PyResult<Self> {
+        let meshes: Vec<_> = bodies.iter().map(|body| Arc::clone(&body.file)).collect();
+        let made = || {
+            let meshes = meshes.iter().map(|mesh| (**mesh).clone()).collect();
+            Self::new(scene::Scene::of_values(values, &folder.join("scene"), meshes)?)
+        };
+        compute(py, made)?.map_err(refused)
     }
 
     fn of(scene: Arc<scene::Scene>) -> Self {
@@ -82,17 +98,15 @@ impl Scene {
         compute(py, read)?.map_err(refused)
     }
 
-    /// A scene by its tables in JSON, whose bodies have these meshes in place of those of files. Its
-    /// other paths are relative to a folder.
+    /// A scene by its tables, whose bodies have these meshes in place of those of files. Its other paths are
+    /// relative to a folder.
     #[staticmethod]
     fn of_tables(
-        py: Python<'_>,
-        tables: &str,
+        tables: &Bound<'_, PyMapping>,
         folder: PathBuf,
         bodies: Vec<PyRef<'_, Body>>,
     ) -> PyResult<Self> {
-        let tables: serde_json::Value = serde_json::from_str(tables).map_err(refused)?;
-        Self::of_toml(py, &toml::to_string(&tables).map_err(refused)?, folder, bodies)
+        Self::of_values(tables.py(), table(tables)?, &folder, &bodies)
     }
 
     /// The same by its text in TOML.
@@ -103,12 +117,7 @@ impl Scene {
         folder: PathBuf,
         bodies: Vec<PyRef<'_, Body>>,
     ) -> PyResult<Self> {
-        let meshes: Vec<_> = bodies.iter().map(|body| Arc::clone(&body.file)).collect();
-        let made = || {
-            let meshes = meshes.iter().map(|mesh| (**mesh).clone()).collect();
-            Self::new(scene::Scene::of_text(text, &folder.join("scene"), meshes)?)
-        };
-        compute(py, made)?.map_err(refused)
+        Self::of_values(py, text.parse().map_err(refused)?, &folder, &bodies)
     }
 
     /// The folder to which its paths are relative.
@@ -159,13 +168,13 @@ impl Scene {
         FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets.clone()).node_count()
     }
 
-    /// A scene of its own, as a scenario of a design has it, by its table in JSON.
-    fn scenario(&self, py: Python<'_>, table: &str) -> PyResult<Self> {
+    /// A scene of its own, as a scenario of a design has it, by its table.
+    fn scenario(&self, changes: &Bound<'_, PyMapping>) -> PyResult<Self> {
         let before = self.now();
-        let table: serde_json::Value = serde_json::from_str(table).map_err(refused)?;
-        let text = toml::to_string(&table).map_err(refused)?;
-        let config: ScenarioConfig = Settings::made(&text).parse().map_err(refused)?;
-        let mut scene = compute(py, || scene_of(&before, &config))?.map_err(refused)?;
+        let values = Settings::of_values(table(changes)?, Keys::default());
+        let config: ScenarioConfig = values.and_then(|values| values.parse()).map_err(refused)?;
+        let scene = compute(changes.py(), || scene_of(&before, &config))?;
+        let mut scene = scene.map_err(refused)?;
         for (tag, distance) in config.walls() {
             let path = tag.map_or_else(|| "wall".to_owned(), |tag| format!("wall.{tag}"));
             *scene.given.entry(path).or_default() += distance;

@@ -227,6 +227,8 @@ impl Run {
             predicted_s: predicted_time(&self.problem, &workspace, steps),
         };
         let mut report = simulation::begun(&scene, &self.problem, folder)?;
+        // the file that was written has it already
+        report.set = self.scene.file.changes();
         simulation::follow(&mut report, &recorder, &workspace);
         let (end, states, before_s) = (self.at(last), Some(&self.states), self.seconds);
         let outcome = Outcome { end, last: Some(last), states, spent, since, before_s };

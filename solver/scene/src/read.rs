@@ -1,4 +1,4 @@
-//! A scene from its file or text, with the meshes that it names or others.
+//! A scene from its file or values, with the meshes that it names or others.
 
 use std::path::{Path, PathBuf};
 
@@ -32,10 +32,10 @@ impl Scene {
         })
     }
 
-    /// A scene as text that a program has made, TOML in a folder to which its paths are relative, whose bodies have
-    /// these meshes and not those of files.
-    pub fn of_text(text: &str, path: &Path, meshes: Vec<MshFile>) -> Result<Self> {
-        let file = Settings::made(text);
+    /// A scene of values that a program gives, with the file that it would be, from which its paths begin. Its bodies
+    /// have these meshes and not those of files.
+    pub fn of_values(values: toml::Table, path: &Path, meshes: Vec<MshFile>) -> Result<Self> {
+        let file = SimConfig::settings_of(values)?;
         file.checked(|file| {
             let (config, bodies) = config_of(file, path)?;
             ensure!(

@@ -8,12 +8,11 @@ use scene::config::ContactForm;
 
 /// Translate a scene of PolyFEM (JSON) into a folder with sim.toml
 ///
-/// Reads state files, and run files of optimisations, which become design.toml
-/// as far as there are such problems here. Every key that has no part in them is
-/// named in a warning with the reason; import.report.json lists them all.
+/// Every key that has no part in it is named in a warning with the reason; import.report.json
+/// lists them all.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A state_*.json or run_*.json
+    /// A state_*.json
     scene: PathBuf,
     /// Folder for sim.toml and the tagged meshes
     #[arg(short)]

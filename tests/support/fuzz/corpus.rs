@@ -96,6 +96,5 @@ pub fn pipelines(name: &str) -> Vec<Vec<u8>> {
 pub fn polyfem() -> Vec<Vec<u8>> {
     vec![
         br#"{"geometry": [{"mesh": "a.msh", "volume_selection": 1, "transformation": {"scale": [1, 1, 1]}, "surface_selection": [{"id": 2, "box": [[0, 0, 0], [1, 1, 1]], "relative": true}]}], "space": {"discr_order": 2}, "time": {"tend": 1, "time_steps": 10, "integrator": "BDF2"}, "materials": {"type": "NeoHookean", "E": 1e5, "nu": 0.4, "rho": 1000}, "boundary_conditions": {"rhs": [0, 9.81, 0], "dirichlet_boundary": [{"id": 2, "value": ["0", "sin(t)*0.1", 0]}], "pressure_boundary": [{"id": 3, "value": 1000}]}, "contact": {"enabled": true, "dhat": 1e-3}}"#.to_vec(),
-        br#"{"states": [{"path": "state.json"}], "parameters": [{"type": "shape", "number": 1}], "variable_to_simulation": [], "functionals": [{"type": "target", "weight": 1.0}], "solver": {}}"#.to_vec(),
     ]
 }

@@ -14,7 +14,7 @@ use crate::{Misfit, read_table};
 pub struct Key {
     /// The name.
     pub name: &'static str,
-    /// What it means.
+    /// What it means, with its default.
     pub meaning: String,
 }
 
@@ -29,8 +29,12 @@ pub fn key_names<T: DeserializeOwned>() -> &'static [&'static str] {
 /// The keys of a table, in the order of its type.
 pub fn keys_of<T: DeserializeOwned + JsonSchema>() -> Vec<Key> {
     let schema = T::json_schema(&mut SchemaGenerator::default()).to_value();
-    let meaning = |name: &str| schema["properties"][name]["description"].as_str();
-    let key = |&name| Key { name, meaning: meaning(name).unwrap_or_default().replace('\n', " ") };
+    let key = |&name: &&'static str| {
+        let about = &schema["properties"][name];
+        let meaning = about["description"].as_str().unwrap_or_default().replace('\n', " ");
+        let default = about.get("default").map(|default| format!(" ({default})"));
+        Key { name, meaning: meaning + &default.unwrap_or_default() }
+    };
     key_names::<T>().iter().map(key).collect()
 }
 

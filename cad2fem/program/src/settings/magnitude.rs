@@ -1,36 +1,37 @@
 //! Numbers so large or small that powers of them leave the range of f64.
 
-use std::ops::Range;
+use toml::{Table, Value};
 
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use super::key_path::{KeyPath, Misfit, Step};
 
 /// Magnitudes of all lengths, moduli, pressures, times and tolerances lie far within; eighth powers
 /// are finite and no zero.
 const LEAST: f64 = 1e-30;
 const MOST: f64 = 1e30;
 
-/// The first number of a file that cannot be computed with, and why.
-pub fn refused(table: &DeTable) -> Option<(String, Range<usize>)> {
-    table.iter().find_map(|(key, value)| refused_in(key.get_ref(), value))
+/// Refuses the first number of a table that cannot be computed with.
+pub fn check(table: &Table) -> Result<(), Misfit> {
+    table.iter().try_for_each(|(key, value)| {
+        check_value(value).map_err(|misfit| misfit.below(Step::Value(key.clone())))
+    })
 }
 
-fn refused_in(key: &str, value: &Spanned<DeValue>) -> Option<(String, Range<usize>)> {
-    match value.get_ref() {
-        DeValue::Float(number) => {
-            let size = number.as_str().parse::<f64>().ok()?.abs();
+fn check_value(value: &Value) -> Result<(), Misfit> {
+    match value {
+        Value::Float(number) => {
+            let size = number.abs();
             // what is infinite or no number is for the key to say
-            let sound = size == 0.0 || !size.is_finite() || (LEAST..=MOST).contains(&size);
-            let what = || {
-                let number = number.as_str();
-                format!(
-                    "{key}: {number}: numbers are 0, or from {LEAST:e} to {MOST:e} in magnitude"
-                )
-            };
-            (!sound).then(|| (what(), value.span()))
+            match size == 0.0 || !size.is_finite() || (LEAST..=MOST).contains(&size) {
+                true => Ok(()),
+                false => Err(KeyPath::default().told(format!(
+                    "{number:e}: numbers are 0, or from {LEAST:e} to {MOST:e} in magnitude"
+                ))),
+            }
         }
-        DeValue::Array(list) => list.iter().find_map(|item| refused_in(key, item)),
-        DeValue::Table(below) => refused(below),
-        _ => None,
+        Value::Array(list) => (1..).zip(list).try_for_each(|(number, item)| {
+            check_value(item).map_err(|misfit| misfit.below(Step::Item(number)))
+        }),
+        Value::Table(below) => check(below),
+        _ => Ok(()),
     }
 }

@@ -54,8 +54,8 @@ pub struct Settings {
     sources: Vec<Source>,
     /// Index of the file.
     own: usize,
-    /// Whether a program has made the text, of which nobody knows the lines.
-    is_made: bool,
+    /// Values that a program gives, in place of all texts.
+    values: Option<toml::Table>,
 }
 
 /// A text that settings come from.
@@ -90,7 +90,7 @@ enum Origin {
 impl Settings {
     /// Reads a file and all that it includes, with changes from outside.
     pub fn read(path: &Path, changes: &[Change], keys: Keys) -> Result<Self> {
-        let mut settings = Self { keys, sources: Vec::new(), own: 0, is_made: false };
+        let mut settings = Self { keys, sources: Vec::new(), own: 0, values: None };
         settings.own = settings.add_file(path, Path::new(""), &mut Vec::new())?;
         for change in changes {
             settings.add(Origin::Change(change.clone()), change.text());
@@ -104,34 +104,33 @@ impl Settings {
     /// It includes nothing.
     pub fn of_text(text: &str) -> Self {
         let mut settings =
-            Self { keys: Keys::default(), sources: Vec::new(), own: 0, is_made: false };
+            Self { keys: Keys::default(), sources: Vec::new(), own: 0, values: None };
         let origin =
             Origin::File { path: PathBuf::new(), folder: PathBuf::new(), includes: Vec::new() };
         settings.add(origin, text);
         settings
     }
 
-    /// Settings that a program has put into words: errors have the keys that lead there, and no line.
-    pub fn made(text: &str) -> Self {
-        Self { is_made: true, ..Self::of_text(text) }
+    /// Values that a program gives: errors have the keys that lead there, and no line. They include no files.
+    pub fn of_values(mut values: toml::Table, keys: Keys) -> Result<Self> {
+        if let Some(version) = values.remove("puffer") {
+            version::check(version.as_str()).map_err(Placed)?;
+        }
+        Ok(Self { keys, values: Some(values), ..Self::of_text("") })
     }
 
     /// Everything as a `T`.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T> {
-        let tree = self.tree()?;
-        if let Some((what, place)) = magnitude::refused(&tree) {
-            return Err(self.refused(&what, Some(place)));
+        let read = |table| magnitude::check(table).and_then(|()| read_table(table));
+        if let Some(values) = &self.values {
+            return read(values).map_err(|misfit| Placed(misfit.in_words()).into());
         }
+        let tree = self.tree()?;
         let root = Spanned::new(self.whole(), tree.clone());
         let table = toml::Table::deserialize(Deserializer::from(root))
             .map_err(|error| self.refused(error.message(), error.span()))?;
-        read_table(&table).map_err(|misfit| {
-            let (keys, text) = (misfit.path.words(), misfit.to_string());
-            // some messages name the keys themselves
-            if self.is_made && !keys.is_empty() && !text.starts_with('[') {
-                return self.refused(&format!("{keys}: {text}"), None);
-            }
-            self.refused(&text, place::of_path(&tree, &misfit.path))
+        read(&table).map_err(|misfit| {
+            self.refused(&misfit.to_string(), place::of_path(&tree, &misfit.path))
         })
     }
 
@@ -146,6 +145,9 @@ impl Settings {
             return error;
         }
         let misfit = KeyPath::told_by(&error, self.keys.meaning);
+        if self.values.is_some() {
+            return Placed(misfit.to_string()).into();
+        }
         let (text, name) = (misfit.to_string(), self.name_of(self.own));
         let what = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
         match self.tree().ok().and_then(|tree| place::of_path(&tree, &misfit.path)) {
@@ -157,6 +159,9 @@ impl Settings {
 
     /// What states depend on: the hash of the file, those of what it includes, and the changes.
     pub fn hash(&self) -> String {
+        if let Some(values) = &self.values {
+            return crate::sha256(values.to_string().as_bytes());
+        }
         let mut all = vec![self.sources[self.own].sha256.clone()];
         for (i, source) in self.sources.iter().enumerate() {
             match &source.origin {
@@ -278,7 +283,7 @@ impl Settings {
         let mut own = merge::shifted(own.into_inner(), start);
         let Origin::File { folder, includes, .. } = &source.origin else { bail!("not a file") };
         if let Some(version) = own.remove("puffer") {
-            version::check(version.get_ref())
+            version::check(version.get_ref().as_str())
                 .map_err(|what| self.refused(&what, Some(version.span())))?;
         }
         if let Some(include) = own.remove("include") {
@@ -335,8 +340,7 @@ impl Settings {
 
     /// The error at a place.
     fn refused(&self, what: &str, place: Option<Range<usize>>) -> anyhow::Error {
-        let found = place.filter(|_| !self.is_made);
-        let found = found.and_then(|place| Some((self.source_at(place.start)?, place)));
+        let found = place.and_then(|place| Some((self.source_at(place.start)?, place)));
         let Some((source, place)) = found else {
             let name = self.name_of(self.own);
             let what = what.trim_end();

@@ -10,18 +10,20 @@ use crate::quantity::Normal;
 
 pub(super) const KIND: Kind = Kind {
     key: "angle",
-    formula: "angle between the mean normals of two tags, from 0 to 180",
     unit: "deg",
     example: "on = 'top'\nto = 'left'",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag
-    on: String,
-    /// the other tag
-    to: String,
+program::table! {
+    /// angle between the mean normals of two tags, from 0 to 180
+    #[derive(Debug)]
+    struct Keys {
+        /// tag
+        on: String;
+        /// the other tag
+        to: String;
+    }
 }
 
 impl Specification for Keys {

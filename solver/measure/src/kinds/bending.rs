@@ -20,8 +20,6 @@ use crate::quantity::Normal;
 
 pub(super) const KIND: Kind = Kind {
     key: "bending",
-    formula: "angle about an axis by which a tag has turned against another one since rest; has \
-              a sign, and counts whole turns",
     unit: "deg",
     example: "on = 'top'\nto = 'left'\naxis = [0.3, 2, 0.4]",
     ..Kind::of::<Keys>(&[List::Probe])
@@ -30,15 +28,19 @@ pub(super) const KIND: Kind = Kind {
 /// Sine of the angle between a normal and the axis below which a tag does not turn about it.
 const ALONG: f64 = 0.1;
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag
-    on: String,
-    /// the other tag
-    to: String,
-    /// across the plane in which the body bends, of any length but 0; positive by the right-hand
-    /// rule
-    axis: Axis,
+program::table! {
+    /// angle about an axis by which a tag has turned against another one since rest; has a sign, and counts
+    /// whole turns
+    #[derive(Debug)]
+    struct Keys {
+        /// tag
+        on: String;
+        /// the other tag
+        to: String;
+        /// across the plane in which the body bends, of any length but 0; positive by the right-hand
+        /// rule
+        axis: Axis;
+    }
 }
 
 impl Specification for Keys {

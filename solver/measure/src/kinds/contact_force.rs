@@ -21,19 +21,21 @@ use crate::written::Names;
 
 pub(super) const ALONG: Kind = Kind {
     key: "contact-force",
-    formula: "force F of contact and friction on a tag or a body along an axis, a · F",
     unit: "N",
     needs_contact: true,
     example: "on = 'top'\naxis = [0, 0, 1]",
     ..Kind::of::<AlongKeys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct AlongKeys {
-    /// tag, or one of several bodies
-    on: String,
-    /// a, of any length but 0
-    axis: Axis,
+program::table! {
+    /// force F of contact and friction on a tag or a body along an axis, a · F
+    #[derive(Debug)]
+    struct AlongKeys {
+        /// tag, or one of several bodies
+        on: String;
+        /// a, of any length but 0
+        axis: Axis;
+    }
 }
 
 impl Specification for AlongKeys {
@@ -45,7 +47,6 @@ impl Specification for AlongKeys {
 
 pub(super) const KIND: Kind = Kind {
     key: "contact-force",
-    formula: "of the force F of contact and friction on nodes: d·F, |F|², Σ |f_n|², or Σ |f_n|",
     unit: "N or N²",
     may_be_maximised: true,
     needs_contact: true,
@@ -53,24 +54,25 @@ pub(super) const KIND: Kind = Kind {
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag, body, or list of them
-    on: Names,
-    /// "along", "squared" (default), "sum-of-squares" or "sum"
-    #[serde(default)]
-    form: Form,
-    /// d, for "along"
-    direction: Option<[f64; 3]>,
+program::table! {
+    /// of the force F of contact and friction on nodes: d·F, |F|², Σ |f_n|², or Σ |f_n|
+    #[derive(Debug)]
+    struct Keys {
+        /// tag, body, or list of them
+        on: Names;
+        /// "along", "squared", "sum-of-squares" or "sum"
+        form: Form = Form::Squared;
+        /// d, for "along"
+        direction: Option<Axis> = None;
+    }
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum Form {
     // the component of the sum along a direction
     Along,
     // the square of the sum
-    #[default]
     Squared,
     // the sum of the squares over nodes
     SumOfSquares,
@@ -84,23 +86,16 @@ impl Specification for Keys {
             (Form::Along, None) => {
                 bail!(misfit!(KeyPath::of("form"), " = \"along\" needs direction = [x, y, z]"))
             }
-            (Form::Along, Some(d)) => ensure!(
-                d.iter().all(|x| x.is_finite()) && d.iter().any(|x| *x != 0.0),
-                misfit!(KeyPath::of("direction"), " = {d:?}: must be finite, and not zero")
-            ),
-            (_, direction) => ensure!(
-                direction.is_none(),
-                misfit!(
-                    KeyPath::of("direction"),
-                    " is for form = \"along\" only; remove one of them"
-                )
-            ),
+            (Form::Along, Some(_)) | (_, None) => Ok(()),
+            (_, Some(_)) => bail!(misfit!(
+                KeyPath::of("direction"),
+                " is for form = \"along\" only; remove one of them"
+            )),
         }
-        Ok(())
     }
 
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let direction = self.direction.map_or_else(Vec3::zeros, |d| Vec3::from(d).normalize());
+        let direction = self.direction.map_or_else(Vec3::zeros, |direction| direction.unit());
         Ok(Arc::new(ContactForce::on(&site.facets(&self.on)?, site, self.form, direction)))
     }
 }

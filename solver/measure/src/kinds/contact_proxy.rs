@@ -34,7 +34,6 @@ use crate::written::{DensitySchema, Names};
 
 pub(super) const KIND: Kind = Kind {
     key: "contact-proxy",
-    formula: "Σ |f_n|² of the forces of a wide barrier between parts of the surface",
     unit: "m⁴",
     may_be_maximised: true,
     needs_contact: true,
@@ -42,21 +41,22 @@ pub(super) const KIND: Kind = Kind {
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// two or more tags that are apart
-    on: Names,
-    /// "log" (default) or "quadratic"
-    #[serde(default)]
-    #[schemars(with = "DensitySchema")]
-    density: Density,
-    /// activation distance, below which they interact [m], larger than that of contact
-    activation: f64,
+program::table! {
+    /// Σ |f_n|² of the forces of a wide barrier between parts of the surface
+    #[derive(Debug)]
+    struct Keys {
+        /// two or more tags that are apart
+        on: Names;
+        /// "log" or "quadratic"
+        #[schemars(with = "DensitySchema")]
+        density: Density = Density::default();
+        /// activation distance, below which they interact [m], larger than that of contact
+        activation: f64, Range::POSITIVE.unit("m");
+    }
 }
 
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
-        positive("activation", self.activation)?;
         ensure!(
             self.on.all().len() > 1,
             misfit!(

@@ -12,17 +12,18 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "curvature",
-    formula: "mean curvature of the circles through the mean positions of each three consecutive \
-              tags",
     unit: "1/m",
     example: "on = ['left', 'top', 'right', 'bottom']",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// three tags or more, in their order along the line
-    on: Vec<String>,
+program::table! {
+    /// mean curvature of the circles through the mean positions of each three consecutive tags
+    #[derive(Debug)]
+    struct Keys {
+        /// three tags or more, in their order along the line
+        on: Vec<String>;
+    }
 }
 
 impl Specification for Keys {

@@ -7,18 +7,20 @@ use super::*;
 
 pub(super) const ALONG: Kind = Kind {
     key: "displacement",
-    formula: "mean displacement of a tag along an axis, a · ∫ u dA / A over its rest area",
     unit: "m",
     example: "on = 'top'\naxis = [1, 0, 2]",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag
-    on: String,
-    /// a, of any length but 0
-    axis: Axis,
+program::table! {
+    /// mean displacement of a tag along an axis, a · ∫ u dA / A over its rest area
+    #[derive(Debug)]
+    struct Keys {
+        /// tag
+        on: String;
+        /// a, of any length but 0
+        axis: Axis;
+    }
 }
 
 impl Specification for Keys {
@@ -32,16 +34,18 @@ impl Specification for Keys {
 
 pub(super) const MAGNITUDE: Kind = Kind {
     key: "displacement-magnitude",
-    formula: "mean length of a tag's displacement, ∫ |u| dA / A over its rest area",
     unit: "m",
     example: "on = 'top'",
     ..Kind::of::<MagnitudeKeys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct MagnitudeKeys {
-    /// tag
-    on: String,
+program::table! {
+    /// mean length of a tag's displacement, ∫ |u| dA / A over its rest area
+    #[derive(Debug)]
+    struct MagnitudeKeys {
+        /// tag
+        on: String;
+    }
 }
 
 impl Specification for MagnitudeKeys {

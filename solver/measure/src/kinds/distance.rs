@@ -6,18 +6,20 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "distance",
-    formula: "distance of the mean positions of two tags",
     unit: "m",
     example: "on = 'top'\nto = 'left'",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag
-    on: String,
-    /// the other tag
-    to: String,
+program::table! {
+    /// distance of the mean positions of two tags
+    #[derive(Debug)]
+    struct Keys {
+        /// tag
+        on: String;
+        /// the other tag
+        to: String;
+    }
 }
 
 impl Specification for Keys {

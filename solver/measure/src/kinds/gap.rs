@@ -14,18 +14,20 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "gap",
-    formula: "smallest distance of two tags that share no vertex",
     unit: "m",
     example: "on = 'top'\nto = 'bottom'",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag
-    on: String,
-    /// the other tag
-    to: String,
+program::table! {
+    /// smallest distance of two tags that share no vertex
+    #[derive(Debug)]
+    struct Keys {
+        /// tag
+        on: String;
+        /// the other tag
+        to: String;
+    }
 }
 
 impl Specification for Keys {

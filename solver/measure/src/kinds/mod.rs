@@ -29,6 +29,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use program::table::Range;
 use program::{KeyPath, Misfit, misfit, unknown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,7 +37,7 @@ use serde::{Deserialize, Serialize};
 // what nearly every kind is made with, which has it by `super::*`
 use crate::quantity::{
     Axis, Equilibrium, Kind, List, Means, Measure, OfMeans, Partials, Patch, Quantity, Site,
-    Specification, positive, solid_integral,
+    Specification, solid_integral,
 };
 
 pub use contact_proxy::PartsTouch;

@@ -17,11 +17,10 @@ use mechanics::schedule::{Field, WrittenField, axes};
 
 use super::*;
 use crate::quantity::surface_integral::{Density, Place};
-use crate::written::{FieldSchema, Names};
+use crate::written::{FieldSchema, Names, some_axes};
 
 pub(super) const DISPLACEMENT: Kind = Kind {
     key: "displacement",
-    formula: "∫ Σ (u_i − w_i)² dA",
     unit: "m⁴",
     example: "on = ['top', 'left']\ndisplacement = [0.03, '0.1*t', 0]",
     ..Kind::of::<DisplacementKeys>(&[List::Objective])
@@ -29,7 +28,6 @@ pub(super) const DISPLACEMENT: Kind = Kind {
 
 pub(super) const POSITION: Kind = Kind {
     key: "position",
-    formula: "∫ Σ (x_i − w_i)² dA, x = X + u",
     unit: "m⁴",
     example: "on = 'top'\nposition = [0, 0, 1]\ncomponents = 'zx'\nmeasure = 'deformed'",
     ..Kind::of::<PositionKeys>(&[List::Objective])
@@ -37,27 +35,24 @@ pub(super) const POSITION: Kind = Kind {
 
 /// Keys, one of which is called as what is wanted.
 macro_rules! keys {
-    ($name:ident, $wanted:ident, $compared:expr) => {
-        #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-        struct $name {
-            /// tag, body, or list of them
-            on: Names,
-            /// w [m]: numbers, expressions in t, x, y, z, or tables
-            #[schemars(with = "FieldSchema")]
-            $wanted: WrittenField,
-            /// axes that count, such as "xz" ("xyz")
-            #[serde(default = "all_axes")]
-            components: String,
-            /// "rest" (default) or "deformed"
-            #[serde(default)]
-            measure: Measure,
+    ($about:literal, $name:ident, $wanted:ident, $compared:expr) => {
+        program::table! {
+            #[doc = $about]
+            #[derive(Debug)]
+            struct $name {
+                /// tag, body, or list of them
+                on: Names;
+                /// w [m]: numbers, expressions in t, x, y, z, or tables
+                #[schemars(with = "FieldSchema")]
+                $wanted: WrittenField;
+                /// axes that count, such as "xz"
+                components: String = "xyz".to_owned(), some_axes;
+                /// "rest" or "deformed"
+                measure: Measure = Measure::Rest;
+            }
         }
 
         impl Specification for $name {
-            fn check(&self) -> Result<()> {
-                check_components(&self.components)
-            }
-
             fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
                 let facets = site.facets(&self.on)?;
                 let wanted = site.wanted(stringify!($wanted), &self.$wanted, &facets)?;
@@ -69,24 +64,8 @@ macro_rules! keys {
     };
 }
 
-keys!(DisplacementKeys, displacement, Compared::Displacement);
-keys!(PositionKeys, position, Compared::Position);
-
-fn all_axes() -> String {
-    "xyz".to_owned()
-}
-
-fn check_components(components: &str) -> Result<()> {
-    let count = axes(components).iter().filter(|axis| **axis).count();
-    ensure!(
-        components.len() == count && !components.is_empty(),
-        misfit!(
-            KeyPath::of("components"),
-            " = \"{components}\": must be some of x, y, z, each once"
-        )
-    );
-    Ok(())
-}
+keys!("∫ Σ (u_i − w_i)² dA", DisplacementKeys, displacement, Compared::Displacement);
+keys!("∫ Σ (x_i − w_i)² dA, x = X + u", PositionKeys, position, Compared::Position);
 
 /// What of a point is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -26,32 +26,26 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "point",
-    formula: "displacement of a point along an axis: of a point in the body; or of one that a tag \
-              carries, by its mean displacement and rotation",
     unit: "m",
     example: "at = [0.3, 0.6, 0.45]\naxis = [0, 1, 1]",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// rest position [m]
-    at: [f64; 3],
-    /// tag that carries it, if it is not in the body
-    on: Option<String>,
-    /// a, of any length but 0
-    axis: Axis,
+program::table! {
+    /// displacement of a point along an axis: of a point in the body; or of one that a tag carries, by its mean
+    /// displacement and rotation
+    #[derive(Debug)]
+    struct Keys {
+        /// rest position [m]
+        at: [f64; 3], Range::FINITE.unit("m");
+        /// tag that carries it, if it is not in the body
+        on: Option<String> = None;
+        /// a, of any length but 0
+        axis: Axis;
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        ensure!(
-            self.at.iter().all(|x| x.is_finite()),
-            misfit!(KeyPath::of("at"), " = {:?} m: must be finite", self.at)
-        );
-        Ok(())
-    }
-
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let (point, axis) = (Vec3::from(self.at), self.axis.unit());
         let Some(tag) = &self.on else {

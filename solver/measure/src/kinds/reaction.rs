@@ -9,18 +9,20 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "reaction",
-    formula: "force of a support on the body along an axis, a · Σ r",
     unit: "N",
     example: "on = 'bottom'\naxis = [0, 0, 1]",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag of a [[fixed]]
-    on: String,
-    /// a, of any length but 0
-    axis: Axis,
+program::table! {
+    /// force of a support on the body along an axis, a · Σ r
+    #[derive(Debug)]
+    struct Keys {
+        /// tag of a [[fixed]]
+        on: String;
+        /// a, of any length but 0
+        axis: Axis;
+    }
 }
 
 impl Specification for Keys {

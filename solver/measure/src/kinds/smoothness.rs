@@ -26,19 +26,20 @@ use crate::written::Names;
 
 pub(super) const KIND: Kind = Kind {
     key: "smoothness",
-    formula: "Σ_v |Σ_w (X_v − X_w)|² / (Σ_w |X_v − X_w|)², plain: over the number of w",
     unit: "1 or m²",
     example: "on = 'top'\nform = 'plain'",
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag, body, or list of them
-    on: Names,
-    /// "scale-invariant" (default) or "plain"
-    #[serde(default)]
-    form: SmoothnessForm,
+program::table! {
+    /// Σ_v |Σ_w (X_v − X_w)|² / (Σ_w |X_v − X_w|)², plain: over the number of w
+    #[derive(Debug)]
+    struct Keys {
+        /// tag, body, or list of them
+        on: Names;
+        /// "scale-invariant" or "plain"
+        form: SmoothnessForm = SmoothnessForm::ScaleInvariant;
+    }
 }
 
 impl Specification for Keys {
@@ -49,11 +50,10 @@ impl Specification for Keys {
 }
 
 /// How the neighbour vector is normalised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SmoothnessForm {
     /// By the sum of the edge lengths.
-    #[default]
     ScaleInvariant,
     /// By the number of edges.
     Plain,

@@ -18,37 +18,25 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "strain-limit",
-    formula: "∫ Σ (λ_i − largest)₊² + (smallest − λ_i)₊² dX of the principal stretches",
     unit: "m³",
     example: "largest = 1.05\nsmallest = 0.95",
     ..Kind::of::<Keys>(&[List::Objective, List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// body; all if not given
-    on: Option<String>,
-    /// largest principal stretch that costs nothing [1]
-    largest: f64,
-    /// smallest principal stretch that costs nothing [1] (0)
-    #[serde(default)]
-    smallest: f64,
+program::table! {
+    /// ∫ Σ (λ_i − largest)₊² + (smallest − λ_i)₊² dX of the principal stretches
+    #[derive(Debug)]
+    struct Keys {
+        /// body; all if not given
+        on: Option<String> = None;
+        /// largest principal stretch that costs nothing [1]
+        largest: f64, program::table::Range::above(1.0);
+        /// smallest principal stretch that costs nothing [1]
+        smallest: f64 = 0.0, program::table::Range::at_least(0.0).below(1.0);
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        let Self { largest, smallest, .. } = self;
-        ensure!(
-            (0.0..1.0).contains(smallest) && largest.is_finite() && *largest > 1.0,
-            misfit!(
-                KeyPath::of("largest"),
-                " = {largest}, smallest = {smallest}: stretches, the largest must be above 1 \
-             and the smallest from 0 to 1"
-            )
-        );
-        Ok(())
-    }
-
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let parts = site.parts(self.on.as_deref())?.into_iter();
         let elements = parts.map(|(_, elements)| elements).collect();

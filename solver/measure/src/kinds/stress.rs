@@ -19,36 +19,24 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "stress",
-    formula: "∫ |P|^q dX, P the force per rest area; the larger q, the more the largest counts",
     unit: "Pa^q m³",
     reads_stress: true,
     example: "power = 4",
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// body; all if not given
-    on: Option<String>,
-    /// q ≥ 2 (2)
-    #[serde(default = "two")]
-    power: f64,
-}
-
-fn two() -> f64 {
-    2.0
+program::table! {
+    /// ∫ |P|^q dX, P the force per rest area; the larger q, the more the largest counts
+    #[derive(Debug)]
+    struct Keys {
+        /// body; all if not given
+        on: Option<String> = None;
+        /// q ≥ 2
+        power: f64 = 2.0, program::table::Range::at_least(2.0);
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        let power = self.power;
-        ensure!(
-            power.is_finite() && power >= 2.0,
-            misfit!(KeyPath::of("power"), " = {power}: must be 2 or more")
-        );
-        Ok(())
-    }
-
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let parts = site.parts(self.on.as_deref())?;
         let place = |own: &Range<usize>| site.laws.iter().position(|law| law.elements == *own);

@@ -14,37 +14,21 @@ use mechanics::math::tensor::Mat3;
 use super::strain_limit::over_stretches;
 use super::*;
 
-pub(super) const KIND: Kind = Kind {
-    key: "stretch",
-    formula: "1 + (∫ Σ (λ_i − 1)₊^p dX / ∫ dX)^(1/p) of the principal stretches: the larger p, the nearer to the largest",
-    unit: "1",
-    example: "power = 4",
-    ..Kind::of::<Keys>(&[List::Probe])
-};
+pub(super) const KIND: Kind =
+    Kind { key: "stretch", unit: "1", example: "power = 4", ..Kind::of::<Keys>(&[List::Probe]) };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// body; all if not given
-    on: Option<String>,
-    /// p ≥ 2 (16)
-    #[serde(default = "sixteen")]
-    power: f64,
-}
-
-fn sixteen() -> f64 {
-    16.0
+program::table! {
+    /// 1 + (∫ Σ (λ_i − 1)₊^p dX / ∫ dX)^(1/p) of the principal stretches: the larger p, the nearer to the largest
+    #[derive(Debug)]
+    struct Keys {
+        /// body; all if not given
+        on: Option<String> = None;
+        /// p ≥ 2
+        power: f64 = 16.0, program::table::Range::at_least(2.0);
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        let power = self.power;
-        ensure!(
-            power.is_finite() && power >= 2.0,
-            misfit!(KeyPath::of("power"), " = {power}: must be 2 or more")
-        );
-        Ok(())
-    }
-
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let parts = site.parts(self.on.as_deref())?.into_iter();
         let elements = parts.map(|(_, elements)| elements).collect();

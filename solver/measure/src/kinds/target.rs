@@ -17,38 +17,29 @@ use crate::written::Names;
 
 pub(super) const KIND: Kind = Kind {
     key: "target",
-    formula: "∫ d̃²(x) dA, d̃ the distance of deformed points to a surface",
     unit: "m⁴",
     example: "on = 'top'\ntarget = 'target.stl'\ndistance = 'signed'",
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag, body, or list of them
-    on: Names,
-    /// surface file in metres
-    target: PathBuf,
-    /// "squared" (default), "unsigned" (published), "signed" (closed target)
-    #[serde(default)]
-    distance: DistanceKind,
-    /// of the distance's lattice [m] (1e-3)
-    #[serde(default = "a_millimetre")]
-    spacing: f64,
-    /// "rest" (default) or "deformed"
-    #[serde(default)]
-    measure: Measure,
-}
-
-fn a_millimetre() -> f64 {
-    1e-3
+program::table! {
+    /// ∫ d̃²(x) dA, d̃ the distance of deformed points to a surface
+    #[derive(Debug)]
+    struct Keys {
+        /// tag, body, or list of them
+        on: Names;
+        /// surface file in metres
+        target: PathBuf;
+        /// "squared", "unsigned" (published), "signed" (closed target)
+        distance: DistanceKind = DistanceKind::default();
+        /// of the distance's lattice [m]
+        spacing: f64 = 1e-3, Range::POSITIVE.unit("m");
+        /// "rest" or "deformed"
+        measure: Measure = Measure::Rest;
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        positive("spacing", self.spacing)
-    }
-
     fn files(&self) -> Vec<&Path> {
         vec![&self.target]
     }

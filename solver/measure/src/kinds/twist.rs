@@ -13,8 +13,6 @@ use super::*;
 
 pub(super) const KIND: Kind = Kind {
     key: "twist",
-    formula: "angle about an axis by which a tag has turned against another one, or against its rest position, in the mean \
-              over its area; from -180 to 180",
     unit: "deg",
     example: "on = 'top'\nto = 'left'\naxis = [0, 0.2, 1]",
     ..Kind::of::<Keys>(&[List::Probe])
@@ -23,15 +21,18 @@ pub(super) const KIND: Kind = Kind {
 /// Part of the mean square distance of a tag from its middle that is across the axis, at least.
 const ACROSS: f64 = 1e-3;
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag
-    on: String,
-    /// the other tag; the rest position if not given
-    #[serde(skip_serializing_if = "Option::is_none")]
-    to: Option<String>,
-    /// along the body that is twisted, of any length but 0; positive by the right-hand rule
-    axis: Axis,
+program::table! {
+    /// angle about an axis by which a tag has turned against another one, or against its rest position, in the
+    /// mean over its area; from -180 to 180
+    #[derive(Debug)]
+    struct Keys {
+        /// tag
+        on: String;
+        /// the other tag; the rest position if not given
+        to: Option<String> = None;
+        /// along the body that is twisted, of any length but 0; positive by the right-hand rule
+        axis: Axis;
+    }
 }
 
 impl Specification for Keys {

@@ -13,16 +13,18 @@ use super::*;
 
 pub(super) const CHAMBER: Kind = Kind {
     key: "volume",
-    formula: "volume of a chamber behind its deformed wall, an open one closed by caps",
     unit: "m³",
     example: "on = 'top'",
     ..Kind::of::<ChamberKeys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct ChamberKeys {
-    /// tag of the wall
-    on: String,
+program::table! {
+    /// volume of a chamber behind its deformed wall, an open one closed by caps
+    #[derive(Debug)]
+    struct ChamberKeys {
+        /// tag of the wall
+        on: String;
+    }
 }
 
 impl Specification for ChamberKeys {
@@ -35,38 +37,26 @@ impl Specification for ChamberKeys {
 
 pub(super) const KIND: Kind = Kind {
     key: "volume",
-    formula: "V, or (V − V*)²",
     unit: "m³ or m⁶",
     may_be_maximised: true,
     example: "on = 'top'\nvolume = 0.3",
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// a tag: the chamber behind it; a body; all bodies if not given
-    on: Option<String>,
-    /// V* [m³]
-    volume: Option<f64>,
-    /// "rest" (default) or "deformed"
-    #[serde(default)]
-    measure: Measure,
+program::table! {
+    /// V, or (V − V*)²
+    #[derive(Debug)]
+    struct Keys {
+        /// a tag: the chamber behind it; a body; all bodies if not given
+        on: Option<String> = None;
+        /// V* [m³]
+        volume: Option<f64> = None, Range::POSITIVE.unit("m³");
+        /// "rest" or "deformed"
+        measure: Measure = Measure::Rest;
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        let sound = self.volume.is_none_or(|volume| volume.is_finite() && volume > 0.0);
-        ensure!(
-            sound,
-            misfit!(
-                KeyPath::of("volume"),
-                " = {} m³ must be positive",
-                self.volume.unwrap_or_default()
-            )
-        );
-        Ok(())
-    }
-
     fn may_be_maximised(&self) -> bool {
         self.volume.is_none()
     }

@@ -38,36 +38,33 @@ use crate::written::{DensitySchema, Names};
 
 pub(super) const KIND: Kind = Kind {
     key: "wall-thickness",
-    formula: "barrier on walls thinner than minimum + activation",
     unit: "m⁴",
     example: "on = 'left'\nagainst = ['right']\nminimum = 0.5\nactivation = 1.0",
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// tag, body, or list of them
-    on: Names,
-    /// tags of the other side, no common vertex; without them, each two of on
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    against: Vec<String>,
-    /// "log" (default), infinite at minimum, or "quadratic", without it
-    #[serde(default)]
-    #[schemars(with = "DensitySchema")]
-    density: Density,
-    /// thinnest wall [m]
-    minimum: Option<f64>,
-    /// [m]
-    activation: f64,
-    /// "rest" (default) or "deformed"
-    #[serde(default)]
-    measure: Measure,
+program::table! {
+    /// barrier on walls thinner than minimum + activation
+    #[derive(Debug)]
+    struct Keys {
+        /// tag, body, or list of them
+        on: Names;
+        /// tags of the other side, no common vertex; without them, each two of on
+        against: Vec<String> = Vec::new();
+        /// "log", infinite at minimum, or "quadratic", without it
+        #[schemars(with = "DensitySchema")]
+        density: Density = Density::default();
+        /// thinnest wall [m]
+        minimum: Option<f64> = None, Range::POSITIVE.unit("m");
+        /// [m]
+        activation: f64, Range::POSITIVE.unit("m");
+        /// "rest" or "deformed"
+        measure: Measure = Measure::Rest;
+    }
 }
 
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
-        self.minimum.map_or(Ok(()), |minimum| positive("minimum", minimum))?;
-        positive("activation", self.activation)?;
         ensure!(
             !self.against.is_empty() || self.on.all().len() > 1,
             misfit!(
@@ -176,7 +173,7 @@ impl Quantity for WallThickness {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use mechanics::testing::{check_gradient, flat, points, sphere, square};
+    use mechanics::testing::{sphere, square};
 
     use super::*;
 
@@ -193,7 +190,6 @@ mod tests {
 
     const QUADRATIC: Repulsion =
         Repulsion { density: Density::Quadratic, minimum: 0.0, activation: 0.16 };
-    const LOG: Repulsion = Repulsion { density: Density::Log, minimum: 0.04, activation: 0.12 };
 
     fn rest(
         inner: &[[usize; 3]],
@@ -202,18 +198,6 @@ mod tests {
     ) -> Result<WallThickness, SidesTouch> {
         let parts = [inner.to_vec(), outer.to_vec()];
         WallThickness::new(&[], &parts, limits, Measure::Rest)
-    }
-
-    #[test]
-    fn gradient_belongs_to_the_value() {
-        let (x, inner, outer) = plates(0.15);
-        for limits in [QUADRATIC, LOG] {
-            let wall = rest(&inner, &outer, limits).unwrap();
-            let mut gradient = vec![0.0; 3 * x.len()];
-            wall.add_gradient_at(&x, 3.0, &mut gradient);
-            let value = |y: &[f64]| 3.0 * wall.value_at(&points(y));
-            check_gradient(&flat(&x), &gradient, 3e-4, value);
-        }
     }
 
     /// One vertex 0.1 above the inside of one triangle, and nothing else in

@@ -14,40 +14,28 @@ use crate::written::{ScheduleSchema, values};
 
 pub(super) const KIND: Kind = Kind {
     key: "probe",
-    formula: "q/s, or ((q − q*)/s)², q the value of a probe of the scene",
     unit: "1",
     may_be_maximised: true,
     example: "probe = 'q'\ntarget = '0.1*t'\nscale = 0.5",
     ..Kind::of::<Keys>(&[List::Objective])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// its name
-    probe: String,
-    /// q*, in the unit of the probe: a number, an expression in t, or a table
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<ScheduleSchema>")]
-    target: Option<Written>,
-    /// s, in the unit of the probe (1)
-    #[serde(default = "one")]
-    scale: f64,
-}
-
-fn one() -> f64 {
-    1.0
+program::table! {
+    /// q/s, or ((q − q*)/s)², q the value of a probe of the scene
+    #[derive(Debug)]
+    struct Keys {
+        /// its name
+        probe: String;
+        /// q*, in the unit of the probe: a number, an expression in t, or a table
+        #[schemars(with = "Option<ScheduleSchema>")]
+        target: Option<Written> = None;
+        /// s, in the unit of the probe
+        scale: f64 = 1.0, Range::POSITIVE;
+    }
 }
 
 impl Specification for Keys {
     fn check(&self) -> Result<()> {
-        ensure!(
-            self.scale.is_finite() && self.scale > 0.0,
-            misfit!(
-                KeyPath::of("scale"),
-                " = {}: must be positive, in the unit of the probe",
-                self.scale
-            )
-        );
         if let Some(target) = &self.target {
             values("target", target)?;
             ensure!(

@@ -14,38 +14,23 @@ const MOST_POWER: f64 = 100.0;
 
 pub(super) const KIND: Kind = Kind {
     key: "winding-force",
-    formula: "(∫ N^p dS / ∫ dS)^(1/p) of the force N of a thread: the mean, or nearly the largest",
     unit: "N",
     example: "winding = 'thread'\npower = 3.0",
     ..Kind::of::<Keys>(&[List::Probe])
 };
 
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-struct Keys {
-    /// name of the [[winding]]
-    winding: String,
-    /// p ≥ 1 (1, the mean); about 10 for the largest
-    #[serde(default = "one")]
-    power: f64,
-}
-
-fn one() -> f64 {
-    1.0
+program::table! {
+    /// (∫ N^p dS / ∫ dS)^(1/p) of the force N of a thread: the mean, or nearly the largest
+    #[derive(Debug)]
+    struct Keys {
+        /// name of the [[winding]]
+        winding: String;
+        /// p ≥ 1, the mean for 1; about 10 for the largest
+        power: f64 = 1.0, Range::between(1.0, MOST_POWER);
+    }
 }
 
 impl Specification for Keys {
-    fn check(&self) -> Result<()> {
-        let power = self.power;
-        ensure!(
-            (1.0..=MOST_POWER).contains(&power),
-            misfit!(
-                KeyPath::of("power"),
-                " = {power}: must be from 1, the mean, to {MOST_POWER}; about 10 comes near the largest"
-            )
-        );
-        Ok(())
-    }
-
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let place = site.threads.iter().position(|name| **name == self.winding);
         let place = place.ok_or_else(|| {

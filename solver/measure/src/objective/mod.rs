@@ -40,7 +40,7 @@ pub struct ObjectiveKeys {
     /// in place of weight: the part of the objective that the term is at the start
     #[serde(skip_serializing_if = "Option::is_none")]
     share: Option<f64>,
-    /// the time: "final" (default), { steps = [2, 5] } or { times = [0.4, 1.0] } for their mean, or
+    /// the time: "final", { steps = [2, 5] } or { times = [0.4, 1.0] } for their mean, or
     /// a sum [s]: "uniform", "trapezoid", "simpson"
     #[serde(default)]
     over: TimeIntegral,

@@ -1,10 +1,10 @@
-//! The direction along which a quantity is measured.
+//! A direction, such as that along which a quantity is measured.
 
 use mesh::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `axis` as it is written: of any length but 0 [1].
+/// A direction as it is written: of any length but 0 [1].
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "[f64; 3]")]
 pub struct Axis([f64; 3]);
@@ -15,7 +15,7 @@ impl TryFrom<[f64; 3]> for Axis {
     fn try_from(axis: [f64; 3]) -> Result<Self, String> {
         match axis.iter().all(|x| x.is_finite()) && axis.iter().any(|x| *x != 0.0) {
             true => Ok(Self(axis)),
-            false => Err(format!("axis = {axis:?}: must be finite, and not zero")),
+            false => Err(format!("{axis:?}: must be a direction, finite and not zero")),
         }
     }
 }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use program::schema::{Key, add_kind, key_names, keys_of};
-use program::{KeyPath, Misfit, misfit, read_table};
+use program::table::Table;
+use program::{KeyPath, Misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -45,8 +46,6 @@ impl List {
 pub struct Kind {
     /// `kind` in an entry of its lists.
     pub key: &'static str,
-    /// What it is.
-    pub formula: &'static str,
     /// Unit of its value; a weight has the inverse.
     pub unit: &'static str,
     /// Lists that it may be an entry of.
@@ -79,9 +78,9 @@ pub(crate) struct Form {
 /// The keys of one kind, and the same as a table.
 pub type Read = (Arc<dyn Specification>, toml::Table);
 
-/// A quantity as it is written, without the keys of all kinds.
-pub trait Specification: Debug + Send + Sync {
-    /// Checks what can be checked without a body.
+/// A quantity as it is written, without the keys of all kinds. The documentation of the table says what it is.
+pub trait Specification: Debug + Table + Send + Sync {
+    /// Checks what can be checked without a body, beside the ranges of the keys.
     fn check(&self) -> Result<()> {
         Ok(())
     }
@@ -105,7 +104,6 @@ impl Kind {
     {
         Self {
             key: "",
-            formula: "",
             unit: "",
             lists,
             may_be_maximised: false,
@@ -119,6 +117,11 @@ impl Kind {
                 schema: S::json_schema,
             },
         }
+    }
+
+    /// What it is.
+    pub fn formula(&self) -> String {
+        formula(&(self.form.schema)(&mut SchemaGenerator::default()))
     }
 
     /// The keys of this kind alone, without `kind` and those of the list, with what they mean.
@@ -145,9 +148,16 @@ impl Kind {
         let mut schema = (self.form.schema)(generator);
         schema.insert("additionalProperties".into(), false.into());
         let sense = if self.may_be_maximised { "; a negative weight maximises it" } else { "" };
-        add_kind(&mut schema, self.key, &format!("{} [{}]{sense}.", self.formula, self.unit));
+        let about = format!("{} [{}]{sense}.", formula(&schema), self.unit);
+        add_kind(&mut schema, self.key, &about);
         schema
     }
+}
+
+/// What the documentation of a table says, in one line.
+fn formula(schema: &Schema) -> String {
+    let about = schema.get("description").and_then(|about| about.as_str());
+    about.unwrap_or_default().replace('\n', " ")
 }
 
 /// Reads the keys of a kind as `S`, and the same with all defaults written.
@@ -158,11 +168,4 @@ where
     let found: S = read_table(keys)?;
     let table = toml::Table::try_from(&found).map_err(|what| KeyPath::default().told(what))?;
     Ok((Arc::new(found), table))
-}
-
-/// Refuses a length that is not positive.
-pub fn positive(key: &str, length: f64) -> Result<()> {
-    let what = misfit!(KeyPath::of(key), " = {length} m must be positive");
-    anyhow::ensure!(length.is_finite() && length > 0.0, what);
-    Ok(())
 }

@@ -27,7 +27,7 @@ use mechanics::forward::Problem;
 
 pub use axis::Axis;
 pub use distance_field::{DistanceField, DistanceKind};
-pub use kind::{Kind, List, Read, Specification, positive};
+pub use kind::{Kind, List, Read, Specification};
 pub use means::{Means, OfMeans};
 pub use normal::Normal;
 pub use rest_term::RestTerm;

@@ -1,4 +1,3 @@
-mod runs;
 mod slips;
 
 use std::path::Path;
@@ -54,12 +53,10 @@ fn read(json: &Value, options: &Options) -> Result<(Imported, SimConfig)> {
     let all = [(5, facets[0]), (6, facets[1]), (9, facets[0]), (5, facets[2])];
     std::fs::write(at("listed.txt"), all.map(line).concat()).expect("writable");
     std::fs::write(at("strangers.txt"), "1 0 1 2\n1 0 13 26\n").expect("writable");
-    std::fs::write(at("state.json"), scene().to_string()).expect("writable");
-    let plain = with("/contact/use_convergent_formulation", Value::Null);
-    std::fs::write(at("plain.json"), plain.to_string()).expect("writable");
     std::fs::write(at("scene.json"), json.to_string()).expect("writable");
     let imported = super::read(&at("scene.json"), options)?;
-    let config = SimConfig::of(&Settings::of_text(&imported.scene.text)).expect("checked");
+    let values = SimConfig::settings_of(imported.scene.values.clone()).expect("checked");
+    let config = SimConfig::of(&values).expect("checked");
     Ok((imported, config))
 }
 
@@ -139,7 +136,7 @@ fn selections_of_every_kind_are_understood() {
 #[test]
 fn every_key_without_a_part_is_named() {
     let mut scene = scene();
-    let unused = ["scene.json: no body is made of it: /materials/0"];
+    let unused = ["no body is made of it: /materials/0"];
     assert_eq!(sound(&scene).0.warnings(), unused);
     let strangers = [
         "/wobble",
@@ -162,19 +159,19 @@ fn every_key_without_a_part_is_named() {
     // of another body
     let (imported, _) = sound(&scene);
     let left = imported.left();
-    let mut found = left["scene.json: unknown key"].clone();
+    let mut found = left["unknown key"].clone();
     found.sort();
     let mut expected = strangers.map(str::to_owned);
     expected.sort();
     assert_eq!(found, expected);
-    assert_eq!(left["scene.json: solver simulate writes its own files"], ["/output/log/level"]);
+    assert_eq!(left["solver simulate writes its own files"], ["/output/log/level"]);
     assert!(imported.warnings().iter().any(|w| w.contains("unknown key: /boundary_conditions/")));
 
     let folder = tempfile::tempdir().expect("a temporary folder");
     imported.write(folder.path()).expect("writable");
     let report = mesh::io::read_text(&folder.path().join("import.report.json")).expect("written");
     let report: Value = serde_json::from_str(&report).expect("JSON");
-    assert_eq!(report["files"][0]["left"]["/wobble"], "unknown key");
+    assert_eq!(report["left"]["/wobble"], "unknown key");
 }
 
 #[test]
@@ -212,7 +209,7 @@ fn loads_keep_their_sense_and_reach_every_body_with_their_id() {
     assert_eq!(config.field(&config.traction[0].traction).at(x, 0.5), Vec3::new(0.0, 12.0, 1.0));
     assert_eq!(config.chamber[0].name, "block.s3");
     assert_eq!(config.schedule(&config.chamber[0].gas.value).at(1.0), 60.0);
-    let nobody = "scene.json: no body has a facet with this id".to_owned();
+    let nobody = "no body has a facet with this id".to_owned();
     assert_eq!(imported.left()[&nobody], ["/boundary_conditions/dirichlet_boundary/2"]);
 }
 
@@ -238,7 +235,7 @@ fn time_is_counted_from_zero() {
 }
 
 #[test]
-fn the_form_of_contact_is_that_of_the_file_unless_it_is_optimised() {
+fn the_form_of_contact_is_that_of_the_file() {
     let form = |json: &Value, form: Option<ContactForm>| {
         let (imported, config) = read(json, &Options { form, thickness: None }).expect("sound");
         let contact = config.contact().expect("on");

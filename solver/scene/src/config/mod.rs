@@ -17,7 +17,7 @@ mod symmetric;
 mod symmetry;
 mod uncertainty;
 
-use measure::written::{FieldSchema, MethodSchema};
+use measure::written::{FieldSchema, MethodSchema, some_axes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -141,6 +141,11 @@ impl SimConfig {
     /// A scene's file with changes from outside.
     pub fn settings(path: &Path, changes: &[Change]) -> Result<Settings> {
         Settings::read(path, changes, SCENE_KEYS)
+    }
+
+    /// The values of a scene in place of a file.
+    pub fn settings_of(values: toml::Table) -> Result<Settings> {
+        Settings::of_values(values, SCENE_KEYS)
     }
 
     /// The scene in a file, of which everything is sound that can be checked without a body.

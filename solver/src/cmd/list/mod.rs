@@ -74,7 +74,7 @@ fn kind_text(kind: &Kind, list: List) -> String {
     let maximised = list == List::Objective && kind.may_be_maximised;
     let sense = if maximised { "; maximised by a negative weight" } else { "" };
     let head = format!("{} [{}{sense}]\n", kind.key, kind.unit);
-    head + &wrapped("", kind.formula) + &keys_text(&kind.keys())
+    head + &wrapped("", &kind.formula()) + &keys_text(&kind.keys())
 }
 
 fn number_text(kind: &number::Kind) -> String {
