@@ -7,7 +7,6 @@
 //!   [`Integrator`], or quasistatic;
 //! - [`solve_multipliers`]: pressures, the Lagrange multipliers of prescribed volumes.
 
-mod assembly;
 mod augmented;
 mod ballooning;
 mod certificate;

@@ -94,7 +94,7 @@ impl<'a> There<'a> {
     fn new(of: &Problem, varied: &'a Varied, past: &Trajectory, u: &[f64], time: f64) -> Self {
         let Varied { problem, rest } = varied;
         let u = moved_supports(of, problem, u, time);
-        let step = past.next_step(problem, rest, (time, &u));
+        let step = past.next_step(problem, rest, time);
         Self { problem, rest, u, time, step }
     }
 

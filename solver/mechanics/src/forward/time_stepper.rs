@@ -7,7 +7,7 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::stepping::{
-    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual, settle,
+    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
 use super::watch::Event;
 use super::{Configuration, Failure, Integrator, Linearizations, Problem, Trajectory, Workspace};
@@ -140,7 +140,7 @@ impl TimeStepper {
         let step = self.step.as_deref();
         let last = self.progress.last.last();
         let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
-        Iterate { space: &problem.space, rest, u, time, multipliers, step, chord: None }
+        Iterate { space: &problem.space, rest, u, time, multipliers, step }
     }
 
     /// The last time step that was begun.
@@ -212,9 +212,8 @@ impl TimeStepper {
             let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
             let start = self.predict(problem, workspace, rest, &step, time, done == 0.0);
             let made = attempt(problem, workspace, &start, time, &newton);
-            match made.and_then(|made| settle(problem, workspace, rest, made, &newton)) {
+            match made {
                 Ok(step) => {
-                    self.step.clone_from(&step.step);
                     let step = LoadStep { ends_time_step: ends, ..step };
                     return Ok(self.accept(step, next, problem, workspace, rest));
                 }

@@ -316,9 +316,7 @@ fn check(case: &Case, forces: bool) {
         let run = case.run(&problem, &mut workspace, &rest, from);
         probe.value(&problem, &rest, &run)
     };
-    // along chords remainders of higher order fade later
-    let part = if case.method.has_chord() { 0.1 } else { 1.0 };
-    let [of_u, of_v] = if case.hits() { [1e-6, 1e-3] } else { [2e-4 * part, 0.2 * part] };
+    let [of_u, of_v] = if case.hits() { [1e-6, 1e-3] } else { [2e-4, 0.2] };
     check_gradient(&start.v, &free(&gradient.start.v), size * of_v, |v| {
         value(State::new(start.u.clone(), free(v)))
     });
@@ -346,19 +344,14 @@ fn a_chamber_alone_has_its_gradient_with_any_formula() {
     case(Method::Newmark, 4, Shape::Tet, Inside::Pressure);
     case(Method::GeneralizedAlpha, 4, Shape::Tet, Inside::Pressure);
     case(Method::ImplicitEuler, 3, Shape::Tet, Inside::CheckedSupply);
-    case(Method::EnergyMomentum, 3, Shape::Tet, Inside::Gas);
     case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
     case(Method::Quasistatic, 3, Shape::Hollow, Inside::Supply);
 }
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    use Method::{EnergyMomentum, ImplicitEuler};
-    for (method, steps) in [(ImplicitEuler, 2), (EnergyMomentum, 2)] {
-        let (degree, dt) = (1, 2e-3);
-        let (body, inside) = (Shape::Blocks, Inside::Pressure);
-        check(&Case { method, degree, steps, dt, body, inside }, true);
-    }
+    let (method, body, inside) = (Method::ImplicitEuler, Shape::Blocks, Inside::Pressure);
+    check(&Case { method, degree: 1, steps: 2, dt: 2e-3, body, inside }, true);
 }
 
 #[test]
