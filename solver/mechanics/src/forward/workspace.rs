@@ -16,10 +16,7 @@ use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
 use crate::energy::{Hessian, Iterate, Multiplier, Nature, RankOne, TimeStep};
-use crate::math::linear::{
-    Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, dot,
-    norm,
-};
+use crate::math::linear::{Factorization, Memory, Precision, SparseSolver, Symmetric, dot, norm};
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
 
@@ -41,8 +38,6 @@ pub struct Workspace {
     pub watch: Option<Watch>,
     /// How many more times Newton's method is taken to begin with an indefinite Hessian.
     pub indefinite_starts: usize,
-    /// What makes the direct solver of a pattern.
-    make: MakeDirectSolver,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
     /// Which factorisation of an exact Hessian is in `linear`, if it is one.
@@ -100,20 +95,14 @@ impl Linearization {
 impl Workspace {
     /// Orders and factors symbolically.
     pub fn new(problem: &Problem) -> Self {
-        Self::with_solver(problem, Multifrontal::boxed)
-    }
-
-    /// A workspace whose matrices another direct solver factors.
-    pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
         let (pattern, free, linear) =
-            symbolic(&problem.space, &problem.dirichlet, &[], make, Memory::default());
+            symbolic(&problem.space, &problem.dirichlet, &[], Memory::default());
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
             watch: None,
             indefinite_starts: 0,
-            make,
             linear,
             linearization: None,
             linearizations: 0,
@@ -168,9 +157,9 @@ impl Workspace {
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
         self.forget();
-        let (make, memory) = (self.make, self.linear.memory());
+        let memory = self.linear.memory();
         (self.pattern, self.free, self.linear) =
-            symbolic(&problem.space, &self.dirichlet, &self.couplings, make, memory);
+            symbolic(&problem.space, &self.dirichlet, &self.couplings, memory);
         self.timings.ordering += clock.elapsed();
     }
 
