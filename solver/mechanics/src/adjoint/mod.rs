@@ -33,15 +33,14 @@
 mod scaled_pressure;
 
 use mesh::Vec3;
-use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
 use crate::energy::{
     Constraint, Contact, Friction, Iterate, ParameterGradients, PastCotangent, Term, TimeStep,
 };
 use crate::forward::{
-    Event, Formula, Linearization, Linearizations, Problem, State, Trajectory, Workspace,
-    solve_multipliers,
+    Event, Formula, HeldVolumes, Linearization, Linearizations, Problem, State, Trajectory,
+    Workspace, solve_multipliers,
 };
 use crate::math::linear::{dot, norm};
 
@@ -348,22 +347,15 @@ fn eliminate_constraints(
     lambda: &mut [f64],
     held: &[f64],
 ) -> Result<Vec<f64>, NoGradient> {
-    let count = constraints.len();
-    let mut mu = vec![0.0; count];
-    if count == 0 {
-        return Ok(mu);
-    }
     let across: Vec<Vec<f64>> = constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
     let solved = across.iter().map(|g| solve(workspace, g.clone()));
     let solved: Vec<Vec<f64>> = solved.collect::<Result<_, _>>()?;
-    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j]));
-    let along = |i: usize| dot(&across[i], lambda) + dot(&constraints[i].gradient, held);
-    let side = DVector::from_fn(count, |i, _| along(i));
-    let by_constraint =
-        matrix.lu().solve(&side).ok_or(NoGradient::Singular { residual: f64::INFINITY })?;
-    for ((constraint, z), by) in constraints.iter().zip(&solved).zip(by_constraint.iter()) {
-        lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= by * z);
-        mu[constraint.multiplier] = *by;
+    let on_held = |i: usize| -dot(&constraints[i].gradient, held);
+    let weights = HeldVolumes::new(across, solved).hold(lambda, on_held);
+    let weights = weights.ok_or(NoGradient::Singular { residual: f64::INFINITY })?;
+    let mut mu = vec![0.0; constraints.len()];
+    for (constraint, weight) in constraints.iter().zip(weights) {
+        mu[constraint.multiplier] = -weight;
     }
     Ok(mu)
 }
