@@ -70,6 +70,27 @@ pub struct LoadStep {
 }
 
 impl LoadStep {
+    /// A certified state in which forces balance, by as many Newton iterations as are counted there.
+    pub(crate) fn new(
+        state: Configuration,
+        balanced: Converged,
+        smallest_volume_ratio: f64,
+    ) -> Self {
+        Self {
+            time: state.time,
+            newton_iterations: balanced.iterations,
+            residual: balanced.residual,
+            residual_wanted: balanced.wanted,
+            rounding_floor: balanced.floor,
+            smallest_volume_ratio,
+            step: state.step.cloned(),
+            u: state.u,
+            multipliers: state.multipliers,
+            ends_time_step: false,
+            path: None,
+        }
+    }
+
     /// The state on a rest shape [m].
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
@@ -216,24 +237,16 @@ pub(crate) fn attempt(
         Ok(converged) => converged,
         Err(failure) => return Err(Failed { failure, u: state.u, residuals }),
     };
-    let Converged { iterations, residual, wanted, floor, .. } = converged;
+    let Converged { residual, wanted, floor, .. } = converged;
     if let Some(floor) = floor {
         let _told = workspace.notify(&Event::AtRoundingFloor { time, residual, wanted, floor });
     }
     match certify(problem, workspace, &state.iterate(problem)) {
-        Ok(smallest_volume_ratio) => Ok(LoadStep {
-            time,
-            newton_iterations: pulling + iterations,
-            residual,
-            residual_wanted: wanted,
-            rounding_floor: floor,
-            smallest_volume_ratio,
-            step: state.step.cloned(),
-            u: state.u,
-            multipliers: state.multipliers,
-            ends_time_step: false,
-            path: None,
-        }),
+        Ok(smallest_volume_ratio) => {
+            let iterations = pulling + converged.iterations;
+            let balanced = Converged { iterations, ..converged };
+            Ok(LoadStep::new(state, balanced, smallest_volume_ratio))
+        }
         Err(failure) => Err(Failed { failure, u: state.u, residuals }),
     }
 }
