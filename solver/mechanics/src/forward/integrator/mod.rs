@@ -224,21 +224,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn free_fall_follows_the_recursion_of_implicit_euler() {
-        let (dt, g) = (0.01, -9.8);
-        let mut integrator =
-            Integrator::new(Method::ImplicitEuler, State::new(vec![0.0], vec![0.0]));
-        for n in 1..=20 {
-            let step = integrator.step(0.0, dt);
-            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
-            let u = at[0] + square * g;
-            integrator.accept(&step, &[u], Vec::new());
-            let expected = 0.5 * g * dt * dt * f64::from(n * (n + 1));
-            assert!((integrator.last().u[0] / expected - 1.0).abs() < 1e-13);
-        }
-    }
-
     /// A spring and a mass swing on for a hundred periods with the same energy.
     #[test]
     fn newmark_keeps_the_energy_of_a_swing() {
