@@ -53,7 +53,6 @@ fn methods_have_their_order_in_the_length_of_the_step() {
         ("bdf3", 3.0, 160),
         ("newmark", 2.0, 80),
         ("generalized-alpha", 2.0, 80),
-        ("energy-momentum", 2.0, 80),
     ] {
         let height = |steps: usize| {
             // grows smoothly from nothing, so that the start is no kink

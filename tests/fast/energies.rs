@@ -101,7 +101,7 @@ fn every_term_has_its_derivatives_for_every_degree() {
             let at = |rest: &[Vec3], u: &[f64], f: &mut dyn FnMut(&Iterate)| {
                 let (space, step) = (&space, Some(&step));
                 let multipliers = &MULTIPLIERS;
-                f(&Iterate { space, rest, u, time: 0.8, multipliers, step, chord: None });
+                f(&Iterate { space, rest, u, time: 0.8, multipliers, step });
             };
             let gradient = |rest: &[Vec3], u: &[f64]| {
                 let mut g = vec![0.0; len];

@@ -158,16 +158,3 @@ fn a_body_that_hardly_changes_its_volume() {
     assert_eq!(report["status"], "no equilibrium");
     assert!(report["failure"]["try"][0].as_str().unwrap().contains("bulk modulus"), "{report}");
 }
-
-/// A state whose forces act along a step in time is not compared with one of another degree.
-#[test]
-fn no_estimate_is_made_along_steps_in_time() {
-    let dir = workdir();
-    let scene = scene("0.4", "pressure = \"1e3*t\"", "").replace("young", "density = 1070\nyoung");
-    let time = "[time]\nend = 0.01\nsteps = 2\nmethod = \"energy-momentum\"\n";
-    dir.write("sim.toml", &format!("degree = 1\n{scene}{time}"));
-    let run = dir.solver("simulate sim.toml -o out --final-only");
-    run.assert_good();
-    assert!(run.stderr.contains("by how much is not known"), "{}", run.stderr);
-    assert!(dir.json("out/report.json").get("locking").is_none_or(Value::is_null));
-}

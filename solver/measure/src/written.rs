@@ -108,9 +108,6 @@ pub enum MethodSchema {
     Newmark,
     /// Generalized-α: second order, damps what the step does not resolve, and little else.
     GeneralizedAlpha,
-    /// Energy–momentum: second order, damps nothing, and keeps the energy of large rotations, as of rigid parts that may
-    /// turn.
-    EnergyMomentum,
 }
 
 /// How pairs are weighted.

@@ -24,7 +24,7 @@ pub fn next_to(
     u: &[f64],
     newton: &Newton,
 ) -> Result<Solution, Failure> {
-    let step = Arc::new(Trajectory::begin(start, 0.0).next_step(problem, rest, (time, u)));
+    let step = Arc::new(Trajectory::begin(start, 0.0).next_step(problem, rest, time));
     let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
     let multipliers = solve_multipliers(problem, workspace, &at);
     let near = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };

@@ -125,7 +125,6 @@ impl LoadMap {
         };
         let pressure = scene.config.schedule(pressure);
         ensure!(self.curves.iter().all(|c| c.chamber != id), misfit!(title, " is given twice"));
-        check_loads_at_ends(scene, &title)?;
         let times = &self.times;
         let values: Vec<f64> = times.iter().map(|&t| pressure.at(t)).collect();
         let [low, high] = design.slope;
@@ -229,7 +228,6 @@ impl LoadMap {
             ));
         }
         ensure!(found, misfit!(title, " occurs in no [[chamber]]"));
-        check_loads_at_ends(scene, &title)?;
         self.add(design, None, start, edge)
     }
 
@@ -383,19 +381,4 @@ impl LoadMap {
         }
         bounds
     }
-}
-
-/// Refuses to design what a load is over time where it counts within a step, too: derivatives are known by its values at
-/// the ends.
-fn check_loads_at_ends(scene: &Scene, title: &KeyPath) -> Result<()> {
-    let within = scene.config.method().has_chord();
-    ensure!(
-        !within,
-        misfit!(
-            title.clone(),
-            ": with method = \"energy-momentum\" pressures count within time steps, by which there is no gradient; expected \
-             another method, or a [[parameter]] with the path of a number"
-        )
-    );
-    Ok(())
 }

@@ -33,15 +33,14 @@
 mod scaled_pressure;
 
 use mesh::Vec3;
-use nalgebra::{DMatrix, DVector};
 
 use crate::element::FunctionSpace;
 use crate::energy::{
     Constraint, Contact, Friction, Iterate, ParameterGradients, PastCotangent, Term, TimeStep,
 };
 use crate::forward::{
-    Event, Formula, Linearization, Linearizations, Problem, State, Trajectory, Workspace,
-    solve_multipliers,
+    Event, Formula, HeldVolumes, Linearization, Linearizations, Problem, State, Trajectory,
+    Workspace, solve_multipliers,
 };
 use crate::math::linear::{dot, norm};
 
@@ -51,10 +50,6 @@ pub use scaled_pressure::ScaledPressure;
 const TOLERANCE: f64 = 1e-9;
 /// The one that is sought.
 const SOUGHT: f64 = 1e-12;
-/// Solutions with the turn of rigid parts, at most.
-const TURNS: usize = 60;
-/// Relative change of such a solution that is none.
-const SETTLED: f64 = 1e-11;
 
 /// Why there is no gradient.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
@@ -155,8 +150,7 @@ pub fn sweep_for(
         let moment =
             Moment { at, step: &step, by_velocity, by_acceleration, partials: own, wanted };
         let solution = moment.solve(problem, workspace, linearizations.step(n))?;
-        let mut past =
-            moment.vjp(problem, workspace, &solution, n - 1, &mut rest_bar, &mut parameters);
+        let mut past = moment.vjp(problem, &solution, n - 1, &mut rest_bar, &mut parameters);
         add_where_any(&mut past.internal, &before, 1.0);
         past_vjp(problem, rest, run, n, &past, &mut states, &mut rest_bar);
     }
@@ -177,8 +171,8 @@ pub fn along(
 ) -> (Vec<f64>, ParameterGradients) {
     let (mut rest_bar, mut parameters) = (vec![0.0; 3 * at.rest.len()], ParameterGradients::new(1));
     for term in problem.energies.terms() {
-        term.add_mixed_vjp(at, lambda, &mut rest_bar);
-        let mut by = term.parameter_vjp(at, lambda);
+        term.energy.add_mixed_vjp(at, lambda, &mut rest_bar);
+        let mut by = term.energy.parameter_vjp(at, lambda);
         by.extend(term.energy.constraint_vjp(at, mu, &mut rest_bar));
         add_parameters(term, 0, by, &mut parameters);
     }
@@ -239,45 +233,11 @@ impl Moment<'_> {
         if !linearization.is_some_and(|l| workspace.has_factor_of(l, at)) {
             workspace.linearize(problem, at);
         }
-        let mut solved = |rhs: Vec<f64>| {
-            let mut free = solve(workspace, rhs)?;
-            let mu =
-                eliminate_constraints(problem, workspace, &constraints, &mut free, by_reaction)?;
-            let mut lambda = problem.prolong(&free);
-            lambda.iter_mut().zip(by_reaction).for_each(|(l, r)| *l += r);
-            Ok(Solution { lambda, mu })
-        };
-        let first = solved(rhs.clone())?;
-        if self.step.chord.is_none() || !problem.energies.turns() {
-            return Ok(first);
-        }
-        self.turned(problem, &rhs, first, solved)
-    }
-
-    /// The solution with what forces of rigid parts change by as they turn, which is no part of the Hessian: each time
-    /// what is off falls by half the angle of a part in the step [rad].
-    fn turned(
-        &self,
-        problem: &Problem,
-        rhs: &[f64],
-        mut solution: Solution,
-        mut solved: impl FnMut(Vec<f64>) -> Result<Solution, NoGradient>,
-    ) -> Result<Solution, NoGradient> {
-        let mut change = f64::INFINITY;
-        for _ in 0..TURNS {
-            let mut turning = vec![0.0; solution.lambda.len()];
-            problem.add_turning_vjp(&self.at, &solution.lambda, &mut turning);
-            let turning = problem.restrict(&turning);
-            let next = solved(rhs.iter().zip(&turning).map(|(r, t)| r - t).collect())?;
-            let moved: Vec<f64> =
-                next.lambda.iter().zip(&solution.lambda).map(|(a, b)| a - b).collect();
-            change = norm(&moved) / norm(&next.lambda);
-            solution = next;
-            if change <= SETTLED {
-                return Ok(solution);
-            }
-        }
-        Err(NoGradient::Singular { residual: change })
+        let mut free = solve(workspace, rhs)?;
+        let mu = eliminate_constraints(problem, workspace, &constraints, &mut free, by_reaction)?;
+        let mut lambda = problem.prolong(&free);
+        lambda.iter_mut().zip(by_reaction).for_each(|(l, r)| *l += r);
+        Ok(Solution { lambda, mu })
     }
 
     /// The cotangent of the past; adds those of the rest shape and of the parameters in
@@ -285,7 +245,6 @@ impl Moment<'_> {
     fn vjp(
         &self,
         problem: &Problem,
-        workspace: &mut Workspace,
         Solution { lambda, mu }: &Solution,
         step: usize,
         rest_bar: &mut [f64],
@@ -300,26 +259,13 @@ impl Moment<'_> {
             let is_contact = term.nature().is_contact();
             let own = if is_contact { &in_contact } else { lambda };
             energy.add_past_vjp(at, own, &mut past);
-            // the forces that an objective depends on are those at the end, whatever those of the step are
-            let splits = is_contact && term.points(at).len() > 1;
-            let own = if splits { lambda } else { own };
             if self.wanted != Wanted::Numbers {
-                term.add_mixed_vjp(at, own, rest_bar);
+                energy.add_mixed_vjp(at, own, rest_bar);
             }
             let mut by = match self.wanted {
                 Wanted::Shape => Vec::new(),
-                _ => term.parameter_vjp(at, own),
+                _ => energy.parameter_vjp(at, own),
             };
-            if splits {
-                let negative: Vec<f64> = by_contact.iter().map(|f| -f).collect();
-                if self.wanted != Wanted::Numbers {
-                    energy.add_mixed_vjp(at, &negative, rest_bar);
-                }
-                if self.wanted != Wanted::Shape {
-                    let at_end = energy.parameter_vjp(at, &negative);
-                    by.iter_mut().zip(at_end).for_each(|(by, end)| *by += end);
-                }
-            }
             by.extend(energy.constraint_vjp(at, mu, rest_bar));
             if self.wanted != Wanted::Shape {
                 add_parameters(term, step, by, parameters);
@@ -331,9 +277,6 @@ impl Moment<'_> {
             let lagged = &self.step.lagged_contacts;
             let by = contact.lagged_stiffness_vjp(lagged, &past.lagged_contacts);
             parameters.add(step, Contact::OWNER, vec![by]);
-        }
-        if let Some(by_start) = workspace.start_hessian_times(problem, at, lambda) {
-            past.start.iter_mut().zip(by_start).for_each(|(p, by)| *p += by);
         }
         let (h, square) = (self.step.h, self.square());
         past.history.iter_mut().zip(&self.by_velocity).for_each(|(p, v)| *p -= v / h);
@@ -404,22 +347,15 @@ fn eliminate_constraints(
     lambda: &mut [f64],
     held: &[f64],
 ) -> Result<Vec<f64>, NoGradient> {
-    let count = constraints.len();
-    let mut mu = vec![0.0; count];
-    if count == 0 {
-        return Ok(mu);
-    }
     let across: Vec<Vec<f64>> = constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
     let solved = across.iter().map(|g| solve(workspace, g.clone()));
     let solved: Vec<Vec<f64>> = solved.collect::<Result<_, _>>()?;
-    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j]));
-    let along = |i: usize| dot(&across[i], lambda) + dot(&constraints[i].gradient, held);
-    let side = DVector::from_fn(count, |i, _| along(i));
-    let by_constraint =
-        matrix.lu().solve(&side).ok_or(NoGradient::Singular { residual: f64::INFINITY })?;
-    for ((constraint, z), by) in constraints.iter().zip(&solved).zip(by_constraint.iter()) {
-        lambda.iter_mut().zip(z).for_each(|(l, z)| *l -= by * z);
-        mu[constraint.multiplier] = *by;
+    let on_held = |i: usize| -dot(&constraints[i].gradient, held);
+    let weights = HeldVolumes::new(across, solved).hold(lambda, on_held);
+    let weights = weights.ok_or(NoGradient::Singular { residual: f64::INFINITY })?;
+    let mut mu = vec![0.0; constraints.len()];
+    for (constraint, weight) in constraints.iter().zip(weights) {
+        mu[constraint.multiplier] = -weight;
     }
     Ok(mu)
 }
@@ -453,10 +389,6 @@ fn past_vjp(
             }
         }
         add_where_any(&mut state.internal, &past.internal, weights.internal);
-    }
-    if run.method.has_chord() {
-        let state = states[n - 1].get_or_insert_with(|| zeros(len));
-        state.u.iter_mut().zip(&past.start).for_each(|(u, by)| *u += by);
     }
     if past.lagged_contacts.is_empty() {
         return;

@@ -205,14 +205,6 @@ mod tests {
     use super::*;
     use crate::math::random::Random;
 
-    #[test]
-    fn bits_are_spread_by_three() {
-        for x in [0, 1, 0b1011, 0x1f_ffff, 0x15_5555] {
-            let expected = (0..BITS).map(|k| u64::from(x >> k & 1) << (3 * k)).sum::<u64>();
-            assert_eq!(spread(x), expected);
-        }
-    }
-
     /// From one box to several levels, among them huge ones and points, and all
     /// of them in one place.
     #[test]
@@ -257,17 +249,5 @@ mod tests {
             assert_eq!(pairs, expected);
         }
         assert_eq!(BoxTree::new(&[]).count(), 0);
-    }
-
-    #[test]
-    fn a_search_ends_when_its_callback_returns_false() {
-        let boxes = [Bounds::around([Vec3::zeros()]); 100];
-        let (mut count, mut near) = (0, Near::default());
-        BoxTree::new(&boxes).look_up(&boxes[0], 0, &mut near);
-        near.meeting(&boxes[0], |_| {
-            count += 1;
-            count < 7
-        });
-        assert_eq!(count, 7);
     }
 }

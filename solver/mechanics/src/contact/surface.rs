@@ -362,7 +362,6 @@ impl Lattice<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Random;
     use crate::testing::{cube, flat, square};
 
     fn surface(degree: usize, split: usize) -> (Surface, FunctionSpace, mesh::TetMesh) {
@@ -415,18 +414,5 @@ mod tests {
             }
             assert_eq!(surface.motion(0.1, 0.3)[rest.len() - 1], Vec3::z() * (0.3 - 0.1));
         }
-    }
-
-    #[test]
-    fn the_transpose_belongs_to_the_trace() {
-        let (surface, space, _) = surface(2, 3);
-        let mut random = Random::new(3);
-        let u = random.numbers(3 * space.node_count());
-        let forces: Vec<Vec3> = (0..surface.vertex_count()).map(|_| random.vector()).collect();
-        let mut pulled = vec![0.0; u.len()];
-        surface.add_to_nodes(&forces, &mut pulled);
-        let forward: f64 = surface.trace(&u).iter().zip(&forces).map(|(a, b)| a.dot(b)).sum();
-        let backward: f64 = u.iter().zip(&pulled).map(|(a, b)| a * b).sum();
-        assert!((forward / backward - 1.0).abs() < 1e-13);
     }
 }

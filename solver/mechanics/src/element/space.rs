@@ -334,23 +334,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn the_transpose_of_the_node_map_belongs_to_it() {
-        for degree in 1..=3 {
-            let (space, rest) = space(degree);
-            let mut random = Random::new(6);
-            let nodal = random.numbers(3 * space.node_count());
-            let mut pulled = vec![0.0; 3 * rest.len()];
-            space.add_to_vertices(&nodal, &mut pulled);
-            let forward: f64 = space
-                .node_positions(&rest)
-                .iter()
-                .enumerate()
-                .map(|(i, x)| x.dot(&at(&nodal, i)))
-                .sum();
-            let backward: f64 = rest.iter().enumerate().map(|(i, x)| x.dot(&at(&pulled, i))).sum();
-            assert!((forward / backward - 1.0).abs() < 1e-13);
-        }
-    }
 }

@@ -19,7 +19,7 @@ use super::gas_law::{GasLaw, Moment, Past, Potential};
 use super::wall::{Wall, positions, rest_positions};
 use super::{
     Constraint, Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature,
-    PastCotangent, RankOne, chord,
+    PastCotangent, RankOne,
 };
 use crate::element::FunctionSpace;
 use crate::math::linear::dot;
@@ -112,11 +112,6 @@ impl Energy for Chamber {
 
     fn nature(&self) -> Nature {
         Nature::Gas
-    }
-
-    fn chord_points(&self, at: &Iterate) -> &'static [chord::Point] {
-        let prescribed = self.memory.is_some() || self.constraint(at).is_some();
-        if prescribed { chord::END } else { chord::MEAN }
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

@@ -8,7 +8,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 use super::owner::Owner;
-use super::{Chamber, Contact, Elastic, Energy, GasLaw, Held, Inertia, Iterate, Nature, Rigid};
+use super::{Chamber, Contact, Elastic, Energy, GasLaw, Held, Inertia, Iterate, Nature};
 use crate::element::FunctionSpace;
 use crate::material::Material;
 use crate::schedule::Schedule;
@@ -204,11 +204,6 @@ impl Energies {
     /// Inertia of all bodies, without tiny masses.
     pub fn inertia(&self) -> impl Iterator<Item = &Inertia> {
         self.each::<Inertia>().filter(|inertia| !inertia.is_tiny())
-    }
-
-    /// Whether a part is kept rigid while it turns.
-    pub fn turns(&self) -> bool {
-        self.each::<Rigid>().next().is_some()
     }
 
     /// The internal variables of all terms at the end of a step, one term after the other; empty where

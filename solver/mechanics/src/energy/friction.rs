@@ -6,7 +6,7 @@
 //!
 //! N, 𝒯 and c (as Γ) are those of [`LaggedContact`] and do not change with u, so that
 //! friction has a potential. Vertices of obstacles have the mean velocity of their
-//! last h. Along a [chord](super::chord) v is (u − u₀) / Δt and h is Δt. Without a step in time there is no friction.
+//! last h. Without a step in time there is no friction.
 //!
 //! u and X enter at fixed lagged contacts through v alone, and v does not depend on the
 //! rest shape: the mixed derivative vanishes. The normal forces, closest points and
@@ -71,8 +71,8 @@ impl Friction {
 
     /// Velocities of the collision vertices [m/s].
     fn velocities(&self, at: &Iterate, step: &TimeStep) -> Vec<Vec3> {
-        let (h, from) = step.sliding();
-        let moved: Vec<f64> = at.u.iter().zip(from).map(|(u, old)| u - old).collect();
+        let h = step.h;
+        let moved: Vec<f64> = at.u.iter().zip(&step.history).map(|(u, old)| u - old).collect();
         let mut v = self.surface.motion(at.time - h, at.time);
         v.iter_mut().zip(self.surface.trace(&moved)).for_each(|(v, own)| *v = (*v + own) / h);
         v
@@ -123,7 +123,7 @@ impl Energy for Friction {
             let [a, b] = contact.velocity(&v);
             contact.force * dissipation(a.hypot(b), self.full_speed)[0]
         };
-        step.sliding().0 * self.coefficient * step.lagged_contacts.iter().map(work).sum::<f64>()
+        step.h * self.coefficient * step.lagged_contacts.iter().map(work).sum::<f64>()
     }
 
     fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
@@ -133,7 +133,7 @@ impl Energy for Friction {
 
     fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
         let Some(step) = at.step else { return };
-        let (v, (h, _)) = (self.velocities(at, step), step.sliding());
+        let (v, h) = (self.velocities(at, step), step.h);
         let part = |range: Range<usize>| -> Vec<Mat12> {
             step.lagged_contacts[range].iter().map(|c| self.hessian(c, &v, h, kind)).collect()
         };
@@ -160,7 +160,7 @@ impl Energy for Friction {
         for (contact, out) in step.lagged_contacts.iter().zip(&mut out.lagged_contacts) {
             // v = (u − history) / h
             let l = crate::contact::distance::corners(contact.corners.map(|i| lambda[i]));
-            let by_velocity = self.hessian(contact, &v, step.sliding().0, Hessian::Exact) * l;
+            let by_velocity = self.hessian(contact, &v, step.h, Hessian::Exact) * l;
             for (i, &corner) in contact.corners.iter().enumerate() {
                 pull[corner] -= by_velocity.fixed_rows::<3>(3 * i);
             }
@@ -171,8 +171,7 @@ impl Energy for Friction {
             out.normal += self.coefficient * own.normal;
             out.force += self.coefficient * own.force;
         }
-        let from = if step.chord.is_some() { &mut out.start } else { &mut out.history };
-        self.surface.add_to_nodes(&pull, from);
+        self.surface.add_to_nodes(&pull, &mut out.history);
     }
 
     fn parameter_vjp(&self, at: &Iterate, lambda: &[f64]) -> Vec<f64> {

@@ -4,7 +4,6 @@
 
 mod body_force;
 mod chamber;
-pub mod chord;
 mod contact;
 mod elastic;
 mod elements;
@@ -31,7 +30,6 @@ mod winding;
 
 pub use body_force::BodyForce;
 pub use chamber::Chamber;
-pub use chord::Chord;
 pub use contact::{Contact, GapSummary};
 pub use elastic::{Elastic, ElementLaw};
 pub use energies::{ChamberId, Energies, Term};
@@ -80,14 +78,12 @@ pub struct Iterate<'a> {
     pub multipliers: &'a [Multiplier],
     /// The step in time that leads here; without it velocities are displacements.
     pub step: Option<&'a TimeStep>,
-    /// The chord that this is a point of, if it is one before its end.
-    pub chord: Option<&'a Chord>,
 }
 
 impl<'a> Iterate<'a> {
     /// At a time, without multipliers and not at the end of a time step.
     pub fn new(space: &'a FunctionSpace, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Self {
-        Self { space, rest, u, time, multipliers: &[], step: None, chord: None }
+        Self { space, rest, u, time, multipliers: &[], step: None }
     }
 }
 
@@ -106,25 +102,6 @@ pub struct TimeStep {
     pub internal_h: f64,
     /// Z° of the internal variables of all terms, from the last states; empty where all are zero.
     pub internal: Vec<f64>,
-    /// The chord along which forces act, where they do not act at the end.
-    pub chord: Option<Chord>,
-}
-
-impl TimeStep {
-    /// This step with the end of its chord, if it has one [m].
-    pub fn ending_at(mut self, u: &[f64]) -> Self {
-        self.chord.iter_mut().for_each(|chord| u.clone_into(&mut chord.end));
-        self
-    }
-
-    /// h and history of the velocity by which surfaces slide (u − history) / h: the mean one along a chord, else that at
-    /// the end.
-    pub fn sliding(&self) -> (f64, &[f64]) {
-        match &self.chord {
-            Some(chord) => (2.0 * self.h, &chord.start),
-            None => (self.h, &self.history),
-        }
-    }
 }
 
 /// Where the bodies of a step would go without forces, so that a = (u − at) / square.
@@ -150,8 +127,6 @@ pub struct PastCotangent {
     pub history: Vec<f64>,
     /// Cotangents of the free flight, three components per node.
     pub free_flight: Vec<f64>,
-    /// Cotangents of the start of the chord, three components per node.
-    pub start: Vec<f64>,
     /// Cotangents of the lagged contacts, in their order; empty if nothing depends on them.
     pub lagged_contacts: Vec<LaggedContactCotangent>,
     /// Cotangents of Z°; empty if nothing depends on them.
@@ -161,8 +136,7 @@ pub struct PastCotangent {
 impl PastCotangent {
     /// Zero, for a number of degrees of freedom.
     pub fn zeros(len: usize) -> Self {
-        let [history, free_flight, start] = [(); 3].map(|()| vec![0.0; len]);
-        Self { history, free_flight, start, ..Self::default() }
+        Self { history: vec![0.0; len], free_flight: vec![0.0; len], ..Self::default() }
     }
 }
 
@@ -282,13 +256,6 @@ pub trait Energy: Any + Send + Sync {
     fn name(&self) -> &'static str;
     /// What it is to balances of forces and energy.
     fn nature(&self) -> Nature;
-    /// The points of the chord of a time step at which it counts, where a step has one.
-    fn chord_points(&self, _: &Iterate) -> &'static [chord::Point] {
-        match self.nature() {
-            Nature::Dissipative | Nature::Inertia | Nature::Friction | Nature::Other => chord::END,
-            _ => chord::MEAN,
-        }
-    }
     /// This term with its load as it is at a time, where that keeps its numbers.
     fn held(&self, _time: f64) -> Option<Arc<dyn Energy>> {
         None

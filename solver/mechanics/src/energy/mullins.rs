@@ -22,7 +22,7 @@ use std::sync::Arc;
 use super::quadrature_points::{Point, QuadraturePoints};
 use super::{
     Energy, Hessian, InternalCotangent, InternalVariables, Iterate, Nature, Owner, PastCotangent,
-    Slot, TimeStep, chord,
+    Slot, TimeStep,
 };
 use crate::element::FunctionSpace;
 use crate::material::{Isochoric, Material, OgdenRoxburgh, Softened};
@@ -218,10 +218,6 @@ impl Energy for Mullins {
 
     fn nature(&self) -> Nature {
         Nature::Elastic
-    }
-
-    fn chord_points(&self, _: &Iterate) -> &'static [chord::Point] {
-        chord::END
     }
 
     fn value(&self, at: &Iterate) -> f64 {

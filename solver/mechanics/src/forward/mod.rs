@@ -7,7 +7,6 @@
 //!   [`Integrator`], or quasistatic;
 //! - [`solve_multipliers`]: pressures, the Lagrange multipliers of prescribed volumes.
 
-mod assembly;
 mod augmented;
 mod ballooning;
 mod certificate;
@@ -51,6 +50,6 @@ pub use tangent::follow;
 pub use time_stepper::{Progress, Reached, TimeStepper};
 pub use timings::{Clock, Time, Timings};
 pub use trajectory::Trajectory;
-pub use volumes::{newton_step, solve_multipliers};
+pub use volumes::{HeldVolumes, newton_step, solve_multipliers};
 pub use watch::{Event, Watch};
 pub use workspace::{Linearization, Workspace};

@@ -15,12 +15,12 @@
 use std::sync::Arc;
 
 use mesh::Vec3;
-use nalgebra::linalg::LU;
-use nalgebra::{DMatrix, DVector, Dyn};
 
-use super::{Integrator, Linearizations, Problem, Trajectory, Workspace, solve_multipliers};
-use crate::energy::{Constraint, Contact, Iterate, Multiplier, TimeStep};
-use crate::math::linear::{SYSTEMS, dot};
+use super::{
+    HeldVolumes, Integrator, Linearizations, Problem, Trajectory, Workspace, solve_multipliers,
+};
+use crate::energy::{Contact, Iterate, Multiplier, TimeStep};
+use crate::math::linear::SYSTEMS;
 
 /// Relative residual of the changes.
 const TOLERANCE: f64 = 1e-7;
@@ -54,7 +54,11 @@ pub fn neighbours(
             workspace.linearize(problem, &at);
         }
         let (residual, _) = workspace.gradient(problem, &at);
-        let volumes = Volumes::new(problem, workspace, &problem.constraints(&at))?;
+        let constraints = problem.constraints(&at);
+        let across: Vec<_> = constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
+        let mut solved = across.clone();
+        workspace.linear().last()?.solve_all_to(&mut solved, TOLERANCE);
+        let volumes = HeldVolumes::new(across, solved);
         // to look for close pairs in each neighbour took half of the time of a design with contact
         let _held = problem.energies.contact().map(Contact::hold);
         for (varied, runs) in varied.chunks(SYSTEMS).zip(runs.chunks_mut(SYSTEMS)) {
@@ -71,7 +75,8 @@ pub fn neighbours(
             let mut changes: Vec<Vec<f64>> = there.iter().map(side).collect();
             workspace.linear().last()?.solve_all_to(&mut changes, TOLERANCE);
             for ((there, mut du), run) in there.iter().zip(changes).zip(runs) {
-                volumes.hold(&mut du, &there.problem.constraints(&there.at(&multipliers)))?;
+                let constraints = there.problem.constraints(&there.at(&multipliers));
+                volumes.hold(&mut du, |i| constraints[i].wanted - constraints[i].volume)?;
                 let du = problem.prolong(&du);
                 let u: Vec<f64> = there.u.iter().zip(&du).map(|(u, du)| u + du).collect();
                 run.push_displacement(there.problem, there.rest, time, &u);
@@ -94,7 +99,7 @@ impl<'a> There<'a> {
     fn new(of: &Problem, varied: &'a Varied, past: &Trajectory, u: &[f64], time: f64) -> Self {
         let Varied { problem, rest } = varied;
         let u = moved_supports(of, problem, u, time);
-        let step = past.next_step(problem, rest, (time, &u));
+        let step = past.next_step(problem, rest, time);
         Self { problem, rest, u, time, step }
     }
 
@@ -113,36 +118,4 @@ fn moved_supports(problem: &Problem, other: &Problem, u: &[f64], time: f64) -> V
     let mut moved = u.to_vec();
     problem.dirichlet.supports().iter().for_each(|&dof| moved[dof] += to[dof] - from[dof]);
     moved
-}
-
-/// What holds prescribed volumes: G, H⁻¹ G and Gᵀ H⁻¹ G over the free degrees of freedom.
-struct Volumes {
-    across: Vec<Vec<f64>>,
-    solved: Vec<Vec<f64>>,
-    matrix: LU<f64, Dyn, Dyn>,
-}
-
-impl Volumes {
-    fn new(problem: &Problem, workspace: &Workspace, constraints: &[Constraint]) -> Option<Self> {
-        let across: Vec<Vec<f64>> =
-            constraints.iter().map(|c| problem.restrict(&c.gradient)).collect();
-        let mut solved = across.clone();
-        workspace.linear().last()?.solve_all_to(&mut solved, TOLERANCE);
-        let count = across.len();
-        let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j])).lu();
-        Some(Self { across, solved, matrix })
-    }
-
-    /// Adds the changes of pressures that keep the volumes where they are wanted to a change of the displacement [m].
-    fn hold(&self, du: &mut [f64], constraints: &[Constraint]) -> Option<()> {
-        if constraints.is_empty() {
-            return Some(());
-        }
-        let off = |i: usize| constraints[i].wanted - constraints[i].volume;
-        let side = DVector::from_fn(constraints.len(), |i, _| off(i) - dot(&self.across[i], du));
-        for (z, pressure) in self.solved.iter().zip(self.matrix.solve(&side)?.iter()) {
-            du.iter_mut().zip(z).for_each(|(du, z)| *du += pressure * z);
-        }
-        Some(())
-    }
 }

@@ -13,9 +13,8 @@ use mesh::Vec3;
 use super::dirichlet::Dirichlet;
 use crate::contact::friction::LaggedContact;
 use crate::element::FunctionSpace;
-use crate::energy::chord::{Side, on_chord};
 use crate::energy::{
-    ChamberId, Constraint, Energies, Iterate, Multiplier, RankOne, Rigid, Springs, Term, TimeStep,
+    ChamberId, Constraint, Energies, Iterate, Multiplier, RankOne, Springs, Term, TimeStep,
 };
 use crate::math::linear::norm;
 use crate::rigid::RigidSet;
@@ -109,7 +108,7 @@ impl Problem {
 
     /// Total potential energy [J].
     pub fn value(&self, at: &Iterate) -> f64 {
-        self.value_by(|term| term.value(at))
+        self.value_by(|term| term.energy.value(at))
     }
 
     /// Total potential energy [J], with the value of each term by `value`.
@@ -121,7 +120,7 @@ impl Problem {
     /// scale of the forces that have to balance: the largest norm of one term's
     /// free part, or of the reactions where supports move.
     pub fn gradient(&self, at: &Iterate) -> (Vec<f64>, f64) {
-        self.gradient_by(|term, out| term.add_gradient(at, out))
+        self.gradient_by(|term, out| term.energy.add_gradient(at, out))
     }
 
     /// Results of [`Self::gradient`], with the gradient of each term added by `add`.
@@ -145,22 +144,7 @@ impl Problem {
 
     /// What the Hessian adds to its sparse part.
     pub fn rank_ones(&self, at: &Iterate) -> Vec<RankOne> {
-        self.rank_ones_by(at, Side::End)
-    }
-
-    /// What the derivative of the gradient by one side of the chord adds to its sparse part.
-    pub(super) fn rank_ones_by(&self, at: &Iterate, side: Side) -> Vec<RankOne> {
-        self.energies.terms().flat_map(|term| term.rank_ones(at, side)).collect()
-    }
-
-    /// Adds what the forces of rigid parts change by with how far they turn along the chord of the step, along λ: that by
-    /// the end of the chord, which no Hessian has.
-    pub fn add_turning_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        on_chord(at, 0.5, |middle| {
-            self.energies
-                .each::<Rigid>()
-                .for_each(|rigid| rigid.add_turning_vjp(middle, lambda, out));
-        });
+        self.energies.iter().filter_map(|energy| energy.rank_one(at)).collect()
     }
 
     /// The prescribed volumes.
@@ -227,7 +211,6 @@ impl<'a> Configuration<'a> {
             time: *time,
             multipliers,
             step: step.map(|step| &**step),
-            chord: None,
         }
     }
 }

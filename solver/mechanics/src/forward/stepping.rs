@@ -23,8 +23,6 @@ use crate::math::linear::norm;
 
 /// Newton iterations after which a load step counts as easy.
 pub(super) const EASY: usize = 5;
-/// Chords that are tried for one load step.
-const SETTLINGS: usize = 30;
 /// Residual of intermediate load steps relative to the final one's.
 const LOOSE: f64 = 1e4;
 
@@ -72,11 +70,32 @@ pub struct LoadStep {
 }
 
 impl LoadStep {
+    /// A certified state in which forces balance, by as many Newton iterations as are counted there.
+    pub(crate) fn new(
+        state: Configuration,
+        balanced: Converged,
+        smallest_volume_ratio: f64,
+    ) -> Self {
+        Self {
+            time: state.time,
+            newton_iterations: balanced.iterations,
+            residual: balanced.residual,
+            residual_wanted: balanced.wanted,
+            rounding_floor: balanced.floor,
+            smallest_volume_ratio,
+            step: state.step.cloned(),
+            u: state.u,
+            multipliers: state.multipliers,
+            ends_time_step: false,
+            path: None,
+        }
+    }
+
     /// The state on a rest shape [m].
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
         let (u, multipliers) = (&self.u, &self.multipliers);
-        Iterate { space, rest, u, time: self.time, multipliers, step, chord: None }
+        Iterate { space, rest, u, time: self.time, multipliers, step }
     }
 
     /// The state alone.
@@ -218,62 +237,17 @@ pub(crate) fn attempt(
         Ok(converged) => converged,
         Err(failure) => return Err(Failed { failure, u: state.u, residuals }),
     };
-    let Converged { iterations, residual, wanted, floor, .. } = converged;
+    let Converged { residual, wanted, floor, .. } = converged;
     if let Some(floor) = floor {
         let _told = workspace.notify(&Event::AtRoundingFloor { time, residual, wanted, floor });
     }
     match certify(problem, workspace, &state.iterate(problem)) {
-        Ok(smallest_volume_ratio) => Ok(LoadStep {
-            time,
-            newton_iterations: pulling + iterations,
-            residual,
-            residual_wanted: wanted,
-            rounding_floor: floor,
-            smallest_volume_ratio,
-            step: state.step.cloned(),
-            u: state.u,
-            multipliers: state.multipliers,
-            ends_time_step: false,
-            path: None,
-        }),
+        Ok(smallest_volume_ratio) => {
+            let iterations = pulling + converged.iterations;
+            let balanced = Converged { iterations, ..converged };
+            Ok(LoadStep::new(state, balanced, smallest_volume_ratio))
+        }
         Err(failure) => Err(Failed { failure, u: state.u, residuals }),
-    }
-}
-
-/// A load step whose rigid parts turn as far as its chord says, from one that was found with another chord: again with
-/// the chord to where that ends, until the forces balance. Each time what is off falls by half the angle that a part turns
-/// by in the step [rad].
-pub(super) fn settle(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    rest: &[Vec3],
-    mut made: LoadStep,
-    newton: &Newton,
-) -> Result<LoadStep, Failed> {
-    let mut residuals = Vec::new();
-    loop {
-        let step = made.step.as_ref().filter(|s| s.chord.is_some() && problem.energies.turns());
-        let Some(step) = step.map(|step| Arc::new(TimeStep::clone(step).ending_at(&made.u))) else {
-            return Ok(made);
-        };
-        let residual = residual(
-            problem,
-            workspace,
-            &Iterate { step: Some(&step), ..made.iterate(problem, rest) },
-        );
-        if residual <= made.rounding_floor.unwrap_or(0.0).max(made.residual_wanted) {
-            return Ok(LoadStep { step: Some(step), residual, ..made });
-        }
-        residuals.push(residual);
-        let LoadStep { time, newton_iterations: iterations, residual_wanted: wanted, .. } = made;
-        if residuals.len() > SETTLINGS {
-            let failure = Failure::IterationLimit { iterations, residual, wanted };
-            return Err(Failed { failure, u: made.u, residuals });
-        }
-        let (u, multipliers) = (made.u, made.multipliers);
-        let start = Configuration { rest, time, step: Some(&step), u, multipliers };
-        let next = attempt(problem, workspace, &start, time, newton)?;
-        made = LoadStep { newton_iterations: iterations + next.newton_iterations, ..next };
     }
 }
 

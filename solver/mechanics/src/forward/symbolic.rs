@@ -13,7 +13,7 @@ use mesh::topology::{tet_edges, vertex_neighbours};
 
 use super::dirichlet::Dirichlet;
 use crate::element::FunctionSpace;
-use crate::math::linear::{MakeDirectSolver, Memory, SparseSolver, Triangle};
+use crate::math::linear::{Memory, SparseSolver, Triangle};
 use crate::math::ordering::nested_dissection;
 use crate::math::sparse::{Followers, FreeTriangle, Pattern};
 
@@ -24,7 +24,6 @@ pub(super) fn symbolic(
     space: &FunctionSpace,
     dirichlet: &Dirichlet,
     couplings: &[[usize; 2]],
-    make: MakeDirectSolver,
     memory: Memory,
 ) -> (Pattern, FreeTriangle, SparseSolver) {
     let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
@@ -42,7 +41,7 @@ pub(super) fn symbolic(
     );
     let groups = groups_of_unknowns(&nodes, &free, space.node_count());
     let triangle = Triangle::new(column_start, &rows);
-    let linear = SparseSolver::with(triangle, &groups, make, memory);
+    let linear = SparseSolver::with(triangle, &groups, memory);
     (pattern, free, linear)
 }
 

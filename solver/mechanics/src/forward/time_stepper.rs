@@ -7,7 +7,7 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::stepping::{
-    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual, settle,
+    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
 use super::watch::Event;
 use super::{Configuration, Failure, Integrator, Linearizations, Problem, Trajectory, Workspace};
@@ -140,7 +140,7 @@ impl TimeStepper {
         let step = self.step.as_deref();
         let last = self.progress.last.last();
         let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
-        Iterate { space: &problem.space, rest, u, time, multipliers, step, chord: None }
+        Iterate { space: &problem.space, rest, u, time, multipliers, step }
     }
 
     /// The last time step that was begun.
@@ -212,9 +212,8 @@ impl TimeStepper {
             let newton = if ends { self.stepping.newton } else { loosened(&self.stepping.newton) };
             let start = self.predict(problem, workspace, rest, &step, time, done == 0.0);
             let made = attempt(problem, workspace, &start, time, &newton);
-            match made.and_then(|made| settle(problem, workspace, rest, made, &newton)) {
+            match made {
                 Ok(step) => {
-                    self.step.clone_from(&step.step);
                     let step = LoadStep { ends_time_step: ends, ..step };
                     return Ok(self.accept(step, next, problem, workspace, rest));
                 }
@@ -285,11 +284,22 @@ impl TimeStepper {
         if increment >= self.stepping.smallest && !interrupted {
             return Ok(());
         }
+        Err(self.unreached(problem, rest, Failed { failure, u, residuals }, time))
+    }
+
+    /// No next state: what failed after the last one, on the way to a time.
+    pub(crate) fn unreached(
+        &self,
+        problem: &Problem,
+        rest: &[Vec3],
+        Failed { failure, u, residuals }: Failed,
+        time: f64,
+    ) -> Unreached {
         let at = self.iterate(problem, rest);
         let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
         let step = self.step.clone().expect("it was begun");
         let attempt = Attempt { reached, multipliers, step, time, u, residuals };
-        Err(Unreached { time: at.time, failure, attempt: Box::new(attempt) })
+        Unreached { time: at.time, failure, attempt: Box::new(attempt) }
     }
 
     /// The latest state before a failure that is in balance to the tolerance of the ends of time steps, which
@@ -361,8 +371,7 @@ impl TimeStepper {
     ) -> Configuration<'a> {
         let last = Iterate { step: Some(step), ..self.iterate(problem, rest) };
         let now = Iterate { time, ..last };
-        let mut best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
-        let mut smallest = None;
+        let (mut best, mut smallest) = (Reached::of(&last), None);
         for mut guess in self.extrapolations(&last, time, begins) {
             let free = workspace.max_step(problem, &last, &Iterate { u: &guess.u, ..last });
             guess.u.iter_mut().zip(last.u).for_each(|(u, from)| *u = from + free * (*u - from));
@@ -376,38 +385,34 @@ impl TimeStepper {
             && workspace.max_step(problem, &last, &now) >= 1.0
             && merit(problem, workspace, &now) <= smallest
         {
-            best = Guess { u: last.u.to_vec(), pressures: pressures(last.multipliers) };
+            best = Reached::of(&last);
         }
         let mut multipliers = last.multipliers.to_vec();
-        multipliers.iter_mut().zip(best.pressures).for_each(|(m, p)| m.pressure = p);
+        multipliers.iter_mut().zip(best.multipliers).for_each(|(m, b)| m.pressure = b.pressure);
         Configuration { rest, time: last.time, step: Some(step), u: best.u, multipliers }
     }
 
     /// Where a guide went, or, at the start of a time step, inertia carries the bodies; else
     /// along a line in the load through the last two states. And along a parabola through
     /// the last three. The first state is the rest shape, where inertia is neglected.
-    fn extrapolations(&self, last: &Iterate, time: f64, begins: bool) -> Vec<Guess> {
+    fn extrapolations(&self, last: &Iterate, time: f64, begins: bool) -> Vec<Reached> {
         let flight = last.step.and_then(|step| step.free_flight.as_ref()).map(|flight| &flight.at);
         let guided = self.guide.as_ref().and_then(|g| g.motion(last.time, time));
         let moved = |by: Vec<f64>| last.u.iter().zip(by).map(|(u, d)| u + d).collect();
         let known = guided.map(moved).or_else(|| flight.filter(|_| begins).cloned());
-        let mut points: Vec<(f64, Guess)> = Vec::new();
+        let mut points = Vec::new();
         let reached = &self.progress.last;
         if flight.is_none() && reached.len() < STATES {
-            let rest =
-                Guess { u: vec![0.0; last.u.len()], pressures: vec![0.0; last.multipliers.len()] };
-            points.push((0.0, rest));
+            let u = vec![0.0; last.u.len()];
+            let multipliers = vec![Multiplier::default(); last.multipliers.len()];
+            points.push(Reached { time: 0.0, u, multipliers });
         }
-        points.extend(
-            reached.iter().map(|at| {
-                (at.time, Guess { u: at.u.clone(), pressures: pressures(&at.multipliers) })
-            }),
-        );
+        points.extend_from_slice(reached);
         let through = |count: usize| {
             points.len().checked_sub(count).map(|first| extrapolated(&points[first..], time))
         };
         let line = match known {
-            Some(u) => Some(Guess { u, pressures: pressures(last.multipliers) }),
+            Some(u) => Some(Reached { time, u, multipliers: last.multipliers.to_vec() }),
             None => through(2),
         };
         line.into_iter().chain(through(3)).collect()
@@ -425,28 +430,19 @@ fn merit(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> f64 {
     if energy.is_nan() { f64::INFINITY } else { energy }
 }
 
-/// Where Newton's method could begin.
-struct Guess {
-    /// Displacement [m].
-    u: Vec<f64>,
-    /// Pressures of the multipliers of prescribed volumes [Pa].
-    pressures: Vec<f64>,
-}
-
-fn pressures(multipliers: &[Multiplier]) -> Vec<f64> {
-    multipliers.iter().map(|m| m.pressure).collect()
-}
-
-/// The polynomial in the load through some states, at another load (Lagrange).
-fn extrapolated(points: &[(f64, Guess)], time: f64) -> Guess {
-    let sum = |of: fn(&Guess) -> &Vec<f64>| {
-        let mut sum = vec![0.0; of(&points[0].1).len()];
-        for (i, (own, guess)) in points.iter().enumerate() {
-            let others = points.iter().enumerate().filter(|(j, _)| *j != i);
-            let weight: f64 = others.map(|(_, (l, _))| (time - l) / (own - l)).product();
-            sum.iter_mut().zip(of(guess)).for_each(|(s, v)| *s += weight * v);
-        }
-        sum
-    };
-    Guess { u: sum(|g| &g.u), pressures: sum(|g| &g.pressures) }
+/// The polynomial in the load through some states, at another load (Lagrange); of multipliers the
+/// pressures alone.
+fn extrapolated(points: &[Reached], time: f64) -> Reached {
+    let u = vec![0.0; points[0].u.len()];
+    let multipliers = vec![Multiplier::default(); points[0].multipliers.len()];
+    let mut sum = Reached { time, u, multipliers };
+    for (i, own) in points.iter().enumerate() {
+        let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 =
+            others.map(|(_, other)| (time - other.time) / (own.time - other.time)).product();
+        sum.u.iter_mut().zip(&own.u).for_each(|(s, v)| *s += weight * v);
+        let multipliers = sum.multipliers.iter_mut().zip(&own.multipliers);
+        multipliers.for_each(|(s, m)| s.pressure += weight * m.pressure);
+    }
+    sum
 }

@@ -18,13 +18,6 @@ pub struct Time {
     pub processor_s: f64,
 }
 
-impl Time {
-    /// Processor time over time on the clock; none for no time.
-    pub fn busy_cores(&self) -> Option<f64> {
-        (self.wall_s > 0.0).then(|| self.processor_s / self.wall_s)
-    }
-}
-
 impl AddAssign for Time {
     fn add_assign(&mut self, other: Self) {
         self.wall_s += other.wall_s;
@@ -106,36 +99,5 @@ impl Timings {
         let mut total = Time::default();
         self.tasks().into_iter().for_each(|(_, time)| total += time);
         total
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two threads that are busy for a while take twice that in processor time, if the
-    /// machine lets them; sleep takes none.
-    #[test]
-    fn processor_time_counts_threads_and_not_sleep() {
-        let clock = Clock::start();
-        std::thread::sleep(Duration::from_millis(30));
-        let slept = clock.elapsed();
-        assert!(slept.wall_s >= 0.03);
-        // other tests run in the same process, so that there is no upper limit
-        let clock = Clock::start();
-        let spin = || {
-            let own = cpu_time::ThreadTime::now();
-            while own.elapsed() < Duration::from_millis(20) {
-                std::hint::spin_loop();
-            }
-        };
-        std::thread::scope(|scope| {
-            scope.spawn(spin);
-            scope.spawn(spin);
-        });
-        let busy = clock.elapsed();
-        assert!(busy.processor_s >= 0.04, "{busy:?}");
-        assert!(busy.busy_cores().is_some_and(|cores| cores > 0.0));
-        assert_eq!(Time::default().busy_cores(), None);
     }
 }

@@ -102,25 +102,19 @@ impl Trajectory {
 
     /// Step n ≥ 1 with its lagged contacts.
     pub fn step(&self, problem: &Problem, rest: &[Vec3], n: usize) -> TimeStep {
-        self.step_to(problem, rest, n, (self.times[n], &self.state(n).u))
+        self.step_to(problem, rest, n, self.times[n])
     }
 
     /// The step from the last state to one at a time [s], with its lagged contacts.
-    pub fn next_step(&self, problem: &Problem, rest: &[Vec3], end: (f64, &[f64])) -> TimeStep {
+    pub fn next_step(&self, problem: &Problem, rest: &[Vec3], end: f64) -> TimeStep {
         self.step_to(problem, rest, self.times.len(), end)
     }
 
-    fn step_to(
-        &self,
-        problem: &Problem,
-        rest: &[Vec3],
-        n: usize,
-        (end, u): (f64, &[f64]),
-    ) -> TimeStep {
+    fn step_to(&self, problem: &Problem, rest: &[Vec3], n: usize, end: f64) -> TimeStep {
         let before = self.times[n - 1];
         let last = self.state(n - 1);
         let lagged_contacts = problem.lagged_contacts(&problem.iterate(rest, &last.u, before));
-        TimeStep { lagged_contacts, ..self.past(n).step(before, end) }.ending_at(u)
+        TimeStep { lagged_contacts, ..self.past(n).step(before, end) }
     }
 }
 

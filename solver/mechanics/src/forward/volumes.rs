@@ -15,7 +15,7 @@
 //!
 //! Source: Nocedal and Wright, "Numerical Optimization", sections 17.3 and 18.1.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::{Clock, Configuration, Converged, Failure, Newton, Problem, Workspace};
 use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
@@ -239,22 +239,39 @@ fn direction(
     let mut sides = columns.clone();
     sides.push(problem.restrict(gradient).iter().map(|g| -g).collect());
     let mut solutions = solve_all(workspace, &hessian, &sides)?;
-    let free = solutions.pop()?;
-    let count = columns.len();
-    if count == 0 {
-        return Some((problem.prolong(&free), Vec::new()));
+    let mut step = solutions.pop()?;
+    let gap = |i: usize| constraints[i].wanted - constraints[i].volume;
+    let change = HeldVolumes::new(columns, solutions).hold(&mut step, gap)?;
+    Some((problem.prolong(&step), change))
+}
+
+/// What holds prescribed volumes: G, H⁻¹ G and Gᵀ H⁻¹ G over the unknowns.
+pub struct HeldVolumes {
+    across: Vec<Vec<f64>>,
+    solved: Vec<Vec<f64>>,
+    matrix: LU<f64, Dyn, Dyn>,
+}
+
+impl HeldVolumes {
+    /// By the columns of G and of H⁻¹ G.
+    pub fn new(across: Vec<Vec<f64>>, solved: Vec<Vec<f64>>) -> Self {
+        let count = across.len();
+        let matrix = DMatrix::from_fn(count, count, |i, j| dot(&across[i], &solved[j])).lu();
+        Self { across, solved, matrix }
     }
-    let matrix = DMatrix::from_fn(count, count, |i, j| dot(&columns[i], &solutions[j]));
-    let side = DVector::from_fn(count, |i, _| {
-        let constraint = &constraints[i];
-        constraint.wanted - constraint.volume - dot(&columns[i], &free)
-    });
-    let change = matrix.lu().solve(&side)?;
-    let mut step = free;
-    for (z, weight) in solutions.iter().zip(change.iter()) {
-        step.iter_mut().zip(z).for_each(|(s, z)| *s += weight * z);
+
+    /// x ← x + H⁻¹ G w with Gᵀ x as wanted, and w; none where that is not defined.
+    pub fn hold(&self, x: &mut [f64], wanted: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
+        if self.across.is_empty() {
+            return Some(Vec::new());
+        }
+        let side = DVector::from_fn(self.across.len(), |i, _| wanted(i) - dot(&self.across[i], x));
+        let weights = self.matrix.solve(&side)?;
+        for (z, weight) in self.solved.iter().zip(weights.iter()) {
+            x.iter_mut().zip(z).for_each(|(x, z)| *x += weight * z);
+        }
+        Some(weights.iter().copied().collect())
     }
-    Some((problem.prolong(&step), change.iter().copied().collect()))
 }
 
 /// H⁻¹ of some vectors; none where H is singular.

@@ -11,16 +11,12 @@ use std::sync::Arc;
 use mesh::Vec3;
 
 use super::Problem;
-use super::assembly::{Wanted, assemble, times};
 use super::dirichlet::Dirichlet;
 use super::symbolic::symbolic;
 use super::timings::{Clock, Timings};
 use super::watch::{Event, Watch};
-use crate::energy::chord::{Side, on_chord};
-use crate::energy::{Chamber, Hessian, Iterate, Multiplier, Nature, RankOne, TimeStep};
-use crate::math::linear::{
-    Factorization, MakeDirectSolver, Memory, Multifrontal, Precision, SparseSolver, Symmetric, norm,
-};
+use crate::energy::{Hessian, Iterate, Multiplier, Nature, RankOne, TimeStep};
+use crate::math::linear::{Factorization, Memory, Precision, SparseSolver, Symmetric, dot, norm};
 use crate::math::sparse::{BlockMatrix, FreeTriangle, Pattern};
 use crate::memory::Need;
 
@@ -42,8 +38,6 @@ pub struct Workspace {
     pub watch: Option<Watch>,
     /// How many more times Newton's method is taken to begin with an indefinite Hessian.
     pub indefinite_starts: usize,
-    /// What makes the direct solver of a pattern.
-    make: MakeDirectSolver,
     /// Factorisation, kept from the last Newton step.
     linear: SparseSolver,
     /// Which factorisation of an exact Hessian is in `linear`, if it is one.
@@ -94,27 +88,21 @@ impl Linearization {
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let Self { u, multipliers, step, .. } = self;
         let (space, step) = (&problem.space, step.as_ref());
-        Iterate { space, rest, u, time: self.time, multipliers, step, chord: None }
+        Iterate { space, rest, u, time: self.time, multipliers, step }
     }
 }
 
 impl Workspace {
     /// Orders and factors symbolically.
     pub fn new(problem: &Problem) -> Self {
-        Self::with_solver(problem, Multifrontal::boxed)
-    }
-
-    /// A workspace whose matrices another direct solver factors.
-    pub fn with_solver(problem: &Problem, make: MakeDirectSolver) -> Self {
         let clock = Clock::start();
         let (pattern, free, linear) =
-            symbolic(&problem.space, &problem.dirichlet, &[], make, Memory::default());
+            symbolic(&problem.space, &problem.dirichlet, &[], Memory::default());
         let timings = Timings { ordering: clock.elapsed(), ..Timings::default() };
         Self {
             timings,
             watch: None,
             indefinite_starts: 0,
-            make,
             linear,
             linearization: None,
             linearizations: 0,
@@ -141,8 +129,9 @@ impl Workspace {
             self.symbolic(problem);
         }
         let clock = Clock::start();
-        let couplings =
-            |reach: f64| problem.energies.terms().flat_map(move |term| term.couplings(at, reach));
+        let couplings = |reach: f64| {
+            problem.energies.terms().flat_map(move |term| term.energy.couplings(at, reach))
+        };
         let known = couplings(1.0).all(|[a, b]| self.pattern.has(a, b));
         let wider = (!known).then(|| couplings(REACH).collect());
         self.timings.contact += clock.elapsed();
@@ -168,9 +157,9 @@ impl Workspace {
     fn symbolic(&mut self, problem: &Problem) {
         let clock = Clock::start();
         self.forget();
-        let (make, memory) = (self.make, self.linear.memory());
+        let memory = self.linear.memory();
         (self.pattern, self.free, self.linear) =
-            symbolic(&problem.space, &self.dirichlet, &self.couplings, make, memory);
+            symbolic(&problem.space, &self.dirichlet, &self.couplings, memory);
         self.timings.ordering += clock.elapsed();
     }
 
@@ -221,13 +210,13 @@ impl Workspace {
 
     /// [`Problem::value`], timed.
     pub fn value(&mut self, problem: &Problem, at: &Iterate) -> f64 {
-        problem.value_by(|term| self.timings.of(term.nature(), || term.value(at)))
+        problem.value_by(|term| self.timings.of(term.nature(), || term.energy.value(at)))
     }
 
     /// [`Problem::gradient`], timed.
     pub fn gradient(&mut self, problem: &Problem, at: &Iterate) -> (Vec<f64>, f64) {
         problem.gradient_by(|term, out| {
-            self.timings.of(term.nature(), || term.add_gradient(at, out));
+            self.timings.of(term.nature(), || term.energy.add_gradient(at, out));
         })
     }
 
@@ -255,8 +244,11 @@ impl Workspace {
     ) -> (Symmetric, Option<Vec<f64>>) {
         self.extend_pattern(problem, at);
         let memory = std::mem::take(&mut self.blocks);
-        let wanted = Wanted { kind, side: Side::End, of: &|_| true };
-        let mut matrix = assemble(&self.pattern, memory, problem, at, &wanted, &mut self.timings);
+        let mut matrix = BlockMatrix::zeros_in(&self.pattern, memory);
+        for term in problem.energies.terms() {
+            let add = || term.energy.add_hessian(at, kind, &mut matrix);
+            self.timings.of(term.nature(), add);
+        }
         let clock = Clock::start();
         let dense = problem.rank_ones(at);
         let product = vector.map(|vector| times(&matrix, &dense, vector));
@@ -368,48 +360,16 @@ impl Workspace {
             return None;
         }
         self.extend_pattern(problem, at);
-        Some(self.transposed_times(problem, at, Side::End, w))
-    }
-
-    /// wᵀ ∂²E/∂u∂u₀ over all degrees of freedom, with u₀ the start of the chord of the step; none without a chord.
-    pub fn start_hessian_times(
-        &mut self,
-        problem: &Problem,
-        at: &Iterate,
-        w: &[f64],
-    ) -> Option<Vec<f64>> {
-        at.step?.chord.as_ref()?;
-        self.extend_pattern(problem, at);
-        let mut product = self.transposed_times(problem, at, Side::Start, w);
-        let mut turning = vec![0.0; w.len()];
-        problem.add_turning_vjp(at, w, &mut turning);
-        product.iter_mut().zip(turning).for_each(|(p, t)| *p -= t);
-        Some(product)
-    }
-
-    /// wᵀ times the derivative of the forces by one side of the step's chord, at a given turn of rigid parts.
-    fn transposed_times(
-        &mut self,
-        problem: &Problem,
-        at: &Iterate,
-        side: Side,
-        w: &[f64],
-    ) -> Vec<f64> {
-        let of = |nature: Nature| nature != Nature::Gas;
-        let wanted = Wanted { kind: Hessian::Exact, side, of: &of };
-        let timings = &mut self.timings;
-        let matrix = assemble(&self.pattern, Vec::new(), problem, at, &wanted, timings);
-        let mut product = times(&matrix, &problem.rank_ones_by(at, side), w);
-        for term in problem.energies.terms() {
-            let Some(chamber) = term.downcast::<Chamber>() else { continue };
-            for &point in term.points(at) {
-                let scaled: Vec<f64> = w.iter().map(|w| side.weight(point) * w).collect();
-                on_chord(at, point[0], |there| {
-                    chamber.add_stiffness_vjp(there, &scaled, &mut product);
-                });
-            }
+        let mut matrix = BlockMatrix::zeros(&self.pattern);
+        for term in problem.energies.terms().filter(|term| term.nature() != Nature::Gas) {
+            let add = || term.energy.add_hessian(at, Hessian::Exact, &mut matrix);
+            self.timings.of(term.nature(), add);
         }
-        product
+        let mut product = times(&matrix, &problem.rank_ones(at), w);
+        for (_, chamber) in problem.energies.chambers() {
+            chamber.add_stiffness_vjp(at, w, &mut product);
+        }
+        Some(product)
     }
 
     /// The displacement with the fixed degrees of freedom where they are at the time,
@@ -480,4 +440,14 @@ impl Workspace {
         self.timings.assembly += clock.elapsed();
         floor
     }
+}
+
+/// A Hessian of a sparse and a dense part times a vector.
+fn times(matrix: &BlockMatrix, dense: &[RankOne], vector: &[f64]) -> Vec<f64> {
+    let mut product = matrix.multiply(vector);
+    for RankOne { scale, vector: v } in dense {
+        let along = scale * dot(v, vector);
+        product.iter_mut().zip(v).for_each(|(p, v)| *p += along * v);
+    }
+    product
 }

@@ -308,13 +308,6 @@ impl<'a> BlockMatrix<'a> {
         }
     }
 
-    /// Adds a multiple of another matrix on the same pattern.
-    pub fn add_multiple(&mut self, factor: f64, other: &Self) {
-        for (own, block) in self.blocks.iter_mut().zip(&other.blocks) {
-            own.iter_mut().zip(block).for_each(|(own, b)| *own += factor * b);
-        }
-    }
-
     /// y_i = Σ_j |A_ij| |x_j| over all nodes.
     pub fn multiply_magnitudes(&self, x: &[f64]) -> Vec<f64> {
         let blocks = self.blocks.iter().map(|block| block.map(f64::abs)).collect();

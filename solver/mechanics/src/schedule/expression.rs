@@ -219,15 +219,6 @@ mod tests {
         }
     }
 
-    /// The load of the worm of Gjoka et al. 2024: nothing until 0.1 s, then a ramp.
-    #[test]
-    fn a_condition_is_a_number() {
-        let ramp = Expression::parse("if(t-0.1,t-0.1,0)").expect("sound");
-        for (t, expected) in [(0.05, 0.0), (0.1, 0.0), (0.35, 0.25)] {
-            assert!((ramp.at(Vec3::zeros(), t).value - expected).abs() < 1e-15);
-        }
-    }
-
     #[test]
     fn gradients_are_those_of_the_values() {
         let point = Vec3::new(0.3, 0.7, 0.4);

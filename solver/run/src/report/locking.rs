@@ -136,11 +136,6 @@ fn estimated(
     (problem, probes): (&Problem, &[Probe]),
     state: &Iterate,
 ) -> Result<reports::Locking> {
-    let along = state.step.is_some_and(|step| step.chord.is_some());
-    ensure!(
-        !along,
-        "with energy-momentum forces act along the steps in time, which have no next degree"
-    );
     let begin = Instant::now();
     let richer = richer(scene, with);
     let (next, mut workspace) = richer.problem(&scene.body)?;

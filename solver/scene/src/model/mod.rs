@@ -204,7 +204,7 @@ impl Scene {
         if let Some(part) = turns.filter(|_| self.config.method().shakes_stiff_parts()) {
             log::warn!(
                 "{}: {} may turn, and with this method in [time] its energy may grow: it is stiffer than steps \
-                 resolve\n  take method = \"energy-momentum\", or turns = false if it is guided",
+                 resolve\n  take method = \"bdf2\", which damps that, or turns = false if it is guided",
                 self.path.display(),
                 part.title()
             );

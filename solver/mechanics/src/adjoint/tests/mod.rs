@@ -25,7 +25,6 @@ use crate::testing::{check_gradient, cube, flat, points};
 
 mod inside;
 mod linearizations;
-mod mullins;
 mod neighbours;
 mod probe;
 mod rigid;
@@ -316,9 +315,7 @@ fn check(case: &Case, forces: bool) {
         let run = case.run(&problem, &mut workspace, &rest, from);
         probe.value(&problem, &rest, &run)
     };
-    // along chords remainders of higher order fade later
-    let part = if case.method.has_chord() { 0.1 } else { 1.0 };
-    let [of_u, of_v] = if case.hits() { [1e-6, 1e-3] } else { [2e-4 * part, 0.2 * part] };
+    let [of_u, of_v] = if case.hits() { [1e-6, 1e-3] } else { [2e-4, 0.2] };
     check_gradient(&start.v, &free(&gradient.start.v), size * of_v, |v| {
         value(State::new(start.u.clone(), free(v)))
     });
@@ -329,36 +326,34 @@ fn check(case: &Case, forces: bool) {
 
 #[test]
 fn a_chamber_alone_has_its_gradient_with_any_formula() {
-    let case = |method, steps, body, inside| {
-        let (degree, dt) = (1, 0.02);
-        check(&Case { method, degree, steps, dt, body, inside }, false);
-    };
     // a formula is the same for one element as for many
-    case(Method::Quasistatic, 1, Shape::Tet, Inside::Pressure);
-    case(Method::Quasistatic, 2, Shape::Tet, Inside::Gas);
-    case(Method::Quasistatic, 1, Shape::Tet, Inside::Volume);
-    case(Method::ImplicitEuler, 1, Shape::Tet, Inside::Gas);
-    case(Method::ImplicitEuler, 3, Shape::Tet, Inside::Pressure);
-    case(Method::ImplicitEuler, 2, Shape::Tet, Inside::Factor);
-    case(Method::Bdf2, 2, Shape::Tet, Inside::Pressure);
-    case(Method::Bdf2, 4, Shape::Tet, Inside::Gas);
-    case(Method::Bdf3, 5, Shape::Tet, Inside::Pressure);
-    case(Method::Newmark, 4, Shape::Tet, Inside::Pressure);
-    case(Method::GeneralizedAlpha, 4, Shape::Tet, Inside::Pressure);
-    case(Method::ImplicitEuler, 3, Shape::Tet, Inside::CheckedSupply);
-    case(Method::EnergyMomentum, 3, Shape::Tet, Inside::Gas);
-    case(Method::Quasistatic, 1, Shape::Hollow, Inside::Volume);
-    case(Method::Quasistatic, 3, Shape::Hollow, Inside::Supply);
+    for (method, degree, steps, body, inside) in [
+        (Method::Quasistatic, 1, 1, Shape::Tet, Inside::Pressure),
+        (Method::Quasistatic, 2, 1, Shape::Tet, Inside::Pressure),
+        (Method::Quasistatic, 1, 2, Shape::Tet, Inside::Gas),
+        (Method::Quasistatic, 1, 1, Shape::Tet, Inside::Volume),
+        (Method::ImplicitEuler, 1, 1, Shape::Tet, Inside::Gas),
+        (Method::ImplicitEuler, 1, 3, Shape::Tet, Inside::Pressure),
+        (Method::ImplicitEuler, 2, 2, Shape::Tet, Inside::Pressure),
+        (Method::ImplicitEuler, 1, 2, Shape::Tet, Inside::Factor),
+        (Method::Bdf2, 1, 2, Shape::Tet, Inside::Pressure),
+        (Method::Bdf2, 1, 4, Shape::Tet, Inside::Gas),
+        (Method::Bdf3, 1, 5, Shape::Tet, Inside::Pressure),
+        (Method::Newmark, 1, 4, Shape::Tet, Inside::Pressure),
+        (Method::GeneralizedAlpha, 1, 4, Shape::Tet, Inside::Pressure),
+        (Method::ImplicitEuler, 1, 3, Shape::Tet, Inside::CheckedSupply),
+        (Method::Quasistatic, 1, 1, Shape::Hollow, Inside::Volume),
+        (Method::Quasistatic, 1, 3, Shape::Hollow, Inside::Supply),
+        (Method::Bdf2, 2, 2, Shape::Bar, Inside::Gas),
+    ] {
+        check(&Case { method, degree, steps, dt: 0.02, body, inside }, false);
+    }
 }
 
 #[test]
 fn bodies_that_hit_and_slide_have_their_gradient() {
-    use Method::{EnergyMomentum, ImplicitEuler};
-    for (method, steps) in [(ImplicitEuler, 2), (EnergyMomentum, 2)] {
-        let (degree, dt) = (1, 2e-3);
-        let (body, inside) = (Shape::Blocks, Inside::Pressure);
-        check(&Case { method, degree, steps, dt, body, inside }, true);
-    }
+    let (method, body, inside) = (Method::ImplicitEuler, Shape::Blocks, Inside::Pressure);
+    check(&Case { method, degree: 1, steps: 2, dt: 2e-3, body, inside }, true);
 }
 
 #[test]
@@ -372,17 +367,4 @@ fn quadratic_bodies_that_hit_and_slide_have_their_gradient() {
 fn without_inertia_bodies_that_hit_and_slide_have_their_gradient() {
     let (method, body, inside) = (Method::Quasistatic, Shape::Blocks, Inside::Pressure);
     check(&Case { method, degree: 1, steps: 4, dt: 0.25, body, inside }, true);
-}
-
-#[test]
-fn one_element_and_a_quadratic_bar_have_their_gradient() {
-    let dt = 0.02;
-    let case = |method, degree, steps, body, inside| {
-        check(&Case { method, degree, steps, dt, body, inside }, false);
-    };
-    for degree in [1, 2] {
-        case(Method::Quasistatic, degree, 1, Shape::Tet, Inside::Pressure);
-        case(Method::ImplicitEuler, degree, 2, Shape::Tet, Inside::Pressure);
-    }
-    case(Method::Bdf2, 2, 2, Shape::Bar, Inside::Gas);
 }

@@ -1,10 +1,7 @@
 //! Blocks with a rigid top: what it bears, how it swings, and gradients of its runs.
 
-use mesh::SurfaceMesh;
-
 use super::*;
-use crate::contact::surface::Obstacle;
-use crate::energy::{IdealGas, MassPoint, Rigid, RigidLoad, RigidMass};
+use crate::energy::{MassPoint, Rigid, RigidLoad, RigidMass};
 use crate::material::{Lame, NeoHookean};
 use crate::rigid::{Moves, RigidSet};
 use crate::stability::{ArcLength, Continuation};
@@ -86,9 +83,9 @@ impl Topped {
     }
 }
 
-/// Under a force beside its middle the top turns without strain, and the support bears all of it.
+/// Under a force beside its middle the top turns without strain.
 #[test]
-fn a_rigid_top_stays_as_it_is_and_hands_its_load_on() {
+fn a_rigid_top_stays_as_it_is() {
     for degree in [1, 2] {
         let case = Topped { degree, method: Method::Quasistatic, steps: 1, moves: Moves::Freely };
         let rest = Topped::mesh().vertices;
@@ -107,16 +104,6 @@ fn a_rigid_top_stays_as_it_is_and_hands_its_load_on() {
         }
         assert!(moved > 0.1 * EDGE, "{moved}");
         assert!(strain < 1e-4, "{strain}");
-        let last = run.last();
-        let at = problem.iterate(&rest, &last, 1.0);
-        let (gradient, _) = problem.gradient(&at);
-        let fixed = problem.dirichlet.supports().iter();
-        let reaction = fixed.fold(Vec3::zeros(), |mut sum, &dof| {
-            sum[dof % 3] += gradient[dof];
-            sum
-        });
-        let load = Vec3::new(3.0, 1.0, -2.0 - 0.2 * 9.8);
-        assert!((reaction + load).norm() < 1e-8, "{reaction}");
     }
 }
 
@@ -198,7 +185,6 @@ fn runs_with_a_rigid_top_have_their_gradients() {
         (1, Method::GeneralizedAlpha, 4, Moves::Freely),
         (1, Method::ImplicitEuler, 3, Moves::InPlane(0)),
         (1, Method::Newmark, 3, Moves::Straight),
-        (1, Method::EnergyMomentum, 4, Moves::Freely),
     ] {
         let case = Topped { degree, method, steps, moves };
         let rest = Topped::mesh().vertices;
@@ -238,124 +224,6 @@ fn runs_with_a_rigid_top_have_their_gradients() {
             let (problem, _, run) = run(&same, &moved);
             probe.value(&problem, &moved, &run)
         });
-    }
-}
-
-/// Kinetic and potential energy of a state [J].
-fn energy(problem: &Problem, rest: &[Vec3], state: &State) -> f64 {
-    // loads are zero at t = 0
-    let at = problem.iterate(rest, &state.u, 1.0);
-    let stored = problem.energies.iter().filter(|energy| energy.nature().is_stored());
-    let stored: f64 = stored.map(|energy| energy.value(&at)).sum();
-    let of_bodies = problem.energies.inertia();
-    let of_bodies: f64 = of_bodies.map(|m| m.kinetic_energy(&problem.space, rest, &state.v)).sum();
-    let masses = problem.energies.each::<RigidMass>();
-    stored + of_bodies + masses.map(|mass| mass.kinetic_energy(&state.v)).sum::<f64>()
-}
-
-/// A block with air in its hollow and a rigid top of 50 g, below a plate that it may hit.
-fn below_a_plate() -> (Problem, Vec<Vec3>) {
-    let (mesh, wall) = hollow();
-    let rest: Vec<Vec3> = mesh.vertices.iter().map(|x| EDGE * x).collect();
-    let space = FunctionSpace::new(1, rest.len(), mesh.tets.clone());
-    let fixed: Vec<bool> = rest.iter().flat_map(|x| [x.z == 0.0; 3]).collect();
-    let is_top = |x: &Vec3| (x.z - EDGE).abs() < 1e-9;
-    let top: Vec<usize> = (0..rest.len()).filter(|&n| is_top(&rest[n])).collect();
-    let part = RigidSet::new(&top, &rest, Moves::Freely).expect("nodes");
-    let point = |&n: &usize| MassPoint {
-        share: 1.0 / top.len() as f64,
-        weights: part.weights_at(rest[n]).expect("on the top"),
-    };
-    let points: Vec<_> = top.iter().map(point).collect();
-    let mut energies = Energies::elastic(Box::new(NeoHookean(Lame::new(YOUNG, 0.45))));
-    energies = energies.with(Inertia::new(&space, 1000.0, 0..space.tets().len()));
-    let gas = IdealGas { fill: Schedule::held(2e3), ambient: 101.3e3, exponent: 1.4 };
-    let (wall, gas) = (Wall::new(&space, &wall), Box::new(gas));
-    let chamber = Chamber::new(wall, gas);
-    energies = energies.with_chamber("hole", chamber);
-    let facets = topology::boundary(&mesh).facets;
-    let corners = [[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]];
-    let vertices = corners.map(|[x, y]| Vec3::new(x * EDGE, y * EDGE, EDGE + 4e-4)).to_vec();
-    let plate = SurfaceMesh { vertices, triangles: vec![[0, 2, 1], [0, 3, 2]] };
-    let plate = Obstacle { surface: plate, motion: None };
-    let surface = Surface::new(&space, &facets, &vec![0; facets.len()], vec![plate], 1, &fixed);
-    let (form, density, thickness) = (Form::Convergent, Density::LogSquared, 0.0);
-    let barrier = Barrier { form, density, activation: 2e-4, stiffness: 5e4, thickness };
-    energies = energies.with(Contact::new(Arc::new(surface), Partners::ThroughAir, barrier));
-    let [none, down] = [0.0, -9.81].map(|g| Field([0.0, 0.0, g].map(Schedule::held)));
-    let at = part.weights_at(rest[top[0]]).expect("there");
-    energies = energies
-        .with(Rigid::new(&part, &rest, SHEAR))
-        .with(RigidMass::new(&part, 0.05, &points))
-        .with(RigidLoad::new(&part, at, none, down, 0.05));
-    (Problem::new(space, energies, &fixed).with_rigid(&[part]), rest)
-}
-
-/// Energies over that at the start, every step, of a top that is thrown sideways and turned.
-fn energies_of_a_thrown_top(
-    (problem, rest): (&Problem, &[Vec3]),
-    method: Method,
-    dt: f64,
-    steps: usize,
-) -> Vec<f64> {
-    let mut workspace = Workspace::new(problem);
-    let (spin, throw) = (Vec3::new(6.0, -9.0, 12.0), Vec3::new(0.05, 0.1, -0.2));
-    let v = |x: &Vec3| (x.z / EDGE) * (spin.cross(&(x - Vec3::repeat(0.5 * EDGE))) + throw);
-    let v = rest.iter().flat_map(|x| <[f64; 3]>::from(v(x))).collect();
-    let start = State::new(vec![0.0; problem.dofs()], v);
-    let first = energy(problem, rest, &start);
-    let kinetic = first - energy(problem, rest, &State::new(start.u.clone(), start.u.clone()));
-    let mut stepper = TimeStepper::new(TIGHT, Integrator::new(method, start));
-    let mut found = Vec::new();
-    for n in 1..=steps {
-        let end = dt * n as f64;
-        if stepper.advance(problem, &mut workspace, rest, end, |_| ()).is_err() {
-            found.push(f64::INFINITY);
-            break;
-        }
-        let now = energy(problem, rest, stepper.progress.integrator.last());
-        found.push(1.0 + (now - first) / kinetic);
-    }
-    found
-}
-
-/// The largest difference of energies from the first, over the kinetic energy there.
-fn largest_change(energies: &[f64]) -> f64 {
-    energies.iter().map(|e| (e - 1.0).abs()).fold(0.0, f64::max)
-}
-
-/// What is 10⁴ times as stiff as all else swings faster than steps resolve. Newmark lets it grow where the part turns;
-/// along chords the energy stays.
-#[test]
-fn a_top_that_turns_keeps_its_energy_along_chords() {
-    let case = Topped { degree: 1, method: Method::Newmark, steps: 1, moves: Moves::Freely };
-    let (mut problem, _) = case.problem(0.05, [0.0; 3], 1.0);
-    problem.energies.change(|_, own: &RigidLoad| own.held(1.0));
-    let on = (&problem, &Topped::mesh().vertices[..]);
-    let off = |method| largest_change(&energies_of_a_thrown_top(on, method, 1e-3, 400));
-    let (keeps, grows) = (off(Method::EnergyMomentum), off(Method::Newmark));
-    eprintln!("energy off by {keeps:.1e} along chords, {grows:.1e} by Newmark");
-    assert!(keeps < 1e-8, "{keeps}");
-    assert!(grows > 1e-2, "{grows}");
-}
-
-/// Five hundred periods with air; and fifty with a plate that the top hits, in steps in which it crosses the whole barrier:
-/// what the rule of a chord misses of that is not kept. Of twelve thousand such steps the largest change was 0.13.
-#[test]
-#[ignore = "ten minutes: runs in make test-all"]
-fn energy_stays_for_500_periods_with_air_and_not_with_contact() {
-    let (problem, rest) = below_a_plate();
-    let mut open = problem.clone();
-    let others = problem.energies.terms().filter(|term| !term.nature().is_contact());
-    open.energies = others.cloned().collect();
-    let dt = 1e-3;
-    for (name, problem, steps, bound) in
-        [("air", &open, 12_000, 1e-6), ("air and contact", &problem, 1_200, 0.2)]
-    {
-        let found = energies_of_a_thrown_top((problem, &rest), Method::EnergyMomentum, dt, steps);
-        let off = largest_change(&found);
-        eprintln!("{name}: energy off by {off:.1e}, at the end {:.1e}", found[steps - 1] - 1.0);
-        assert!(off < bound, "{name}: {off}");
     }
 }
 

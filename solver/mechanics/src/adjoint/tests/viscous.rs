@@ -1,8 +1,8 @@
 //! Runs of viscoelastic bodies: their gradients, and closed forms of relaxation.
 
 use super::*;
-use crate::energy::{Branch, Viscous};
-use crate::material::Material;
+use crate::energy::{Branch, Mullins, Viscous};
+use crate::material::{Material, OgdenRoxburgh};
 
 const BRANCHES: [Branch; 2] =
     [Branch { overstress: 0.6, time: 0.03 }, Branch { overstress: 0.3, time: 0.4 }];
@@ -57,6 +57,37 @@ fn viscous_runs_have_their_gradients_with_any_formula() {
     ] {
         check_viscous(&Case { method, degree, steps, dt: 0.02, body, inside });
     }
+}
+
+/// A tetrahedron that swings, so that it is softened and stretched further by turns.
+#[test]
+fn softened_runs_have_their_gradients() {
+    let softening = OgdenRoxburgh { r: 2.0, m: 20.0, beta: 0.1 };
+    let (method, body, inside) = (Method::Bdf2, Shape::Tet, Inside::Pressure);
+    let case = Case { method, degree: 1, steps: 6, dt: 1e-3, body, inside };
+    let numbers = [softening.r, softening.m, softening.beta];
+    let with = |p: &[f64]| {
+        let law: [f64; 4] = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
+        let [r, m, beta] = std::array::from_fn(|k| p[4 + k] * numbers[k]);
+        let (mut problem, ..) = case.problem(&Numbers { law, ..NUMBERS });
+        let [c1, c2, c3, d1] = law;
+        let isochoric = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
+        let mullins = Mullins::new(isochoric, OgdenRoxburgh { r, m, beta }, 0..1, 0);
+        let of_law = (Elastic::owner(0), law.len());
+        problem.energies.extend([Term::of_both(of_law, Mullins::owner(0), mullins)]);
+        let workspace = Workspace::new(&problem);
+        (problem, workspace)
+    };
+    let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
+        case.run(problem, workspace, rest, case.start(problem, rest))
+    };
+    let by = |g: &Gradient| {
+        let of_softening = by_factors(g, Mullins::owner(0), &numbers);
+        assert!(of_softening.iter().all(|by| *by != 0.0), "it is not softened");
+        vec![by_factors(g, Elastic::owner(0), &NUMBERS.law), of_softening]
+    };
+    let rest = case.bodies().0.vertices;
+    Runs { problem: &with, run: &run, forces: false }.check(&rest, 2e-6, &[1e-3, 1e-3], by);
 }
 
 /// A unit cube sheared by a given displacement of all its nodes: forces of its law and overstress.

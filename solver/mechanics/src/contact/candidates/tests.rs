@@ -1,5 +1,4 @@
 use super::*;
-use crate::contact::distance;
 use crate::math::random::Random;
 
 /// Triangles of different sizes, some with common vertices, and a motion.
@@ -102,41 +101,29 @@ fn a_step_that_is_too_long_is_refused() {
     }
 }
 
-fn loose_triangles(random: &mut Random, triangles: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
-    let x = (0..3 * triangles).map(|_| random.vector()).collect();
-    (x, (0..triangles).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
-}
-
 #[test]
 fn close_pairs_are_those_of_brute_force() {
     let mut random = Random::new(5);
-    let (x, facets) = loose_triangles(&mut random, 30);
+    let x: Vec<Vec3> = (0..90).map(|_| random.vector()).collect();
+    let facets: Vec<[usize; 3]> = (0..30).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let (a, b) = (Features::new(&facets[..12]), Features::new(&facets[12..]));
+    let all = Features::new(&facets);
     let radius = 0.3;
-    let mut expected = 0;
-    let mut count = |p: &Features, q: &Features, both: bool| {
-        for &v in &p.vertices {
-            for &[i, j, k] in &q.triangles {
-                let near = distance::point_triangle(&[x[v], x[i], x[j], x[k]]).d2 < radius * radius;
-                expected += usize::from(near);
-            }
-        }
-        for &[i, j] in p.edges.iter().filter(|_| both) {
-            for &[k, l] in &q.edges {
-                let near = distance::edge_edge(&[x[i], x[j], x[k], x[l]]).d2 < radius * radius;
-                expected += usize::from(near);
-            }
-        }
+    let close = |p: &Pair| p.closest(&p.gather(&x)).d2 < radius * radius;
+    let mut expected = all_pairs(&all);
+    expected.retain(close);
+    assert_eq!(close_within(&all, &x, radius), expected);
+    let of_a = |v: &usize| *v < 36;
+    let separate = |p: &Pair| {
+        let corners = p.corners();
+        let (first, second) = corners.split_at(p.corners_of_first());
+        of_a(&first[0]) != of_a(&second[0])
     };
-    count(&a, &b, true);
-    count(&b, &a, false);
-    let found = close_between(&a, &b, &x, radius);
-    assert!(expected > 100);
-    assert_eq!(found.len(), expected);
-
-    let within = close_within(&Features::new(&facets), &x, radius).len();
-    let separate = close_within(&a, &x, radius).len() + close_within(&b, &x, radius).len();
-    assert_eq!(within, separate + expected);
+    expected.retain(separate);
+    assert!(expected.len() > 100);
+    let mut found = close_between(&a, &b, &x, radius);
+    found.sort_unstable();
+    assert_eq!(found, expected);
 }
 
 #[test]

@@ -1,5 +1,4 @@
 use super::*;
-use crate::contact::mollifier::mollified;
 use crate::math::random::Random;
 
 const SCALES: [f64; 3] = [1.0, 1e-3, 1e3];
@@ -43,25 +42,6 @@ fn distances_agree_with_dense_sampling() {
     }
 }
 
-/// Every choice of "closest corners": value, and gradient against central
-/// differences, at three scales.
-#[test]
-fn every_region_has_the_gradient_of_its_distance() {
-    let mut random = Random::new(2);
-    for scale in SCALES {
-        for (expected, distance) in [(7, point_triangle as Distance), (9, edge_edge)] {
-            let mut seen = std::collections::BTreeSet::new();
-            for _ in 0..600 {
-                let x = random_corners(&mut random).map(|v| v * scale);
-                let closest = distance(&x);
-                seen.insert(closest.coefficients.map(|c| c != 0.0));
-                check_gradient(&x, distance, scale);
-            }
-            assert_eq!(seen.len(), expected, "regions visited: {seen:?}");
-        }
-    }
-}
-
 fn check_gradient(x: &[Vec3; 4], distance: Distance, scale: f64) {
     let gradient = distance(x).d2_gradient();
     let h = 1e-6 * scale;
@@ -79,61 +59,10 @@ fn check_gradient(x: &[Vec3; 4], distance: Distance, scale: f64) {
     }
 }
 
-/// A corner travels on a straight line through many regions. Wherever the
-/// region changes, the gradients on both sides of the border agree.
+/// Both derivatives of every region against differences, and the region's own closest points
+/// against the clamped ones.
 #[test]
-fn distance_is_continuously_differentiable_across_regions() {
-    let mut random = Random::new(3);
-    for scale in SCALES {
-        for distance in [point_triangle as Distance, edge_edge] {
-            let mut borders = 0;
-            for _ in 0..100 {
-                let start = random_corners(&mut random).map(|v| v * scale);
-                let velocity = random.vector() * 4.0 * scale;
-                let at = |t: f64| {
-                    let mut x = start;
-                    x[0] += velocity * (t - 0.5);
-                    x
-                };
-                for step in 0..100 {
-                    let t = f64::from(step) / 100.0;
-                    borders += usize::from(check_border(&at, distance, t, t + 0.01, scale));
-                }
-            }
-            assert!(borders > 100, "only {borders} borders crossed");
-        }
-    }
-}
-
-/// Bisects to the border of two regions between `from` and `to`, if there
-/// is one and the pair is not mollified there.
-fn check_border(
-    at: &dyn Fn(f64) -> [Vec3; 4],
-    distance: Distance,
-    mut from: f64,
-    mut to: f64,
-    scale: f64,
-) -> bool {
-    let region = |t: f64| distance(&at(t)).coefficients.map(|c| c != 0.0);
-    let start = region(from);
-    if region(to) == start || mollified(&at(from), &at(from)) {
-        return false;
-    }
-    while to - from > 1e-13 {
-        let middle = 0.5 * (from + to);
-        if region(middle) == start { from = middle } else { to = middle }
-    }
-    let [a, b] = [from, to].map(|t| distance(&at(t)).d2_gradient());
-    // candidates whose parameters differ by √(10⁻¹⁶) have equal distances
-    // to rounding, so that either may be taken
-    assert!((0..4).all(|i| (a[i] - b[i]).norm() < 1e-6 * scale), "{a:?} {b:?}");
-    true
-}
-
-/// Second derivatives of every region against differences of the gradient,
-/// and the region's own closest points against the clamped ones.
-#[test]
-fn every_region_has_the_hessian_of_its_distance() {
+fn every_region_has_the_derivatives_of_its_distance() {
     let mut random = Random::new(12);
     for scale in SCALES {
         for (first, count, distance) in [(1, 7, point_triangle as Distance), (2, 9, edge_edge)] {
@@ -145,6 +74,7 @@ fn every_region_has_the_hessian_of_its_distance() {
                 let again = region.closest(&x);
                 assert!((again.d2 - closest.d2).abs() < 1e-11 * scale * scale);
                 seen.insert(region);
+                check_gradient(&x, distance, scale);
                 let direction = random_corners(&mut random).map(|v| v * scale);
                 let gradient = |h: f64| {
                     let y = std::array::from_fn(|i| x[i] + h * direction[i]);

@@ -12,13 +12,6 @@
 //! m_jk  mass matrix of the masters: mass spread over the part [kg]
 //! w_j   weights of the masters where the force acts, in the middle of that
 //!
-//! In the middle of the [chord](super::chord) of a time step, from A₀ to A₁, W is the mean of those at both ends:
-//!
-//! F_j = −κ A W m_j,   A = (A₀ + A₁)/2,   W = ½(W₀ + W₁) = AᵀA − S² + ¼ ΔAᵀΔA,   ΔA = A₁ − A₀
-//!
-//! so that Σ F_j·Δx_j is −ΔE, and a rigid motion has no forces, however far it turns (Simo and Tarnow 1992). For a given
-//! ΔA these are the forces of a potential; ΔA is that of the chord's own end, which is to be the one that is found.
-//!
 //! W is scaled by extents on both sides so that a thin part is as stiff across as along. The projected Hessian
 //! has the part of W that is positive. Of the numbers there are derivatives by mass and force; m_jk and m_j are
 //! those of the rest shape, which must not move.
@@ -32,7 +25,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 
-use super::{Chord, Energy, Hessian, Iterate, Nature, Owner, PastCotangent, Slot, chord};
+use super::{Energy, Hessian, Iterate, Nature, Owner, PastCotangent, Slot};
 use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
@@ -105,33 +98,11 @@ impl Rigid {
         moved
     }
 
-    /// ΔA of a chord [m].
-    fn turned(&self, chord: &Chord) -> DMatrix<f64> {
-        self.moved(&chord.end) - self.moved(&chord.start)
-    }
-
-    /// Adds what the forces at an iterate, the middle of a chord, change by with the chord's end, along λ: the share of
-    /// λᵀ ∂²/∂u² that has no potential. That by the chord's start is the opposite.
-    pub fn add_turning_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        let Some(chord) = iterate.chord else { return };
-        let (a, _) = self.deformation(iterate);
-        let along = a.transpose() * self.moved(lambda);
-        let by = 0.25 * self.stiffness * self.turned(chord) * (&along + along.transpose());
-        let by = by * self.gradients.transpose();
-        for (j, &master) in self.masters.iter().enumerate() {
-            add_at(out, master, &Vec3::from_column_slice(by.column(j).as_slice()));
-        }
-    }
-
     /// A and W [m, m²]; W from the displacement, of which rounding takes less than of positions.
     fn deformation(&self, iterate: &Iterate) -> (DMatrix<f64>, DMatrix<f64>) {
         let moved = self.moved(iterate.u);
         let cross = self.at_rest.transpose() * &moved;
-        let mut strain = &cross + cross.transpose() + moved.transpose() * &moved;
-        if let Some(chord) = iterate.chord {
-            let turned = self.turned(chord);
-            strain += 0.25 * turned.transpose() * turned;
-        }
+        let strain = &cross + cross.transpose() + moved.transpose() * &moved;
         (&self.at_rest + moved, strain)
     }
 }
@@ -156,10 +127,6 @@ impl Energy for Rigid {
 
     fn nature(&self) -> Nature {
         Nature::Elastic
-    }
-
-    fn chord_points(&self, _: &Iterate) -> &'static [chord::Point] {
-        chord::MIDDLE
     }
 
     fn value(&self, at: &Iterate) -> f64 {

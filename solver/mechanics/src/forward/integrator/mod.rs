@@ -8,13 +8,12 @@
 //! [`Formula`]. A method is a file beside this one with its formula, a [`Method`], and its name in scenes.
 
 mod bdf;
-mod energy_momentum;
 mod generalized_alpha;
 mod newmark;
 
 use serde::{Deserialize, Serialize};
 
-use crate::energy::{Chord, FreeFlight, TimeStep};
+use crate::energy::{FreeFlight, TimeStep};
 
 /// Time integration of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,15 +32,13 @@ pub enum Method {
     Newmark,
     /// Generalized-α: second order, damps what the step does not resolve, and little else.
     GeneralizedAlpha,
-    /// Energy–momentum: second order, keeps the energy of large rotations.
-    EnergyMomentum,
 }
 
 impl Method {
     /// Number of earlier states in the formula, at most.
     pub fn states(self) -> usize {
         match self {
-            Self::Quasistatic | Self::ImplicitEuler | Self::EnergyMomentum => 1,
+            Self::Quasistatic | Self::ImplicitEuler => 1,
             Self::Bdf2 | Self::Newmark | Self::GeneralizedAlpha => 2,
             Self::Bdf3 => 3,
         }
@@ -55,11 +52,6 @@ impl Method {
     /// Whether the energy may grow of what is much stiffer than steps resolve and turns.
     pub fn shakes_stiff_parts(self) -> bool {
         matches!(self, Self::Newmark | Self::GeneralizedAlpha)
-    }
-
-    /// Whether forces act along the chord of a step.
-    pub fn has_chord(self) -> bool {
-        self == Self::EnergyMomentum
     }
 
     /// Whether states have their accelerations, as the formula needs them.
@@ -160,7 +152,6 @@ impl Integrator {
             }
             // the acceleration at the start is not known
             Method::Newmark | Method::GeneralizedAlpha => bdf::formula(1, dt),
-            Method::EnergyMomentum => energy_momentum::formula(dt),
             method => bdf::formula(self.states.len().min(method.states()), dt),
         }
     }
@@ -179,11 +170,7 @@ impl Integrator {
             FreeFlight { at, square: h * k }
         });
         let internal = sum(states().map(|(w, s)| (w.internal, &s.internal)));
-        let chord = free_flight.as_ref().filter(|_| self.method.has_chord());
-        let start = || self.last().u.clone();
-        let chord = chord.map(|end| Chord { start: start(), time: from, end: end.at.clone() });
-        let lagged_contacts = Vec::new();
-        TimeStep { h, history, free_flight, lagged_contacts, internal_h, internal, chord }
+        TimeStep { h, history, free_flight, lagged_contacts: Vec::new(), internal_h, internal }
     }
 
     /// Goes to the end `u` [m] of a step, with the internal variables there.
@@ -234,21 +221,6 @@ mod tests {
             };
             let slope = (error(40) / error(80)).log2();
             assert!((slope - order).abs() < 0.15, "{method:?}: {slope}");
-        }
-    }
-
-    #[test]
-    fn free_fall_follows_the_recursion_of_implicit_euler() {
-        let (dt, g) = (0.01, -9.8);
-        let mut integrator =
-            Integrator::new(Method::ImplicitEuler, State::new(vec![0.0], vec![0.0]));
-        for n in 1..=20 {
-            let step = integrator.step(0.0, dt);
-            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
-            let u = at[0] + square * g;
-            integrator.accept(&step, &[u], Vec::new());
-            let expected = 0.5 * g * dt * dt * f64::from(n * (n + 1));
-            assert!((integrator.last().u[0] / expected - 1.0).abs() < 1e-13);
         }
     }
 

@@ -2,17 +2,18 @@
 //! not positive definite.
 
 use std::array::from_fn;
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::direct::{BadPivots, Cost, DirectSolver, Factor, Memory, Pivot, Precision, Structure};
+use super::direct::{BadPivots, Cost, Memory, Pivot, Precision};
 use super::indefinite::Indefinite;
 use super::matrix::{PIECE, Triangle, norm};
 use super::multifrontal::Fronts;
 use super::rows::{Row, SYSTEMS};
 use super::scalar::{Scalar, narrow};
-use super::several::dots;
+use super::several::{dots, one_of};
 use super::symbolic::{Symbolic, symbolic};
 use crate::math::pool::Pool;
 
@@ -24,7 +25,7 @@ pub struct Multifrontal {
 }
 
 /// What a factor needs to be applied.
-struct Tree {
+pub struct Tree {
     fronts: Fronts,
     /// The unknown at each position of the factor.
     order: Vec<usize>,
@@ -33,19 +34,19 @@ struct Tree {
 }
 
 impl Multifrontal {
-    /// Factors a pattern symbolically.
+    /// Factors a pattern symbolically, with the memory of an earlier one. Unknowns of a group are coupled with each
+    /// other and with the same others; groups come in the order of elimination, up to changes that leave the fill alone.
     ///
     /// # Panics
     /// When the groups are not all unknowns, each once, when unknowns of a group have different
     /// neighbours, or when memory runs out.
-    pub fn boxed(structure: &Structure) -> Box<dyn DirectSolver> {
-        let Structure { pattern, groups, memory } = structure;
+    pub fn new(pattern: &Arc<Triangle>, groups: &[Range<usize>], memory: &Memory) -> Self {
         let Symbolic { order, supernodes } = symbolic(pattern, groups);
         let mut position = vec![0; order.len()];
         order.iter().enumerate().for_each(|(i, &unknown)| position[unknown] = narrow(i));
         let fronts = Fronts::new(supernodes, pattern, &position);
-        let (pattern, memory) = (Arc::clone(pattern), (*memory).clone());
-        Box::new(Self { pattern, tree: Arc::new(Tree { fronts, order, position }), memory })
+        let tree = Arc::new(Tree { fronts, order, position });
+        Self { pattern: Arc::clone(pattern), tree, memory: memory.clone() }
     }
 
     /// Room for a factor in single precision.
@@ -60,33 +61,8 @@ impl Multifrontal {
         })
     }
 
-    fn factor_single(
-        &self,
-        lower: &[f64],
-        bad_pivots: BadPivots,
-    ) -> Result<(Single, usize), usize> {
-        let (tree, memory) = (Arc::clone(&self.tree), self.memory.clone());
-        let mut factor = Single { tree, memory, values: self.room() };
-        let fronts = &self.tree.fronts;
-        let replaced =
-            fronts.factor(lower, &mut factor.values, &self.memory.updates, bad_pivots)?;
-        Ok((factor, replaced))
-    }
-
-    fn factor_double(
-        &self,
-        lower: &[f64],
-        bad_pivots: BadPivots,
-    ) -> Result<(Double, usize), usize> {
-        self.memory.drop_factors();
-        let mut values = vec![0.0; self.tree.fronts.factor_len()];
-        let replaced = self.tree.fronts.factor(lower, &mut values, &Pool::default(), bad_pivots)?;
-        Ok((Double { tree: Arc::clone(&self.tree), values }, replaced))
-    }
-}
-
-impl DirectSolver for Multifrontal {
-    fn cost(&self) -> Cost {
+    /// What a factorisation takes.
+    pub fn cost(&self) -> Cost {
         let fronts = &self.tree.fronts;
         let entries = fronts.factor_len();
         Cost {
@@ -97,27 +73,36 @@ impl DirectSolver for Multifrontal {
         }
     }
 
-    fn factor_positive(
+    /// L Lᵀ = A, or A + E with E at a few replaced pivots, and the number of these. `lower` are
+    /// the values of the lower triangle.
+    pub fn factor_positive(
         &self,
         lower: &[f64],
         precision: Precision,
         bad_pivots: BadPivots,
-    ) -> Result<(Box<dyn Factor>, usize), usize> {
-        Ok(match precision {
+    ) -> Result<(Factor, usize), usize> {
+        let (tree, memory) = (Arc::clone(&self.tree), self.memory.clone());
+        let fronts = &self.tree.fronts;
+        match precision {
             Precision::Single => {
-                let (factor, replaced) = self.factor_single(lower, bad_pivots)?;
-                (Box::new(factor), replaced)
+                let mut values = InSingle { values: self.room(), memory };
+                let updates = &self.memory.updates;
+                let replaced = fronts.factor(lower, &mut values.values, updates, bad_pivots)?;
+                Ok((Factor::Single { tree, values }, replaced))
             }
             Precision::Double => {
-                let (factor, replaced) = self.factor_double(lower, bad_pivots)?;
-                (Box::new(factor), replaced)
+                memory.drop_factors();
+                let mut values = vec![0.0; fronts.factor_len()];
+                let replaced = fronts.factor(lower, &mut values, &Pool::default(), bad_pivots)?;
+                Ok((Factor::Double { tree, values }, replaced))
             }
-        })
+        }
     }
 
-    fn factor_indefinite(&self, lower: &[f64]) -> Box<dyn Factor> {
+    /// L B Lᵀ = A for any symmetric A.
+    pub fn factor_indefinite(&self, lower: &[f64]) -> Factor {
         self.memory.drop_factors();
-        Box::new(Indefinite::new(&self.pattern, &self.tree.order, lower))
+        Factor::Indefinite(Indefinite::new(&self.pattern, &self.tree.order, lower))
     }
 }
 
@@ -151,52 +136,76 @@ impl Tree {
     }
 }
 
-/// L in single precision.
-struct Single {
-    tree: Arc<Tree>,
+/// A factored matrix.
+pub enum Factor {
+    /// L Lᵀ in single precision.
+    Single { tree: Arc<Tree>, values: InSingle },
+    /// L Lᵀ in double precision.
+    Double { tree: Arc<Tree>, values: Vec<f64> },
+    /// L B Lᵀ.
+    Indefinite(Indefinite),
+}
+
+/// The values of a factor in single precision, whose memory goes to the next.
+pub struct InSingle {
     values: Vec<f32>,
     memory: Memory,
 }
 
-impl Factor for Single {
-    fn apply_inverse(&self, x: &mut [f64]) {
-        // so that no residual is too small for single precision
-        let scale = norm(x).max(f64::MIN_POSITIVE);
-        self.tree.apply_inverse(&self.values, x, scale);
-    }
-
-    fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
-        let scale = dots(x, x).0.map(|square| square.sqrt().max(f64::MIN_POSITIVE));
-        self.tree.apply_inverse_all(&self.values, x, Row(scale));
-    }
-
-    fn smallest_pivot(&self) -> Option<Pivot> {
-        self.tree.smallest_pivot(&self.values)
-    }
-}
-
-impl Drop for Single {
+impl Drop for InSingle {
     fn drop(&mut self) {
         self.memory.leave_factor(std::mem::take(&mut self.values));
     }
 }
 
-/// L in double precision.
-struct Double {
-    tree: Arc<Tree>,
-    values: Vec<f64>,
-}
-
-impl Factor for Double {
-    fn apply_inverse(&self, x: &mut [f64]) {
-        self.tree.apply_inverse(&self.values, x, 1.0);
+impl Factor {
+    /// x ← A⁻¹ x, with the precision of the factor.
+    pub fn apply_inverse(&self, x: &mut [f64]) {
+        match self {
+            Self::Single { tree, values } => {
+                // so that no residual is too small for single precision
+                let scale = norm(x).max(f64::MIN_POSITIVE);
+                tree.apply_inverse(&values.values, x, scale);
+            }
+            Self::Double { tree, values } => tree.apply_inverse(values, x, 1.0),
+            Self::Indefinite(factor) => factor.apply_inverse(x),
+        }
     }
 
-    fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
-        self.tree.apply_inverse_all(&self.values, x, Row([1.0; SYSTEMS]));
+    /// X ← A⁻¹ X of several systems side by side.
+    pub fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
+        match self {
+            Self::Single { tree, values } => {
+                let scale = dots(x, x).0.map(|square| square.sqrt().max(f64::MIN_POSITIVE));
+                tree.apply_inverse_all(&values.values, x, Row(scale));
+            }
+            Self::Double { tree, values } => {
+                tree.apply_inverse_all(values, x, Row([1.0; SYSTEMS]));
+            }
+            Self::Indefinite(factor) => {
+                for k in 0..SYSTEMS {
+                    let mut one = one_of(x, k);
+                    factor.apply_inverse(&mut one);
+                    x.iter_mut().zip(one).for_each(|(row, x)| row.0[k] = x);
+                }
+            }
+        }
     }
 
-    fn smallest_pivot(&self) -> Option<Pivot> {
-        self.tree.smallest_pivot(&self.values)
+    /// The smallest pivot of L Lᵀ; none of other factors.
+    pub fn smallest_pivot(&self) -> Option<Pivot> {
+        match self {
+            Self::Single { tree, values } => tree.smallest_pivot(&values.values),
+            Self::Double { tree, values } => tree.smallest_pivot(values),
+            Self::Indefinite(_) => None,
+        }
+    }
+
+    /// Number of negative eigenvalues of the matrix, by the law of inertia; 0 of L Lᵀ.
+    pub fn negative_eigenvalues(&self) -> usize {
+        match self {
+            Self::Single { .. } | Self::Double { .. } => 0,
+            Self::Indefinite(factor) => factor.negative_eigenvalues(),
+        }
     }
 }

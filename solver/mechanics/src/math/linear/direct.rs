@@ -1,11 +1,7 @@
-//! What factors matrices: the interface of a direct solver.
+//! How matrices are factored, and what that takes.
 
-use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::matrix::Triangle;
-use super::rows::{Row, SYSTEMS};
-use super::several::one_of;
 use crate::math::pool::Pool;
 
 /// Precision of a factor.
@@ -52,17 +48,6 @@ pub struct Cost {
     pub bytes: usize,
 }
 
-/// The sparsity pattern of the matrices of a [`DirectSolver`], and its order of elimination.
-pub struct Structure<'a> {
-    /// The lower triangle.
-    pub pattern: &'a Arc<Triangle>,
-    /// Unknowns that are coupled with each other and with the same others, group by group in the
-    /// order of elimination, up to changes that leave the fill alone.
-    pub groups: &'a [Range<usize>],
-    /// Memory that solvers of earlier patterns have left.
-    pub memory: &'a Memory,
-}
-
 /// Buffers in single precision that factorisations leave to others: those of the updates, and those of factors.
 #[derive(Clone, Default)]
 pub struct Memory {
@@ -94,51 +79,5 @@ impl Memory {
 
     fn factors(&self) -> MutexGuard<'_, Vec<Vec<f32>>> {
         self.factors.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Makes a direct solver.
-pub type MakeDirectSolver = fn(&Structure) -> Box<dyn DirectSolver>;
-
-/// Factors the sparse part of symmetric matrices of one sparsity pattern.
-pub trait DirectSolver: Send + Sync {
-    /// What a factorisation takes.
-    fn cost(&self) -> Cost;
-
-    /// L Lᵀ = A, or A + E with E at a few replaced pivots, and the number of these. `lower` are
-    /// the values of the lower triangle.
-    fn factor_positive(
-        &self,
-        lower: &[f64],
-        precision: Precision,
-        bad_pivots: BadPivots,
-    ) -> Result<(Box<dyn Factor>, usize), usize>;
-
-    /// L B Lᵀ = A for any symmetric A.
-    fn factor_indefinite(&self, lower: &[f64]) -> Box<dyn Factor>;
-}
-
-/// A factored matrix.
-pub trait Factor: Send + Sync {
-    /// x ← A⁻¹ x, with the precision of the factor.
-    fn apply_inverse(&self, x: &mut [f64]);
-
-    /// X ← A⁻¹ X of several systems side by side.
-    fn apply_inverse_all(&self, x: &mut [Row<f64>]) {
-        for k in 0..SYSTEMS {
-            let mut one = one_of(x, k);
-            self.apply_inverse(&mut one);
-            x.iter_mut().zip(one).for_each(|(row, x)| row.0[k] = x);
-        }
-    }
-
-    /// The smallest pivot of L Lᵀ; none of other factors.
-    fn smallest_pivot(&self) -> Option<Pivot> {
-        None
-    }
-
-    /// Number of negative eigenvalues of the matrix, by the law of inertia; 0 of L Lᵀ.
-    fn negative_eigenvalues(&self) -> usize {
-        0
     }
 }

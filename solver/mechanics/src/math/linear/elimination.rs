@@ -105,27 +105,3 @@ fn postorder(parent: &[usize]) -> Vec<usize> {
     }
     order
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A star of four arms of three columns, with the centre first in the list
-    /// and eliminated last.
-    #[test]
-    fn subtrees_become_contiguous() {
-        let (mut start, mut rows) = (vec![0], vec![0, 1, 2, 3, 4]);
-        start.push(rows.len());
-        for c in 1..13 {
-            rows.push(c);
-            if c + 4 < 13 {
-                rows.push(c + 4);
-            }
-            start.push(rows.len());
-        }
-        // tips first, arm by arm mixed
-        let order: Vec<usize> = (0..13).rev().collect();
-        let ordered = postordered(&start, &rows, &order);
-        assert_eq!(ordered, [12, 8, 4, 11, 7, 3, 10, 6, 2, 9, 5, 1, 0]);
-    }
-}

@@ -13,8 +13,9 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
+use super::cholesky::Factor;
 use super::conjugate_gradients::{Gradients, Outcome, Stop, conjugate_gradients};
-use super::direct::{Factor, Pivot, Precision};
+use super::direct::{Pivot, Precision};
 use super::matrix::{Symmetric, Triangle, dot, norm};
 use super::rows::{Row, SYSTEMS};
 use super::several::{one_of, side_by_side, solve_several};
@@ -38,7 +39,7 @@ const FEW_SIDES: usize = 3;
 pub struct Factorization {
     pattern: Arc<Triangle>,
     matrix: Symmetric,
-    factor: Box<dyn Factor>,
+    factor: Factor,
     /// The precision of L Lᵀ; none of the factor of a matrix that is not positive definite.
     pub(super) positive: Option<Precision>,
     dense: Option<Dense>,
@@ -59,10 +60,10 @@ impl Factorization {
     pub(super) fn new(
         pattern: &Arc<Triangle>,
         matrix: Symmetric,
-        factor: Box<dyn Factor>,
+        factor: Factor,
         positive: Option<Precision>,
     ) -> Self {
-        let dense = dense(&*factor, &matrix.updates);
+        let dense = dense(&factor, &matrix.updates);
         Self { pattern: Arc::clone(pattern), matrix, factor, positive, dense }
     }
 
@@ -216,7 +217,7 @@ impl Factorization {
     }
 }
 
-fn dense(factor: &dyn Factor, updates: &[(f64, Vec<f64>)]) -> Option<Dense> {
+fn dense(factor: &Factor, updates: &[(f64, Vec<f64>)]) -> Option<Dense> {
     if updates.is_empty() {
         return None;
     }

@@ -11,7 +11,6 @@ use faer::sparse::linalg::cholesky::{IntranodeLbltRef, SymbolicCholesky, Symboli
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::direct::Factor;
 use super::matrix::Triangle;
 use super::symbolic::factor_structure;
 
@@ -55,9 +54,7 @@ impl Indefinite {
         );
         factor
     }
-}
 
-impl Indefinite {
     /// The diagonal of B in the order of elimination.
     fn diagonal(&self) -> Vec<f64> {
         let SymbolicCholeskyRaw::Supernodal(fronts) = self.symbolic.raw() else {
@@ -74,10 +71,9 @@ impl Indefinite {
         };
         (0..fronts.n_supernodes()).flat_map(of_front).collect()
     }
-}
 
-impl Factor for Indefinite {
-    fn apply_inverse(&self, x: &mut [f64]) {
+    /// x ← A⁻¹ x.
+    pub fn apply_inverse(&self, x: &mut [f64]) {
         let n = x.len();
         let permutation = PermRef::new_checked(&self.forward, &self.inverse, n);
         let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
@@ -90,7 +86,8 @@ impl Factor for Indefinite {
             );
     }
 
-    fn negative_eigenvalues(&self) -> usize {
+    /// Number of negative eigenvalues of the matrix.
+    pub fn negative_eigenvalues(&self) -> usize {
         let diagonal = self.diagonal();
         let (mut negative, mut i) = (0, 0);
         while i < diagonal.len() {

@@ -6,9 +6,6 @@
 //! L B Lᵀ; solutions are refined with the matrix itself in double precision, by
 //! conjugate gradients or, where it is not positive definite, by iteration.
 //!
-//! A [`SparseSolver`] asks a [`DirectSolver`] for the [`Factor`] of A. That of bodies is
-//! [`Multifrontal`]; another one says whether a matrix is positive definite, and applies its inverse.
-//!
 //! Source: Golub and Van Loan, "Matrix Computations", sections 2.1.4 and 11.5.
 
 mod cholesky;
@@ -38,11 +35,11 @@ mod unknown;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use cholesky::Multifrontal;
+use self::cholesky::{Factor, Multifrontal};
+use self::direct::BadPivots;
+
 pub use conjugate_gradients::Outcome;
-pub use direct::{
-    BadPivots, Cost, DirectSolver, Factor, MakeDirectSolver, Memory, Pivot, Precision, Structure,
-};
+pub use direct::{Cost, Memory, Pivot, Precision};
 pub use factorization::Factorization;
 pub use matrix::{Symmetric, Triangle, dot, norm, sum};
 pub use product::product_speed;
@@ -62,7 +59,7 @@ pub struct NotPositive {
 /// A direct solver that is set up once per sparsity pattern, and the last factorisation.
 pub struct SparseSolver {
     pattern: Arc<Triangle>,
-    direct: Box<dyn DirectSolver>,
+    direct: Multifrontal,
     memory: Memory,
     last: Option<Arc<Factorization>>,
 }
@@ -76,26 +73,16 @@ impl SparseSolver {
     /// When the groups are not all unknowns, each once, when unknowns of a group have different
     /// neighbours, or when memory runs out.
     pub fn new(column_start: Vec<usize>, rows: &[usize], groups: &[Range<usize>]) -> Self {
-        Self::with(
-            Triangle::new(column_start, rows),
-            groups,
-            Multifrontal::boxed,
-            Memory::default(),
-        )
+        Self::with(Triangle::new(column_start, rows), groups, Memory::default())
     }
 
-    /// A solver whose factors another direct solver makes, with the memory of an earlier one.
+    /// That of a pattern, with the memory of an earlier one.
     ///
     /// # Panics
-    /// As [`Self::new`] does, or as the direct solver does.
-    pub fn with(
-        pattern: Triangle,
-        groups: &[Range<usize>],
-        make: MakeDirectSolver,
-        memory: Memory,
-    ) -> Self {
+    /// As [`Self::new`] does.
+    pub fn with(pattern: Triangle, groups: &[Range<usize>], memory: Memory) -> Self {
         let pattern = Arc::new(pattern);
-        let direct = make(&Structure { pattern: &pattern, groups, memory: &memory });
+        let direct = Multifrontal::new(&pattern, groups, &memory);
         Self { pattern, direct, memory, last: None }
     }
 
@@ -156,7 +143,7 @@ impl SparseSolver {
         &self,
         lower: &[f64],
         precision: Precision,
-    ) -> Result<(Box<dyn Factor>, Precision), NotPositive> {
+    ) -> Result<(Factor, Precision), NotPositive> {
         let factor = |precision| {
             let factored = self.direct.factor_positive(lower, precision, BadPivots::Refuse);
             factored.map(|(factor, _)| (factor, precision))
@@ -214,7 +201,7 @@ impl SparseSolver {
     fn keep(
         &mut self,
         matrix: Symmetric,
-        factor: Box<dyn Factor>,
+        factor: Factor,
         positive: Option<Precision>,
     ) -> &Factorization {
         self.last.insert(Arc::new(Factorization::new(&self.pattern, matrix, factor, positive)))

@@ -128,19 +128,6 @@ fn quotient(pattern: &Triangle, groups: &[Range<usize>]) -> (Vec<usize>, Vec<usi
 mod tests {
     use super::*;
 
-    /// Two groups of two and one unknown in a row, the last group eliminated first.
-    #[test]
-    fn groups_are_eliminated_as_one() {
-        let rows = vec![0, 1, 2, 1, 2, 2, 3, 4, 3, 4, 4];
-        let pattern = Triangle::new(vec![0, 3, 5, 8, 10, 11], &rows);
-        let found = symbolic(&pattern, &[3..5, 0..2, 2..3]);
-        assert_eq!(found.order, [3, 4, 0, 1, 2]);
-        let columns = found.supernodes.iter().flat_map(|(columns, _)| columns.clone());
-        assert_eq!(columns.collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
-        let single = one_by_one(&found.order);
-        assert_eq!(symbolic(&pattern, &single).order, found.order);
-    }
-
     #[test]
     #[should_panic(expected = "the same neighbours")]
     fn a_group_of_unlike_unknowns_is_refused() {

@@ -128,24 +128,6 @@ fn several_systems_have_the_solutions_of_each_alone() {
     }
 }
 
-/// A factor that knows one system only.
-struct Half;
-
-impl Factor for Half {
-    fn apply_inverse(&self, x: &mut [f64]) {
-        x.iter_mut().for_each(|x| *x *= 0.5);
-    }
-}
-
-#[test]
-fn a_factor_of_another_solver_is_applied_to_one_system_after_the_other() {
-    let row = |i: usize| Row(std::array::from_fn(|k| (i * SYSTEMS + k) as f64));
-    let mut rows: Vec<Row<f64>> = (0..5).map(row).collect();
-    Half.apply_inverse_all(&mut rows);
-    let expected: Vec<_> = (0..5).map(|i| Row(row(i).0.map(|x| 0.5 * x))).collect();
-    assert_eq!(rows, expected);
-}
-
 #[test]
 fn dense_columns_enter_without_being_assembled() {
     let n = 40;

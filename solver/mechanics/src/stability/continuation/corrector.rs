@@ -2,7 +2,7 @@
 
 use super::ArcStep;
 use crate::energy::Iterate;
-use crate::forward::{Configuration, Event, Failure, Newton, Workspace};
+use crate::forward::{Configuration, Converged, Event, Failure, Newton, Workspace};
 use crate::stability::tangent_system::{Residual, Row, Step};
 
 /// Newton iterations of a corrector, at most: a shorter arc is better than more of them.
@@ -23,17 +23,6 @@ pub enum Ends {
     OnSphere(f64),
     /// At the full load.
     AtFullLoad,
-}
-
-/// A state on the path.
-pub struct Balanced {
-    pub iterations: usize,
-    /// Norm of the unbalanced force [N], ...
-    pub residual: f64,
-    /// ... what was wanted ...
-    pub wanted: f64,
-    /// ... and what rounding allows, where it is larger.
-    pub floor: Option<f64>,
 }
 
 /// Why there is none.
@@ -74,7 +63,7 @@ impl Corrector<'_> {
         workspace: &mut Workspace,
         state: &mut Configuration,
         residuals: &mut Vec<f64>,
-    ) -> Result<Balanced, Missed> {
+    ) -> Result<Converged, Missed> {
         let problem = self.from.problem;
         let (mut peak, mut before) = (0.0_f64, [f64::INFINITY; 2]);
         for iterations in 0..=ITERATIONS {
@@ -87,13 +76,13 @@ impl Corrector<'_> {
             let placed = side.abs() <= ON_SPHERE * self.square();
             if placed && now.largest_gap() <= self.newton.relative {
                 if residual <= wanted {
-                    return Ok(Balanced { iterations, residual, wanted, floor: None });
+                    return Ok(Converged { iterations, residual, wanted, floor: None, peak });
                 }
                 let stalled = iterations >= STALLED && residual > 0.5 * before[1];
                 let floor =
                     stalled.then(|| workspace.rounding_floor(problem, &state.iterate(problem)));
                 if floor.is_some_and(|floor| residual <= floor) {
-                    return Ok(Balanced { iterations, residual, wanted, floor });
+                    return Ok(Converged { iterations, residual, wanted, floor, peak });
                 }
             }
             if !residual.is_finite() {

@@ -29,7 +29,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
-use self::corrector::{Balanced, Corrector, Ends, Missed};
+use self::corrector::{Corrector, Ends, Missed};
 use self::direction::Direction;
 use super::spectrum::{negative_eigenvalues, softest};
 use super::tangent_system::{
@@ -37,7 +37,7 @@ use super::tangent_system::{
 };
 use crate::energy::{Iterate, TimeStep};
 use crate::forward::{
-    ArcPoint, Attempt, Configuration, Failed, Failure, LoadStep, Problem, Reached, SingularPoint,
+    ArcPoint, Configuration, Converged, Failed, Failure, LoadStep, Problem, Reached, SingularPoint,
     Singularity, Stability, TimeStepper, Unreached, Workspace, certify,
 };
 use crate::math::linear::norm;
@@ -149,7 +149,7 @@ impl Continuation {
             progress.length *= 0.5;
             if interrupted || progress.length < self.path.smallest * progress.first {
                 self.progress = Some(progress);
-                return Err(unreached(stepper, problem, rest, &step, failed));
+                return Err(stepper.unreached(problem, rest, failed, stepper.progress.time()));
             }
         }
     }
@@ -166,7 +166,7 @@ impl Continuation {
         let at = Iterate { step: Some(step), ..stepper.iterate(problem, rest) };
         begun(problem, workspace, &at, self.path.first).map_err(|failure| {
             let failed = Failed { failure, u: at.u.to_vec(), residuals: Vec::new() };
-            unreached(stepper, problem, rest, step, failed)
+            stepper.unreached(problem, rest, failed, at.time)
         })
     }
 
@@ -301,7 +301,7 @@ impl<'a> ArcStep<'a> {
         &self,
         workspace: &mut Workspace,
         state: Configuration,
-        balanced: Balanced,
+        balanced: Converged,
         length: f64,
         limits: &Lengths,
     ) -> Result<Found, (Failure, Vec<f64>)> {
@@ -339,20 +339,9 @@ impl<'a> ArcStep<'a> {
             direction,
             ..self.progress.clone()
         };
-        let Balanced { iterations, residual, wanted, floor } = balanced;
-        let step = LoadStep {
-            time: state.time,
-            newton_iterations: iterations,
-            residual,
-            residual_wanted: wanted,
-            rounding_floor: floor,
-            smallest_volume_ratio,
-            u: state.u,
-            multipliers: state.multipliers,
-            step: state.step.cloned(),
-            ends_time_step: state.time >= self.end,
-            path: Some(Box::new(point)),
-        };
+        let (ends_time_step, path) = (state.time >= self.end, Some(Box::new(point)));
+        let step = LoadStep::new(state, balanced, smallest_volume_ratio);
+        let step = LoadStep { ends_time_step, path, ..step };
         Ok(Found { step, progress })
     }
 
@@ -456,20 +445,4 @@ fn is_loaded(problem: &Problem, workspace: &mut Workspace, at: &Iterate) -> bool
 /// A displacement of all nodes by a tenth of the body [m], in the norm of the unknowns.
 fn size(problem: &Problem, at: &Iterate) -> f64 {
     0.1 * extent(at) * (problem.dirichlet.free().len() as f64).sqrt()
-}
-
-/// No next state: what failed after the last one.
-fn unreached(
-    stepper: &TimeStepper,
-    problem: &Problem,
-    rest: &[Vec3],
-    step: &Arc<TimeStep>,
-    failed: Failed,
-) -> Unreached {
-    let at = stepper.iterate(problem, rest);
-    let Failed { failure, u, residuals } = failed;
-    let (reached, multipliers) = (at.u.to_vec(), at.multipliers.to_vec());
-    let step = Arc::clone(step);
-    let attempt = Attempt { reached, multipliers, step, time: at.time, u, residuals };
-    Unreached { time: at.time, failure, attempt: Box::new(attempt) }
 }

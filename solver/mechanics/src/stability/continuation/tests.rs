@@ -1,20 +1,18 @@
 //! Paths, and the limits on them, beside closed forms.
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 use super::*;
 use crate::adjoint::ScaledPressure;
 use crate::element::FunctionSpace;
-use crate::energy::Elastic;
-use crate::energy::{BodyForce, Energies};
+use crate::energy::{BodyForce, Elastic, Energies};
 use crate::forward::{Integrator, Method, Newton, State, Stepping};
 use crate::material::{Lame, NeoHookean};
 use crate::math::linear::dot;
 use crate::math::taylor::taylor;
 use crate::schedule::{Field, Schedule};
-use crate::stability::{FirstLimit, Limit, LimitSearch};
-use crate::testing::{self, balloon, balloon_limit};
+use crate::stability::Limit;
+use crate::testing;
 
 pub(in crate::stability) const NEWTON: Newton =
     Newton { iterations: 30, relative: 1e-10, absolute: 1e-12, negligible: 0.0, ballooned: None };
@@ -194,14 +192,6 @@ fn configuration<'a>(rest: &'a [Vec3], step: &LoadStep) -> Configuration<'a> {
     Configuration { rest, time: step.time, step: None, u, multipliers }
 }
 
-/// The state that was narrowed down is so near that few iterations are left.
-fn assert_quick(limit: &Limit) {
-    let loads: Vec<f64> = limit.history.iter().map(|left| left.load).collect();
-    assert!(loads.len() <= 5, "{loads:?}");
-    assert!((loads[0] / limit.load - 1.0).abs() < 1e-4, "{loads:?}");
-    assert_eq!(limit.others, 0);
-}
-
 /// Each error of the load is at most a number times the square of the one before: the second last step shows it.
 #[test]
 fn the_direct_method_converges_quadratically_from_afar() {
@@ -217,19 +207,6 @@ fn the_direct_method_converges_quadratically_from_afar() {
     let seen: Vec<f64> = errors.iter().copied().filter(|e| *e > 1e-12).collect();
     let [.., before, last] = seen[..] else { panic!("{errors:?}") };
     assert!(last < 20.0 * before * before + 1e-9, "{errors:?}");
-}
-
-#[test]
-fn the_direct_method_finds_the_limit_of_a_sphere() {
-    let limit = balloon_limit();
-    let (problem, rest) = balloon(2, 2, 1.1 * limit);
-    let path = ArcLength { first: 0.2, largest: 2.0, smallest: 1e-3, end: 1.0 };
-    let (found, [before, after]) = first_limit(&problem, &rest, path, Singularity::LimitPoint);
-    assert!(found.load >= before.max(after) && found.load < 1.0, "{} {before} {after}", found.load);
-    let pressure = 1.1 * limit * found.load;
-    // by the faces of the polyhedron and the bulk modulus
-    assert!((pressure / limit - 1.0).abs() < 0.005, "{pressure} {limit}");
-    assert_quick(&found);
 }
 
 /// The load of the limit of an arch by its modulus, to which it is proportional, and by its rest vertices, of which
@@ -261,18 +238,27 @@ fn the_gradient_of_a_limit_is_its_derivative() {
         let by_modulus = by.parameters.total(Elastic::owner(0))[0];
         assert!((by_modulus * ARCH.2 / found.load - 1.0).abs() < 1e-6, "{by_modulus} {kind:?}");
         let inner = |x: &Vec3| x.x > 1e-6 && x.x < ARCH.0 - 1e-6;
-        let mut random = crate::math::random::Random::new(5);
-        let motion =
-            rest.iter().map(|x| if inner(x) { 2e-4 * random.vector() } else { Vec3::zeros() });
-        let motion: Vec<Vec3> = motion.collect();
-        let slope = dot(&by.rest, &testing::flat(&motion));
-        let along = |by: f64| {
-            let moved: Vec<Vec3> = rest.iter().zip(&motion).map(|(x, m)| x + by * m).collect();
-            again(&moved)
-        };
-        let result = taylor(1.0, 6, slope, along).expect("limits");
-        assert!((result.slope - 2.0).abs() < 0.1, "{kind:?} {result:?}");
+        check_by_shape(&rest, 2e-4, inner, &by.rest, again);
     }
+}
+
+/// A Taylor test by the rest shape [m], of which inner vertices move by a size [m].
+pub(in crate::stability) fn check_by_shape(
+    rest: &[Vec3],
+    size: f64,
+    inner: impl Fn(&Vec3) -> bool,
+    by: &[f64],
+    value: impl Fn(&[Vec3]) -> Result<f64, Failure>,
+) {
+    let mut random = crate::math::random::Random::new(5);
+    let motion = rest.iter().map(|x| if inner(x) { size * random.vector() } else { Vec3::zeros() });
+    let motion: Vec<Vec3> = motion.collect();
+    let along = |by: f64| {
+        let moved: Vec<Vec3> = rest.iter().zip(&motion).map(|(x, m)| x + by * m).collect();
+        value(&moved)
+    };
+    let result = taylor(1.0, 6, dot(by, &testing::flat(&motion)), along).expect("states");
+    assert!((result.slope - 2.0).abs() < 0.1, "{result:?}");
 }
 
 /// What the loads of an arch are times of.
@@ -281,36 +267,4 @@ fn unit_load(rise: f64, kind: Singularity) -> f64 {
         Singularity::LimitPoint => 1.0,
         Singularity::Bifurcation => arch_load(rise, (rise * rise - 2.7276).sqrt()),
     }
-}
-
-/// The pressure at which a sphere balloons is that of its law and its shape, whatever it is at a load of one.
-#[test]
-fn the_factor_of_a_limit_is_the_inverse_of_the_pressure() {
-    let limit = balloon_limit();
-    let (problem, rest) = balloon(2, 2, 0.6 * limit);
-    let mut workspace = Workspace::new(&problem);
-    let mut stepper = stepper(&problem);
-    let steps = stepper.next(&problem, &mut workspace, &rest, 1.0).expect("an equilibrium");
-    assert!(steps.ends_time_step);
-    let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
-    let held = problem.with_scaled_pressures(1.0, &growing);
-    let start = steps.iterate(&held, &rest);
-    let integrator = stepper.progress.integrator.clone();
-    let search = LimitSearch { stepping: stepper.stepping, most: 3.0 };
-    let FirstLimit::Found(found, _) =
-        search.from(&held, &mut workspace, &start, integrator, |_| ControlFlow::Continue(()))
-    else {
-        panic!("no limit")
-    };
-    assert!((0.6 * found.load - 1.0).abs() < 0.005, "{}", found.load);
-    let grown = ScaledPressure {
-        problem: &problem,
-        held: &held,
-        rest: &rest,
-        time: 1.0,
-        chambers: &growing,
-    };
-    let by = grown.gradient(&mut workspace, &found).expect("a gradient");
-    let by_pressure = by.parameters.sum(0, growing[0].owner());
-    assert!((by_pressure * 0.6 * limit / found.load + 1.0).abs() < 1e-6, "{by_pressure}");
 }

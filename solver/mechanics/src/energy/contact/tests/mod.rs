@@ -257,41 +257,6 @@ fn results_depend_neither_on_threads_nor_on_the_list_of_pairs() {
     assert!([(2, 0.0), (5, 0.01), (3, 1.0)].into_iter().all(|(n, d)| run(n, d) == expected));
 }
 
-#[test]
-fn couplings_are_all_that_the_hessian_couples() {
-    let scene = blocks(2, Form::Convergent, 1.0, 0.0);
-    let couplings = scene.contact.couplings(&scene.here(), 1.0);
-    assert!(couplings.iter().all(|[row, column]| row > column));
-    assert!(couplings.len() < scene.contact.couplings(&scene.here(), 2.0).len());
-    let mut unit = vec![0.0; scene.u.len()];
-    let mut coupled = 0;
-    for column in (0..scene.space.node_count()).step_by(3) {
-        unit[3 * column] = 1.0;
-        let image = scene.times_hessian(&scene.contact, Hessian::Exact, &unit);
-        unit[3 * column] = 0.0;
-        for row in (0..scene.space.node_count()).filter(|&row| row != column) {
-            if at(&image, row).norm() > 0.0 {
-                coupled += 1;
-                let key = [row.max(column), row.min(column)];
-                assert!(couplings.binary_search(&key).is_ok(), "{key:?}");
-            }
-        }
-    }
-    assert!(coupled > 20);
-}
-
-#[test]
-fn surfaces_at_their_minimum_distance_are_not_admissible() {
-    let mut scene = blocks(1, Form::Convergent, 1.0, 0.03);
-    let free = scene.contact.value(&scene.here());
-    assert!(free.is_finite() && free > 0.0);
-    let first_of_upper = scene.rest.len() / 2;
-    for node in first_of_upper..scene.rest.len() {
-        scene.u[3 * node + 2] -= 0.08;
-    }
-    assert!(scene.contact.value(&scene.here()).is_infinite());
-}
-
 /// Steps end before anything touches, with a little of the gap left.
 /// The list of neighbours on the way of a step is taken from what collision detection met.
 #[test]
