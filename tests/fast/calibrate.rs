@@ -7,8 +7,7 @@ use solver::study::calibration::Calibration;
 use tests::chamber;
 use tests::workdir::Workdir;
 
-use crate::relaxation;
-use crate::samples::{SHEET, TIGHT, TWO, covered, volumes};
+use crate::samples::{SHEET, TIGHT, TWO, covered, creeping, volumes};
 
 const GRAVITY: &str = "gravity = [0, 0, -9.81]";
 
@@ -146,7 +145,7 @@ const TRUTHS: &[Truth] = &[
         written: ("membrane", "thickness", 1.2e-4),
     },
     Truth {
-        folder: || relaxation::bar(&relaxation::table(relaxation::BRANCH), 8),
+        folder: || creeping(8),
         guess: ["overstress = 0.4\ntime = 2", "overstress = 0.25\ntime = 1"],
         times: "time = \"t [s]\"\n",
         numbers: &[("of = \"overstress\"", 0.4), ("of = \"relaxation-time\"", 2.0)],
@@ -229,17 +228,6 @@ fn derivatives_belong_to_the_simulations() {
             assert!((slope - 2.0).abs() < 0.1 || whole < rounding, "{}: {slope}", sought[k]);
         }
     }
-}
-
-#[test]
-fn a_number_of_a_law_needs_the_volume_of_the_law() {
-    let dir = volumes(TWO);
-    dir.write("top.csv", "t [s], height [mm]\n1, 1\n");
-    dir.write("air.csv", "volume [ml], side\n1, left\n");
-    let experiment = EXPERIMENTS.replace("sim.toml", "p1.toml");
-    dir.write("calibrate.toml", &format!("[[number]]\nof = \"young\"\n{experiment}"));
-    let said = dir.solver("calibrate calibrate.toml -o out");
-    said.assert_refused(2, &["several laws", "body or volume"]);
 }
 
 #[test]

@@ -147,14 +147,6 @@ assert 1.0 < cells['stretch'].max() < largest + 1e-12, (cells['stretch'].max(), 
     }
 }
 
-/// Scripts look for `displacement`, without a unit.
-#[test]
-fn the_point_field_is_called_displacement() {
-    let (dir, _) = simulated("p1.toml");
-    let bytes = std::fs::read(dir.path("out/result.vtu")).unwrap();
-    assert!(String::from_utf8_lossy(&bytes).contains("Name=\"displacement\""));
-}
-
 /// One state per time step, whatever load steps it takes; ParaView shows them at
 /// their times.
 #[test]
@@ -236,12 +228,4 @@ fn options_change_what_is_written() {
     std::fs::rename(dir.path("body.msh"), dir.path("other.msh")).unwrap();
     dir.solver("simulate p1.toml --mesh other.msh -o deep/out").assert_good();
     assert_eq!(dir.json("deep/out/report.json")["status"], "ok");
-}
-
-/// rayon takes no threads for all threads; so do we.
-#[test]
-fn zero_threads_are_all_threads() {
-    let dir = chamber::workdir();
-    dir.solver("--threads 0 simulate p1.toml -o out").assert_good();
-    dir.solver("--threads two simulate p1.toml -o out").assert_refused(2, &["two", "--threads"]);
 }

@@ -105,30 +105,9 @@ impl RestTerm for Clearance {
 
 #[cfg(test)]
 mod tests {
-    use mechanics::testing::{check_gradient, flat, points, square};
+    use mechanics::testing::square;
 
     use super::*;
-
-    /// A strip folded over to a hairpin, 0.1 between its legs.
-    fn hairpin() -> (Vec<Vec3>, Vec<[usize; 3]>) {
-        let strip = square(10, 0.2);
-        let bend = |v: &Vec3| {
-            let angle = (std::f64::consts::PI * (v.x - 0.5) / 0.2).clamp(-1.6, 1.6);
-            let along = (v.x - 0.5).abs().max(0.1) - 0.1 + 0.05 * angle.cos();
-            Vec3::new(along, v.y, 0.05 * angle.sin())
-        };
-        (strip.vertices.iter().map(bend).collect(), strip.triangles)
-    }
-
-    #[test]
-    fn gradient_belongs_to_the_value() {
-        let (x, facets) = hairpin();
-        let term = Clearance::new(&[], &facets, 0.12);
-        let mut gradient = vec![0.0; 3 * x.len()];
-        term.add_gradient_at(&x, 5.0, &mut gradient);
-        let value = |y: &[f64]| 5.0 * term.value_at(&points(y));
-        check_gradient(&flat(&x), &gradient, 1e-4, value);
-    }
 
     #[test]
     fn a_flat_sheet_costs_nothing_and_touching_is_infinite() {
