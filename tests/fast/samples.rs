@@ -351,7 +351,8 @@ pub fn pulsed() -> Workdir {
     let dir = chamber::workdir();
     let pulse =
         dir.text("p1.toml").replace("pressure = 8e3", "pressure = \"peak*max(t - delay, 0)\"");
-    let time = "[parameters]\npeak = 5e3\ndelay = 0.01\n[time]\nmethod = \"quasistatic\"\nend = 1\nsteps = 2\n";
+    let pulse = pulse.replace("\"seat\"\n", "\"seat\"\ndisplacement = [\"1e-5*moved\", 0, 0]\n");
+    let time = "[parameters]\npeak = 5e3\ndelay = 0.01\nmoved = 0\n[time]\nmethod = \"quasistatic\"\nend = 1\nsteps = 2\n";
     dir.write("p1.toml", &(pulse + time));
     dir.write(
         "design.toml",

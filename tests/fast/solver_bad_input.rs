@@ -13,6 +13,8 @@ fn missing_files_and_arguments() {
     dir.solver("simulate sim.toml --mesh none.msh -o out").assert_refused(2, &["none.msh"]);
     dir.solver("simulate sim.toml").assert_refused(2, &["--output"]);
     dir.solver("simulat sim.toml").assert_refused(2, &["simulat"]);
+    std::fs::remove_file(dir.path("target.stl")).unwrap();
+    dir.solver("optimize design.toml -o none").assert_refused(2, &["target.stl", "No such file"]);
     std::fs::remove_file(dir.path("body.msh")).unwrap();
     dir.solver("simulate sim.toml -o out").assert_refused(2, &["body.msh", "No such file"]);
     assert!(!dir.path("out").exists());
