@@ -24,7 +24,7 @@ ELSEWHERE := $(filter-out pipelines/%,$(FOLDER))
 
 SCHEMAS := cad2fem/model cad2fem/cad2fem tagger/tags solver/sim solver/design solver/calibrate solver/validation solver/measured fab/mold
 
-.PHONY: films pump gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz torture bodies campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
+.PHONY: films pump gripper-lift gripper-safe finger-wound fibre-angles fibre-path gripper-authors worm-authors help book gallery schemas dist wheel setup sweep test test-cluster test-all fuzz campaign bench bench-compare bench-peers lint foreign audit docs clean install body check-results robust validation $(BODIES)
 
 help:  ## list all targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' Makefile
@@ -121,16 +121,7 @@ fuzz: setup  ## every reader on random files (SECONDS=600 for all of them togeth
 	FUZZ_SEED=$(or $(SEED),1) \
 		cargo test --release --locked --workspace --test fast -- --ignored --nocapture numbers_at_the_limits
 
-torture: setup  ## kill the programs and damage their files at random (SECONDS=3600, SEED=1, CASE=17: that one alone)
-	TORTURE_SECONDS=$(if $(filter command line,$(origin SECONDS)),$(SECONDS),300) TORTURE_SEED=$(or $(SEED),1) \
-		$(if $(CASE),TORTURE_CASE=$(CASE)) \
-		cargo test --release --locked --workspace --test torture -- --ignored --nocapture
-
-bodies: setup  ## random bodies from model to verified mold, with their statistic (COUNT=200, SEED=0)
-	BODIES_COUNT=$(or $(COUNT),200) BODIES_SEED=$(or $(SEED),0) \
-		cargo test --release --locked --workspace --test bodies -- --ignored --nocapture bodies_become_molds
-
-campaign: setup  ## bodies of six more families from model to verified mold, with verdicts on refusals (COUNT=200 of each, SEED=0, FAMILY=shells)
+campaign: setup  ## random bodies of six families from model to verified mold, with verdicts on refusals (COUNT=200 of each, SEED=0, FAMILY=shells)
 	.venv/bin/python -B tests/campaign/run.py $(BIN) build/campaign --count $(or $(COUNT),200) --seed $(or $(SEED),0) \
 		$(if $(FAMILY),--family $(FAMILY))
 

@@ -12,8 +12,6 @@ mod cantilever;
 mod column;
 #[path = "convergence/contact.rs"]
 mod contact;
-#[path = "convergence/dynamics.rs"]
-mod dynamics;
 #[path = "convergence/fibre.rs"]
 mod fibre;
 #[path = "convergence/hertz.rs"]
@@ -34,12 +32,10 @@ mod patch;
 mod pile;
 #[path = "convergence/pressed_cube.rs"]
 mod pressed_cube;
-#[path = "convergence/rigid.rs"]
-mod rigid;
+#[path = "convergence/radial.rs"]
+mod radial;
 #[path = "convergence/ring.rs"]
 mod ring;
-#[path = "convergence/scene_loads.rs"]
-mod scene_loads;
 #[path = "convergence/schedules.rs"]
 mod schedules;
 #[path = "convergence/shell.rs"]
@@ -48,5 +44,7 @@ mod shell;
 mod sphere_volume;
 #[path = "convergence/supports.rs"]
 mod supports;
+#[path = "convergence/symmetric_gas.rs"]
+mod symmetric_gas;
 #[path = "convergence/volumes.rs"]
 mod volumes;

@@ -3,8 +3,6 @@
 
 #[path = "design/bar.rs"]
 mod bar;
-#[path = "design/cavity.rs"]
-mod cavity;
 #[path = "design/bounds.rs"]
 mod bounds;
 #[path = "design/constraints.rs"]

@@ -17,6 +17,8 @@ mod bounds;
 mod budgets;
 #[path = "fast/calibrate.rs"]
 mod calibrate;
+#[path = "fast/campaign.rs"]
+mod campaign;
 #[path = "fast/carry.rs"]
 mod carry;
 #[path = "fast/castable.rs"]
@@ -27,10 +29,6 @@ mod compare;
 mod contact_failures;
 #[path = "fast/design_line.rs"]
 mod design_line;
-#[path = "fast/element_kinds.rs"]
-mod element_kinds;
-#[path = "fast/energies.rs"]
-mod energies;
 #[path = "fast/energy_in_time.rs"]
 mod energy_in_time;
 #[path = "fast/error_bars.rs"]
@@ -59,6 +57,8 @@ mod limits;
 mod lines;
 #[path = "fast/locking.rs"]
 mod locking;
+#[path = "fast/interrupted.rs"]
+mod interrupted;
 #[path = "fast/keep.rs"]
 mod keep;
 #[path = "fast/import.rs"]
@@ -71,8 +71,6 @@ mod materials;
 mod map;
 #[path = "fast/measured_rubber.rs"]
 mod measured_rubber;
-#[path = "fast/membranes.rs"]
-mod membranes;
 #[path = "fast/mold_report.rs"]
 mod mold_report;
 #[path = "fast/mullins.rs"]
@@ -108,22 +106,12 @@ mod probes;
 mod python;
 #[path = "fast/python_page.rs"]
 mod python_page;
-#[path = "fast/reference.rs"]
-mod reference;
 #[path = "fast/reinforced_page.rs"]
 mod reinforced_page;
 #[path = "fast/refused.rs"]
 mod refused;
-#[path = "fast/relaxation.rs"]
-mod relaxation;
-#[path = "fast/resume.rs"]
-mod resume;
 #[path = "fast/rigid.rs"]
 mod rigid;
-#[path = "fast/resume_in_time.rs"]
-mod resume_in_time;
-#[path = "fast/resume_static.rs"]
-mod resume_static;
 #[path = "fast/samples.rs"]
 mod samples;
 #[path = "fast/scales.rs"]
@@ -140,8 +128,6 @@ mod solver_bad_input;
 mod solver_cli;
 #[path = "fast/solver_tools.rs"]
 mod solver_tools;
-#[path = "fast/spoiled_folder.rs"]
-mod spoiled_folder;
 #[path = "fast/standard.rs"]
 mod standard;
 #[path = "fast/sweep.rs"]
@@ -152,8 +138,6 @@ mod symmetric_contact;
 mod symmetry;
 #[path = "fast/terminal.rs"]
 mod terminal;
-#[path = "fast/thin_walls.rs"]
-mod thin_walls;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

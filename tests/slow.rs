@@ -1,24 +1,18 @@
-//! Tests that take minutes: the beam from model to molds, the molds
-//! of all scenes, a CAD finger whose faces are picked, kept designs simulated again, simulations beside measurements, and
-//! displacements beside those of CalculiX.
+//! Tests that take minutes: the molds of all scenes and templates, commands of the book, notebooks, the wheel, kept designs
+//! simulated again, and simulations beside measurements.
 //!
 //! `make test-all` makes the beam and then runs these; they are not for
 //! `make test`, which says so for each.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use std::path::PathBuf;
 use std::process::Command;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, Once, PoisonError};
 
 use tests::workdir::repository;
 
-#[path = "slow/beam.rs"]
-mod beam;
-
 #[path = "slow/book.rs"]
 mod book;
-
-#[path = "slow/calculix.rs"]
-mod calculix;
 
 #[path = "slow/molds.rs"]
 mod molds;
@@ -28,9 +22,6 @@ mod new;
 
 #[path = "slow/notebooks.rs"]
 mod notebooks;
-
-#[path = "slow/pick.rs"]
-mod pick;
 
 #[path = "slow/results.rs"]
 mod results;
@@ -55,6 +46,13 @@ fn make(goal: &str) -> String {
     // a make that runs these tests must not hand its own flags down
     command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
     run(command.args(goal.split_whitespace()).current_dir(repository()))
+}
+
+/// The folder of the results of `make beam`; made once for all tests here.
+fn beam() -> PathBuf {
+    static MADE: Once = Once::new();
+    MADE.call_once(|| _ = make("beam"));
+    repository().join("build/beam")
 }
 
 /// Runs a command to its good end and returns what it printed.

@@ -1,47 +1,27 @@
 //! Small bodies and helpers that the tests share.
 
-#[path = "support/bar.rs"]
-pub mod bar;
-#[path = "support/bodies.rs"]
-pub mod bodies;
 #[path = "support/book.rs"]
 pub mod book;
-#[path = "support/calculix.rs"]
-pub mod calculix;
 #[path = "support/chamber.rs"]
 pub mod chamber;
 #[path = "support/chromium.rs"]
 pub mod chromium;
 #[path = "support/equilibrium.rs"]
 pub mod equilibrium;
-#[path = "support/fall.rs"]
-pub mod fall;
-#[path = "support/fuzz/mod.rs"]
-pub mod fuzz;
-#[path = "support/hostile.rs"]
-pub mod hostile;
-#[path = "support/kills.rs"]
-pub mod kills;
 #[path = "support/judges.rs"]
 pub mod judges;
 #[path = "support/meshes.rs"]
 pub mod meshes;
 #[path = "support/motion.rs"]
 pub mod motion;
-#[path = "support/polyfem.rs"]
-pub mod polyfem;
 #[path = "support/published.rs"]
 pub mod published;
-#[path = "support/radial.rs"]
-pub mod radial;
 #[path = "support/reported.rs"]
 pub mod reported;
 #[path = "support/skip.rs"]
 pub mod skip;
 #[path = "support/symmetric.rs"]
 pub mod symmetric;
-#[path = "support/symmetric_gas.rs"]
-pub mod symmetric_gas;
 #[path = "support/workdir.rs"]
 pub mod workdir;
 

@@ -12,7 +12,7 @@ use mechanics::math::taylor::log_slope;
 use mechanics::math::tensor::{Mat3, cofactor};
 use mesh::Vec3;
 use tests::block;
-use tests::equilibrium::{newton, scientific};
+use tests::equilibrium::newton;
 
 const AMPLITUDE: f64 = 0.1;
 /// Compressible, so that linear elements do not lock before they converge.
@@ -176,18 +176,4 @@ fn quadratic_elements_converge_with_their_order() {
 #[test]
 fn cubic_elements_converge_with_their_order() {
     check(3, 5, &[3, 4, 6]);
-}
-
-/// What the default rule costs P3 beside finer ones.
-#[test]
-#[ignore = "a study of half a minute: runs in make test-all"]
-fn cubic_elements_do_not_need_finer_quadrature() {
-    let by_degree = [5, 6, 8].map(|exact| errors(3, exact, 4));
-    for (exact, e) in [5, 6, 8].into_iter().zip(&by_degree) {
-        eprintln!("manufactured P3 n = 4, quadrature {exact}: L2, H1 {}", scientific(e));
-    }
-    for finer in &by_degree[1..] {
-        assert!((by_degree[0][0] / finer[0] - 1.0).abs() < 0.1);
-        assert!((by_degree[0][1] / finer[1] - 1.0).abs() < 0.1);
-    }
 }

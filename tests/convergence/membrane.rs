@@ -1,4 +1,4 @@
-//! Sheets that are bonded to bodies: a balloon, layered cantilevers, wrinkled skins.
+//! Sheets that are bonded to bodies: a balloon, layered cantilevers.
 //!
 //! Balloon of an incompressible neo-Hookean skin: P = 2 t μ/R (λ⁻¹ − λ⁻⁷).
 //!
@@ -6,16 +6,15 @@
 //! axis is n h/(2 (1 + n)) above the middle, EI = E b h³/12 (1 + 4n)/(1 + n) and
 //! δ = F L³/(3EI) + k F L/(G b h). A sheet in the middle has no part in bending.
 
-use mechanics::element::FunctionSpace;
-use mechanics::energy::{Energies, Isobaric, Membrane, Term, Traction};
-use mechanics::forward::{Problem, Stepping, Workspace, solve_in_time};
-use mechanics::material::sheet::{self, Sheet, TensionField};
+use mechanics::energy::{Energies, Isobaric, Membrane, Traction};
+use mechanics::material::sheet;
 use mechanics::material::{Lame, NeoHookean};
 use mesh::{TetMesh, Vec3, facet_key, topology};
 use tests::block;
-use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean, newton};
+use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
 use tests::meshes::shell_octant;
-use tests::symmetric_gas::{Planes, SymmetricGas};
+
+use crate::symmetric_gas::{Planes, SymmetricGas};
 
 const RADIUS: f64 = 0.01;
 const MU: f64 = 3e5;
@@ -70,9 +69,6 @@ fn a_balloon_keeps_the_law_of_laplace() {
 const LENGTH: f64 = 0.2;
 const SIDE: f64 = 0.01;
 const FORCE: f64 = 1e-5;
-/// Of the block with a skin [m].
-const WIDTH: f64 = 3.0 * SIDE;
-
 /// Young's modulus [Pa] and Poisson's ratio of the silicone.
 fn young() -> (f64, f64) {
     let (mu, bulk) = MODULI;
@@ -140,63 +136,4 @@ fn a_cantilever_with_a_stiff_skin_bends_as_a_composite_beam() {
     let inside = deflection(1.0, 0.5 * SIDE) / composite(0.0);
     eprintln!("  in the middle, Y t/(E h) = 1: {inside:.4} of that without a sheet");
     assert!((inside - 1.0).abs() < 0.01, "{inside}");
-}
-
-/// Forces on the far sides x and y of a block, with a skin on its top, whose sides are moved by
-/// parts of its size [N]. All strains are homogeneous.
-fn squeezed(skin: Option<Box<dyn Sheet>>, by: [f64; 2]) -> [f64; 2] {
-    let mesh = block([3, 3, 2], SIDE, |_| false, |p| p);
-    let top = facets_at(&mesh, 2.0 * SIDE);
-    let TetMesh { vertices: rest, tets } = mesh;
-    let space = FunctionSpace::new(2, rest.len(), tets);
-    let mut energies = Energies::elastic(Box::new(SILICONE));
-    energies.extend(skin.map(|skin| Term::new(Membrane::new(&space, &top, THIN, skin))));
-    let places = space.node_positions(&rest);
-    let far = |c: f64| c > WIDTH - 1e-9;
-    let side = |c: f64| c < 1e-9 || far(c);
-    let fixed = places.iter().flat_map(|p| [side(p.x), side(p.y), p.z < 1e-9]);
-    let fixed: Vec<bool> = fixed.collect();
-    let motion: Vec<f64> = places.iter().flat_map(|p| [by[0] * p.x, by[1] * p.y, 0.0]).collect();
-    let problem = Problem::new(space, energies, &fixed).with_displacement(&motion);
-    let newton = newton(40, 1e-11);
-    let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton };
-    let mut workspace = Workspace::new(&problem);
-    let found = solve_in_time(&problem, &mut workspace, &rest, &stepping, &[1.0], |_| ());
-    let u = found.expect("an equilibrium").u;
-    let (forces, _) = problem.gradient(&problem.iterate(&rest, &u, 1.0));
-    let on = |axis: usize| {
-        let far = (0..places.len()).filter(|&n| far(places[n][axis]));
-        far.map(|n| forces[3 * n + axis]).sum::<f64>()
-    };
-    [on(0), on(1)]
-}
-
-#[test]
-fn a_wrinkled_skin_carries_nothing_in_compression() {
-    let (young, poisson) = (2e6, 0.3);
-    let skin = || Box::new(sheet::Linear { young, poisson });
-    let relaxed = || Box::new(TensionField(skin()));
-    // nothing at all where it is slack
-    let [bare, slack] = [squeezed(None, [-0.1, -0.05]), squeezed(Some(relaxed()), [-0.1, -0.05])];
-    for axis in 0..2 {
-        assert!((slack[axis] / bare[axis] - 1.0).abs() < 1e-10, "{slack:?} {bare:?}");
-    }
-    // a strip in tension where it is wrinkled
-    let by = [-0.1, 0.08];
-    let [bare, wrinkled] = [squeezed(None, by), squeezed(Some(relaxed()), by)];
-    let stretch: f64 = 1.08;
-    let strip = WIDTH * THIN * stretch * young * 0.5 * (stretch * stretch - 1.0);
-    assert!((wrinkled[0] - bare[0]).abs() < 1e-10 * bare[0].abs(), "{wrinkled:?} {bare:?}");
-    assert!(((wrinkled[1] - bare[1]) / strip - 1.0).abs() < 1e-9, "{wrinkled:?} {bare:?}");
-    // a sheet that does not wrinkle is compressed
-    let compressed = squeezed(Some(skin()), by);
-    let e = by.map(|by: f64| 0.5 * ((1.0 + by).powi(2) - 1.0));
-    let force = WIDTH * THIN * 0.9 * young / (1.0 - poisson * poisson) * (e[0] + poisson * e[1]);
-    assert!(((compressed[0] - bare[0]) / force - 1.0).abs() < 1e-9 && force < 0.0);
-    eprintln!(
-        "skin on a block, -10 % and +8 %: {:.4?} N wrinkled, {:.4?} N compressed; closed form \
-         [0, {strip:.4}], [{force:.4}, ...]",
-        [0, 1].map(|i| wrinkled[i] - bare[i]),
-        [0, 1].map(|i| compressed[i] - bare[i])
-    );
 }

@@ -105,7 +105,7 @@ fn throw(seed: u64, steps: usize) -> f64 {
 }
 
 #[test]
-#[ignore = "twenty seconds: runs in make test-all; several bodies collide in dynamics.rs, too"]
+#[ignore = "twenty seconds: runs in make test-all; two bodies collide in contact.rs"]
 fn ten_bodies_fall_on_a_heap() {
     assert!(throw(1, 34) > 0.0);
 }

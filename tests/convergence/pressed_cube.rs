@@ -35,13 +35,13 @@ fn cube(cells: usize) -> Body {
     tag(mesh, &tags)
 }
 
-fn pressed(friction: f64, cells: usize) -> Motion {
+fn pressed(cells: usize) -> Motion {
     let start = 0.99 * ACTIVATION;
     let text = format!(
         "degree = 1\n[[body]]\nname = \"cube\"\nmesh = \"cube.msh\"\n{SILICONE}\
          [[obstacle]]\nname = \"low\"\nsurface = \"low.stl\"\ndisplacement = [0, 0, \"{0:e}*t\"]\n\
          [[obstacle]]\nname = \"high\"\nsurface = \"high.stl\"\ndisplacement = [0, 0, \"-{0:e}*t\"]\n\
-         [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\nfriction = {friction}\n\
+         [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\nfriction = 0.2\n\
          friction_speed = 1e-4\n\
          [time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = {STEPS}\n",
         EDGE / 4.0
@@ -146,9 +146,9 @@ struct Point {
 }
 
 /// Presses a cube, step by step.
-fn press(friction: f64, cells: usize) -> Vec<Point> {
+fn press(cells: usize) -> Vec<Point> {
     let clock = std::time::Instant::now();
-    let mut cube = pressed(friction, cells);
+    let mut cube = pressed(cells);
     let mut curve = Vec::new();
     for step in 1..=STEPS {
         cube.go(1);
@@ -169,7 +169,7 @@ fn press(friction: f64, cells: usize) -> Vec<Point> {
     }
     let last = curve.last().unwrap();
     eprintln!(
-        "cube of {} tetrahedra, friction {friction}, at {} %: |∫ P N dA| on a free face {:.4} of the {:.3} N of a plate, \
+        "cube of {} tetrahedra at {} %: |∫ P N dA| on a free face {:.4} of the {:.3} N of a plate, \
          force of contact there {:e}; {} Newton iterations, {:.1} s",
         6 * cells.pow(3),
         100.0 * last.shortening,
@@ -185,28 +185,12 @@ fn press(friction: f64, cells: usize) -> Vec<Point> {
 /// Where the cube slips at its edges, the error halves with the mesh.
 #[test]
 fn stress_at_free_faces_halves_with_the_mesh_and_contact_has_none() {
-    compare(0.2, 0.5);
-}
-
-/// Where it sticks, the stress at its edges has no bound: it grows with the
-/// distance r as r^(λ − 1), and errors of forces fall with h^λ. Between a clamped
-/// and a free face at 90° and for ν = 0.35, λ = 0.68 solves
-/// sin²(λπ/2) = ((κ + 1)² − 4 λ²) / 4κ with κ = 3 − 4ν (Williams 1952), so that
-/// halved edges leave 0.62 of the error.
-#[test]
-#[ignore = "six seconds: runs in make test-all; the cube that slips stays"]
-fn where_it_sticks_the_edges_keep_it_from_halving() {
-    compare(1.0, 0.62);
-}
-
-/// Presses cubes with whole and halved edges.
-fn compare(friction: f64, most: f64) {
-    let [coarse, fine] = [4, 8].map(|n| press(friction, n));
+    let [coarse, fine] = [4, 8].map(press);
     // the friction of the first steps is that of plates that hardly touch
     for (c, f) in coarse.iter().zip(&fine).filter(|(c, _)| c.shortening > 0.1) {
         let at = c.shortening;
         assert!(c.stress > 0.01, "at {at}: {}", c.stress);
-        assert!(f.stress < most * c.stress, "at {at}: {} {}", c.stress, f.stress);
+        assert!(f.stress < 0.5 * c.stress, "at {at}: {} {}", c.stress, f.stress);
     }
 }
 
@@ -217,7 +201,7 @@ fn the_picture_of_it() {
     let (mut series, mut largest) = (Vec::new(), Vec::<Vec<(f64, f64)>>::new());
     for (turn, &n) in cells.iter().enumerate() {
         let label = Some(format!("{} tetrahedra: stress", 6 * n * n * n));
-        let curve = press(0.2, n);
+        let curve = press(n);
         let points = curve.iter().map(|p| (100.0 * p.shortening, p.stress)).collect();
         series.push(Series { label, points, style: Style::Dotted(2), turn });
         largest.push(curve.iter().map(|p| (100.0 * p.shortening, p.contact)).collect());

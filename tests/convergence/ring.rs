@@ -10,7 +10,8 @@ use mechanics::material::{Lame, Material, NeoHookean};
 use mesh::Vec3;
 use tests::equilibrium::{Equilibrium, SILICONE, facets_where, mean};
 use tests::meshes::ring_quarter;
-use tests::symmetric_gas::{Planes, SymmetricGas};
+
+use crate::symmetric_gas::{Planes, SymmetricGas};
 
 const HEIGHT: f64 = 0.1;
 

@@ -4,9 +4,9 @@
 use mechanics::body::Body;
 use mechanics::element::at;
 use mechanics::energy::Iterate;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::Vec3;
 use tests::motion::{Motion, SILICONE, begin};
-use tests::{block, plate, tag};
+use tests::{block, tag};
 
 const EDGE: f64 = 0.02;
 /// d̂ [m].
@@ -20,13 +20,6 @@ fn cube(cells: usize) -> Body {
         mesh,
         &[("low", &|p: Vec3| p.z < low), ("high", &|p: Vec3| p.z > high), ("sides", &|_| true)],
     )
-}
-
-/// A square in the plane x = `x`, none of whose edges meets the cube.
-fn wall(x: f64) -> SurfaceMesh {
-    let mut wall = plate([-0.09, 0.11], [-0.04, 0.17], x);
-    wall.vertices.iter_mut().for_each(|p| *p = Vec3::new(p.z, p.x, p.y));
-    wall
 }
 
 /// Goes to the end; how much of the straight path there is free, and the number of
@@ -56,45 +49,6 @@ fn apart(a: &Motion, b: &Motion) -> f64 {
     let largest = |w: &[f64]| (0..w.len() / 3).map(|n| at(w, n).norm()).fold(0.0, f64::max);
     let off: Vec<f64> = a.u().iter().zip(b.u()).map(|(a, b)| a - b).collect();
     largest(&off) / largest(a.u())
-}
-
-/// Its ends come nearer by a quarter, and its sides swell until walls hold them,
-/// half a millimetre away at rest.
-#[test]
-fn a_cube_pressed_at_its_ends_until_its_sides_touch() {
-    let run = |degree: usize, cells: usize, steps: usize| {
-        let half = EDGE / 8.0;
-        let text = format!(
-            "degree = {degree}\n[[body]]\nname = \"cube\"\nmesh = \"cube.msh\"\n{SILICONE}\
-             [[fixed]]\non = \"cube.low\"\ndisplacement = [0, 0, \"{half:e}*t\"]\n\
-             [[fixed]]\non = \"cube.high\"\ndisplacement = [0, 0, \"-{half:e}*t\"]\n\
-             [[obstacle]]\nname = \"left\"\nsurface = \"left.stl\"\n\
-             [[obstacle]]\nname = \"right\"\nsurface = \"right.stl\"\n\
-             [contact]\nactivation = {ACTIVATION:e}\nstiffness = 1e5\n\
-             [time]\nmethod = \"quasistatic\"\nend = 1.0\nsteps = {steps}\n\
-             [solver]\nfirst_load_step = 1.0\n"
-        );
-        let walls = [("left", &wall(-5e-4)), ("right", &wall(EDGE + 5e-4))];
-        let mut motion = begin(&[("cube", &cube(cells))], &walls, &text);
-        let (free, load_steps) = go(&mut motion);
-        (motion, free, load_steps)
-    };
-    for (degree, cells) in [(1, 4), (2, 2)] {
-        let (mut one, free, load_steps) = run(degree, cells, 1);
-        let (many, ..) = run(degree, cells, 40);
-        let forces = one.report()["collisions"]["contact"].clone();
-        let touching =
-            forces.as_array().unwrap().iter().filter(|f| f["magnitude"].as_f64() > Some(1e-3));
-        assert_eq!(touching.count(), 2, "{forces}");
-        let apart = apart(&one, &many);
-        eprintln!(
-            "cube pressed at its ends, P{degree}: {free:.2} is free; {load_steps} load step, {} Newton iterations; \
-             in 40: {}; {apart:.1e} apart",
-            one.stepper.progress.newton_iterations, many.stepper.progress.newton_iterations
-        );
-        assert!(free < 0.9 && load_steps == 1, "{free} {load_steps}");
-        assert!(apart < 1e-6, "{apart:e}");
-    }
 }
 
 /// A body that is moved as a whole meets another one at rest, and covers it: with edges

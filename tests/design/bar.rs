@@ -2,7 +2,6 @@
 //! designed.
 
 use tests::chamber;
-use tests::kills::{history_without_times, kill_after_every_checkpoint};
 use tests::workdir::Workdir;
 
 /// The top should be at one height in the middle of the run and at another at its end.
@@ -50,17 +49,6 @@ pub fn workdir() -> Workdir {
     dir
 }
 
-/// In motion as fast as the bar's own, whose period is about 10 ms, inertia counts in the gradient.
-#[test]
-fn gradients_are_exact_where_inertia_counts() {
-    let dir = workdir();
-    let slow = dir.text("moving.toml").replace("1e4*t", "1e6*t");
-    dir.write("moving.toml", &slow.replace("end = 0.2\nsteps = 10", "end = 0.01\nsteps = 5"));
-    let fast = DESIGN.replace("slope = [-2e5, 2e5]", "slope = [-2e6, 2e6]");
-    dir.write("design.toml", &fast.replace("[5, 6]", "[2, 3]").replace("[9, 10]", "[4, 5]"));
-    dir.solver("check design.toml --steps 5").assert_good();
-}
-
 /// Weight of both objectives [1/m⁴], and the heights that they want [m].
 const WEIGHT: f64 = 1e9;
 const HEIGHTS: [(&str, f64); 2] = [("middle", 3e-4), ("end", 1e-4)];
@@ -103,17 +91,6 @@ fn pressures(dir: &Workdir, bound: f64) -> (Vec<f64>, Vec<f64>) {
     (t, p)
 }
 
-/// Some 12 kPa lift the top to where it should be in step 5, at t = 0.1 s. With at most 1e5 Pa/s there
-/// are 10 kPa then, and as much only if the pressure rises as fast as it may in every step.
-#[test]
-fn a_pressure_rises_as_fast_as_it_may() {
-    let dir = workdir();
-    dir.write("design.toml", &DESIGN.replace("slope = [-2e5, 2e5]", "slope = [-1e5, 1e5]"));
-    dir.solver("-q optimize design.toml -o out").assert_good();
-    let (t, p) = pressures(&dir, 1e5);
-    assert!((p[5] / (1e5 * t[5]) - 1.0).abs() < 1e-3, "{p:?}");
-}
-
 /// With the mean s of the top and the variance c s², J = W A ((s − w)² + c s²) for a wanted height
 /// w is least at s = w / (1 + c), and is then W A w² c / (1 + c), if c does not depend on s: with one
 /// pressure per step, which scales the shape of the bulge. That c changes with s by the part
@@ -149,24 +126,4 @@ fn a_pressure_over_time_is_found() {
     for ((name, w), [s, c]) in HEIGHTS.iter().zip(bulges) {
         assert!((s * (1.0 + c) / w - 1.0).abs() < 0.01, "{name}: {s}");
     }
-}
-
-/// Killed after every checkpoint: the run through time is done again from θ.
-#[test]
-#[ignore = "fifteen seconds: runs in make test-all; resume.rs kills designs, resume_in_time.rs runs through time"]
-fn a_design_in_time_that_is_killed_ends_the_same() {
-    let design = |dir: &Workdir| {
-        let text = dir.text("design.toml").replace("iterations = 15", "iterations = 3");
-        dir.write("design.toml", &text);
-    };
-    let command = "--threads 2 -q optimize design.toml -o out";
-    let undisturbed = workdir();
-    design(&undisturbed);
-    undisturbed.solver(command).assert_good();
-    let dir = workdir();
-    design(&dir);
-    let kills = kill_after_every_checkpoint(&dir, command);
-    assert!(kills >= 3, "{kills}");
-    assert_eq!(dir.text("out/pressures.toml"), undisturbed.text("out/pressures.toml"));
-    assert_eq!(history_without_times(&dir), history_without_times(&undisturbed));
 }

@@ -136,25 +136,6 @@ fn a_level_may_have_another_mesh() {
 }
 
 #[test]
-fn a_mesh_that_is_not_of_the_body_is_refused() {
-    let dir = chamber::workdir();
-    let design = dir.text("design.toml");
-    let refused = |more: &str, words: &[&str]| {
-        let changed = design.replacen("iterations = 3", &format!("iterations = 3\n{more}"), 1);
-        dir.write("design.toml", &changed);
-        dir.solver("optimize design.toml -o out").assert_refused(2, words);
-    };
-    refused("mesh = 'body.msh'\nbody = 'a'", &["body = \"a\"", "only one body"]);
-    let mut body = chamber::chamber();
-    body.mesh.vertices.iter_mut().for_each(|x| x.y += 0.1);
-    mesh::io::write_tets(&dir.path("far.msh"), &body.mesh, &body.tags).unwrap();
-    refused("mesh = 'far.msh'", &["far.msh", "from the modelled surface"]);
-    let bare = mesh::Tags::default();
-    mesh::io::write_tets(&dir.path("bare.msh"), &body.mesh, &bare).unwrap();
-    refused("mesh = 'bare.msh'", &["bare.msh", "no tag"]);
-}
-
-#[test]
 fn designed_loads_go_from_level_to_level() {
     let levels = "[[shape.level]]\nhandles = 1\niterations = 2\n\
                   [[shape.level]]\nhandles = 3\niterations = 1\n";

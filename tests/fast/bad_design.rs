@@ -2,24 +2,6 @@
 
 use tests::chamber;
 
-#[test]
-fn no_level_and_no_objective() {
-    let dir = chamber::workdir();
-    let sound = dir.text("design.toml");
-    let (head, objectives) = sound.split_at(sound.find("[[objective]]").unwrap());
-    let (shape, _) = head.split_at(head.find("[[shape.level]]").unwrap());
-    let problem = |text: &str| {
-        dir.write("design.toml", text);
-        dir.solver("optimize design.toml -o out")
-    };
-    problem(&format!("{shape}{objectives}")).assert_refused(2, &["missing field `level`"]);
-    let empty = format!("{shape}level = []\n{objectives}");
-    problem(&empty).assert_refused(2, &["design.toml", "no [[shape.level]]"]);
-    problem(head).assert_refused(2, &["design.toml", "missing field `objective`"]);
-    problem(&format!("objective = []\n{head}")).assert_refused(2, &["no [[objective]]"]);
-    assert!(!dir.path("out").exists());
-}
-
 /// A first try that was refused must not obstruct the second.
 #[test]
 fn a_corrected_problem_starts_in_the_same_folder() {
@@ -29,14 +11,6 @@ fn a_corrected_problem_starts_in_the_same_folder() {
     dir.solver("optimize design.toml -o out").assert_refused(2, &["1000 handles"]);
     dir.write("design.toml", &sound);
     dir.solver("optimize design.toml -o out").assert_good();
-}
-
-#[test]
-fn a_target_that_is_missing_is_named() {
-    let dir = chamber::workdir();
-    dir.write("design.toml", &dir.text("design.toml").replace("target.stl", "none.stl"));
-    let run = dir.solver("optimize design.toml -o out");
-    run.assert_refused(2, &["none.stl", "No such file"]);
 }
 
 #[test]

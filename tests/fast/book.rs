@@ -124,32 +124,6 @@ fn numbers_of_the_paper_are_those_of_the_book() {
     assert!((750..=1750).contains(&words), "{words} words");
 }
 
-#[test]
-fn the_linter_of_prose_finds_what_readers_read_twice() {
-    let python = repository().join(".cargo-tools/prose/bin/python");
-    if !python.is_file() {
-        return skip("proselint (make lint installs it)");
-    }
-    let dir = Workdir::new();
-    let text = "# Page\n\nAll derivatives know it, but\nfor one. Those of the rest were tried in vain.\n\n\
-                - VALUE is TOML; what is none is a text. `in vain` is code.\n";
-    fs::write(dir.path("page.md"), text).unwrap();
-    let script = repository().join(".ci/prose.py");
-    let run = Command::new(python).arg("-B").arg(script).arg(dir.path("page.md")).output().unwrap();
-    let printed = String::from_utf8_lossy(&run.stdout);
-    assert_eq!(run.status.code(), Some(1), "{run:?}");
-    for found in [
-        "3:5: 'derivatives know'",
-        "3:26: 'but for'",
-        "'. Those of'",
-        "'in vain'",
-        "6:23: 'is none'",
-    ] {
-        assert!(printed.contains(found), "{found}: {printed}");
-    }
-    assert!(printed.ends_with("prose: 5 findings in 1 files\n"), "{printed}");
-}
-
 /// The sentences of the programs are held to what those of the book are.
 #[test]
 fn the_linter_of_prose_finds_nothing_in_what_programs_print() {

@@ -20,9 +20,9 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("tests/convergence", 0, 3_800),
     ("tests/design", 0, 1_100),
     ("tests/fast", 0, 11_950),
+    ("tests/fuzz", 0, 200),
     ("tests/slow", 0, 1_100),
     ("tests/support", 0, 3_300),
-    ("tests/torture", 0, 550),
 ];
 
 /// Files of modules behind `#[cfg(test)]`, without extension; those below are tests, too.

@@ -7,8 +7,7 @@ use solver::study::calibration::Calibration;
 use tests::chamber;
 use tests::workdir::Workdir;
 
-use crate::relaxation;
-use crate::samples::{SHEET, TIGHT, TWO, covered, volumes};
+use crate::samples::{SHEET, TIGHT, TWO, covered, creeping, volumes};
 
 const GRAVITY: &str = "gravity = [0, 0, -9.81]";
 
@@ -146,7 +145,7 @@ const TRUTHS: &[Truth] = &[
         written: ("membrane", "thickness", 1.2e-4),
     },
     Truth {
-        folder: || relaxation::bar(&relaxation::table(relaxation::BRANCH), 8),
+        folder: || creeping(8),
         guess: ["overstress = 0.4\ntime = 2", "overstress = 0.25\ntime = 1"],
         times: "time = \"t [s]\"\n",
         numbers: &[("of = \"relaxation.1.overstress\"", 0.4), ("of = \"relaxation.1.time\"", 2.0)],
@@ -229,6 +228,14 @@ fn derivatives_belong_to_the_simulations() {
             assert!((slope - 2.0).abs() < 0.1 || whole < rounding, "{}: {slope}", sought[k]);
         }
     }
+}
+
+#[test]
+fn measurements_between_time_steps_are_refused() {
+    let dir = measured();
+    dir.write("top.csv", "t [s], height [mm]\n0.3, 1\n");
+    let said = dir.solver("calibrate calibrate.toml -o out");
+    said.assert_refused(2, &["t = 0.3 s", "0.25, 0.5, 0.75, 1 s"]);
 }
 
 /// Two measurements at one state do not tell three numbers apart.

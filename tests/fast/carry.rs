@@ -37,20 +37,3 @@ fn a_finer_mesh_takes_the_shape() {
         assert!(off < 2.6e-5, "vertex {v} is {off:.1e} m off");
     }
 }
-
-#[test]
-fn what_does_not_belong_together_is_refused() {
-    let dir = Workdir::new();
-    write(&dir, 2, ["coarse.msh", "design.msh"]);
-    write(&dir, 3, ["fine.msh", "other.msh"]);
-    let words = ["re-meshed or is of another body", "other.msh onto fine.msh"];
-    dir.solver("carry other.msh --from coarse.msh --onto fine.msh -o out.msh")
-        .assert_refused(2, &words);
-    let mut far = read_tets(&dir.path("fine.msh")).unwrap();
-    far.mesh.vertices.iter_mut().for_each(|x| x.y += 0.1);
-    write_tets(&dir.path("far.msh"), &far.mesh, &far.tags).unwrap();
-    let words = ["mm from the modelled surface", "same body"];
-    dir.solver("carry design.msh --from coarse.msh --onto far.msh -o out.msh")
-        .assert_refused(2, &words);
-    assert!(!dir.path("out.msh").exists());
-}

@@ -9,7 +9,7 @@ use mesh::{TetMesh, Vec3};
 use serde_json::Value;
 use tests::chamber::{self, SIM, beyond_any_equilibrium};
 use tests::reported::number;
-use tests::workdir::{Run, Workdir, python};
+use tests::workdir::{Run, Workdir};
 use tests::{block, tag};
 
 /// Runs a scene that must fail; its report.
@@ -73,30 +73,6 @@ fn a_column_is_said_to_buckle_and_where() {
         let percent: f64 = said.split(' ').next().unwrap().parse().unwrap();
         assert!((8.0..9.5).contains(&percent), "{percent}");
     }
-}
-
-/// Another program finds the element in the last good state.
-#[test]
-fn meshio_finds_the_worst_element() {
-    const READ: &str = "
-import sys, json, meshio, numpy
-mesh = meshio.read('out/not_full_load.vtu')
-worst = json.load(open('out/report.json'))['failure']['worst_element']['id']
-field = lambda data, word: next(v for k, v in data.items() if k.split(' [')[0] == word)
-[marks] = field(mesh.cell_data, 'worst_element')
-assert marks.sum() == 1 and marks[worst] == 1, marks
-[quality] = field(mesh.cell_data, 'quality')
-assert 0 < quality.min() and quality.max() <= 1, quality
-assert field(mesh.point_data, 'unbalanced_force').shape == mesh.points.shape
-assert numpy.isfinite(field(mesh.point_data, 'displacement')).all()
-";
-    let Some(python) = python("meshio, numpy") else { return };
-    let dir = chamber::workdir();
-    dir.write("high.toml", &beyond_any_equilibrium(&dir.text("p1.toml")));
-    failing(&dir, "high.toml");
-    let output =
-        Command::new(&python).args(["-c", READ]).current_dir(dir.path("")).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// A box with walls of a sixth of its side: as rubber balloons do, it has a
@@ -172,19 +148,6 @@ fn hinged(first: &TetMesh) -> Workdir {
     dir
 }
 
-#[test]
-fn parts_that_do_not_touch_are_refused_at_once() {
-    let middle = |c: [usize; 3]| c[0] == 1;
-    let body = tag(block([3, 1, 1], 1e-2, middle, |p| p), &[("seat", &|p: Vec3| p.x < 1e-9)]);
-    let dir = Workdir::new();
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
-    let scene = &SIM[..SIM.find("[[chamber]]").unwrap()];
-    dir.write("sim.toml", scene);
-    let run = dir.solver("simulate sim.toml -o out");
-    run.assert_refused(2, &["sim.toml", "2 parts that do not touch", "(0.02500, ", "can still"]);
-    assert!(!dir.path("out").exists());
-}
-
 /// Loads that hardly exceed rounding, on a body a hundred times as large, too: they are in
 /// balance, or the report says how near.
 #[test]
@@ -254,17 +217,6 @@ fn a_factor_that_does_not_fit_is_refused_before_it_is_made() {
     let words = ["sim.toml", "unknowns", "million entries", "B are needed", "coarser mesh"];
     run.assert_refused(1, &words);
     assert!(!dir.path("out").exists());
-}
-
-#[test]
-fn the_size_of_the_factor_is_told_at_the_start() {
-    let dir = chamber::workdir();
-    let run = dir.solver("simulate sim.toml -o out");
-    run.assert_good();
-    // 819 nodes, less those of the seat
-    let line = run.stderr.lines().find(|l| l.contains("unknowns")).unwrap().to_owned();
-    assert!(line.contains("384 tets, degree 2") && line.contains("million entries"), "{line}");
-    assert!(number(&dir.json("out/report.json")["memory_estimate_mb"]) > 0.1);
 }
 
 #[test]

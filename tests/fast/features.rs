@@ -7,7 +7,7 @@ use tests::chamber::{self, VOLUME_DESIGN};
 use tests::workdir::Workdir;
 
 use crate::samples::*;
-use crate::{alike, keep, mullins, relaxation};
+use crate::{alike, keep};
 
 struct Feature {
     name: &'static str,
@@ -109,7 +109,7 @@ const FEATURES: &[Feature] = &[
     Feature {
         name: "softening",
         folder: || {
-            let dir = mullins::moved(&mullins::table(mullins::SOFTENING), &[8e-3, 3e-3, 6e-3]);
+            let dir = moved(SOFTENING, &[8e-3, 3e-3, 6e-3]);
             dir.write("design.toml", &cube_design("left", "pull", 1.0));
             dir
         },
@@ -121,7 +121,7 @@ const FEATURES: &[Feature] = &[
     Feature {
         name: "relaxation",
         folder: || {
-            let dir = relaxation::bar(&relaxation::table(relaxation::BRANCH), 3);
+            let dir = creeping(3);
             dir.write("design.toml", &cube_design("top", "top", 1e9));
             dir
         },

@@ -1,4 +1,4 @@
-//! Fibres and threads in scenes: what they hold, where they lie, and numbers of them that are set or designed.
+//! Fibres, threads and sheets in scenes: what they hold, and where they lie.
 
 use mesh::Vec3;
 use mesh::io::npy::write_f64;
@@ -8,7 +8,7 @@ use tests::chamber;
 use tests::reported::number;
 use tests::workdir::Workdir;
 
-use crate::samples::{FIBRE, FIBRE_PROFILES, WINDING, WINDING_PROFILES, covered, half, wound};
+use crate::samples::{FIBRE, FIBRE_PROFILES, SHEET, TIGHT, WINDING, covered, half, wound};
 
 /// The volume in the chamber under load.
 fn air(dir: &Workdir) -> f64 {
@@ -131,63 +131,6 @@ fn threads_that_cross_and_points_off_their_tag_are_told() {
     assert!(!near.contains("of the line,"), "{near}");
 }
 
-#[test]
-fn numbers_are_set_by_their_paths() {
-    let dir = wound(&(FIBRE_PROFILES.to_owned() + WINDING_PROFILES));
-    let numbers = "\n[numbers]\n\"fibre.weave.angle.2\" = 20\n\"fibre.weave.k1.2\" = 5e5\n\
-                   \"winding.thread.stiffness.1\" = 100\n\"winding.thread.pretension\" = 1\n";
-    let by_hand = [
-        ("[70, 40, 55]", "[70, 20, 55]"),
-        ("[1e5, 3e5]", "[1e5, 5e5]"),
-        ("[40, 60]", "[100, 60]"),
-        ("pretension = 0.5", "pretension = 1"),
-    ];
-    let scene = dir.text("p1.toml");
-    let hand = by_hand.iter().fold(scene.clone(), |text, (old, new)| text.replace(old, new));
-    dir.write("set.toml", &(scene + numbers));
-    dir.write("hand.toml", &hand);
-    for name in ["set", "hand"] {
-        dir.solver(&format!("simulate {name}.toml -o {name}")).assert_good();
-    }
-    assert_eq!(dir.probe("set", "air").to_bits(), dir.probe("hand", "air").to_bits());
-}
-
-/// Angle and stiffness of a family are found again from what they did, within bounds.
-#[test]
-fn angle_and_stiffness_of_a_family_are_designed() {
-    let dir = wound(&FIBRE.replace("k2 = 1.0\ndispersion = 0.1\n", "slack = 0.1\n"));
-    let probe =
-        "[[probe]]\nname = \"tip\"\nkind = \"displacement\"\non = \"tip\"\naxis = [1, 0, 0]\n";
-    dir.write("p1.toml", &(dir.text("p1.toml") + probe));
-    let numbers = "\n[numbers]\n\"fibre.weave.angle\" = 55\n\"fibre.weave.k1\" = 4e5\n";
-    dir.write("wanted.toml", &(dir.text("p1.toml") + numbers));
-    dir.solver("simulate wanted.toml -o wanted").assert_good();
-    let objective = |name: &str, scale: &str| {
-        let target = dir.probe("wanted", name);
-        format!(
-            "\n[[objective]]\nkind = \"probe\"\nname = \"{name}\"\nweight = 1\nprobe = \"{name}\"\n\
-             target = {target:e}\nscale = {scale}\n"
-        )
-    };
-    let goals = objective("air", "1e-8") + &objective("tip", "1e-5");
-    let found = |most: f64, iterations: usize| {
-        let design = format!(
-            "scene = \"p1.toml\"\n\n[optimizer]\nmethod = \"gauss-newton\"\niterations = {iterations}\n\n\
-             [[parameter]]\nname = \"fibre.weave.angle\"\nbounds = [20, {most}]\n\n\
-             [[parameter]]\nname = \"fibre.weave.k1\"\nbounds = [1e5, 1e6]\n{goals}"
-        );
-        dir.write("design.toml", &design);
-        dir.solver("optimize design.toml -o out --restart").assert_good();
-        let last = dir.lines("out/history.jsonl").pop().unwrap();
-        ["angle", "k1"].map(|key| number(&last["parameters"][format!("fibre.weave.{key}")]))
-    };
-    let [angle, k1] = found(80.0, 12);
-    assert!((angle - 55.0).abs() < 0.05 && (k1 / 4e5 - 1.0).abs() < 1e-2, "{angle} {k1}");
-    // a bound that is nearer holds
-    let [angle, _] = found(48.0, 4);
-    assert!((angle - 48.0).abs() < 1e-9, "{angle}");
-}
-
 /// The mirror image of a family has the opposite angles at the mirror images of the heights; across the plane a profile
 /// may be its own image: odd angles, and an even stiffness.
 #[test]
@@ -245,4 +188,28 @@ fn one_direction_is_the_same_from_a_formula_and_a_file() {
     refused(&["file: no direction in the element at (", "the vector is [0, 0, 0]"]);
     write_f64(&table.path("a.npy"), &[1.0; 4], &[2, 2]).unwrap();
     refused(&["shape [2, 2]", "three columns"]);
+}
+
+#[test]
+fn a_sheet_holds_its_side() {
+    let dir = covered(&(SHEET.to_owned() + TIGHT));
+    dir.solver("simulate p1.toml -o paper").assert_good();
+    let report = dir.json("paper/report.json");
+    let row = &report["membranes"][0];
+    // 50 × 40 mm
+    assert!((number(&row["area"]) / 2e-3 - 1.0).abs() < 1e-12, "{row}");
+    let shares = ["taut", "wrinkled", "slack"].map(|key| number(&row[key]));
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{row}");
+    let energy = number(&report["energies"]["membrane"]);
+    assert!(energy > 0.0 && (number(&row["energy"]) / energy - 1.0).abs() < 1e-12);
+    assert!(report["force_balance"].get("membrane").is_none());
+    assert!(number(&report["force_balance"]["out_of_balance"]) < 1e-9);
+    // pressure lengthens the body, but for its top: it bends towards the sheet
+    dir.solver("simulate sim.toml -o bare --degree 1").assert_good();
+    let bare = dir.json("bare/report.json");
+    let [with, without] = [&report, &bare].map(|report| {
+        [0, 2].map(|axis| number(&report["tags"]["top"]["mean_displacement_vector"][axis]))
+    });
+    assert!(without[0] > 0.0 && with[0] < without[0], "{with:?} {without:?}");
+    assert!(without[1] > 0.0 && with[1] > without[1], "{with:?} {without:?}");
 }

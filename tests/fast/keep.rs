@@ -44,17 +44,3 @@ fn a_flat_floor_stays_flat_and_moves_along_its_plane() {
         assert!(along > 1e-5 && all > 1e-4, "{level}: floor {along} m, others {all} m");
     }
 }
-
-/// The same plane by its normal; it is not an axis for the program.
-#[test]
-fn a_plane_by_its_normal_is_the_same() {
-    let dir = folder("[[shape.level]]\nhandles = 4\niterations = 3\n");
-    dir.solver("optimize design.toml -o out").assert_good();
-    let by_normal = "keep = [{ normal = [0, 0, -2], at = -0.01 }]";
-    dir.write("design.toml", &dir.text("design.toml").replace(FLOOR, by_normal));
-    dir.solver("optimize design.toml -o by-normal").assert_good();
-    let read = |path: &str| mesh::io::read_tets(&dir.path(path)).unwrap().mesh.vertices;
-    let (a, b) = (read("out/design.msh"), read("by-normal/design.msh"));
-    let apart = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    assert!(apart < 1e-9, "{apart}");
-}

@@ -114,29 +114,13 @@ fn estimates_are_made_where_they_are_due_or_asked_for() {
     }
 }
 
-/// Of a body of 1667 shear moduli, elements of degree 2 hold back more than where their volume changes as a
-/// whole; and who asks for that where it is not, is told.
+/// Who asks for a mean dilatation where it changes nothing, or cannot be, is told.
 #[test]
-fn elements_may_change_their_volume_as_a_whole() {
+fn mean_dilatation_needs_a_degree_and_a_law() {
     let dir = workdir();
-    let size_of = |dilatation: &str, degree: usize| {
-        let settings = format!("locking = \"always\"\ndilatation = \"{dilatation}\"");
-        let (report, size) = simulate(&dir, &scene("0.4997", "pressure = 100", &settings), degree);
-        (report["locking"].is_object(), size)
-    };
-    let ((here, pointwise), (there, as_a_whole)) = (size_of("pointwise", 2), size_of("mean", 2));
-    let ((_, next), (_, next_as_a_whole)) = (size_of("pointwise", 3), size_of("mean", 3));
-    assert!(here && there);
-    eprintln!(
-        "chamber of 1667 shear moduli: {pointwise:e}, mean {as_a_whole:e}, P3 {next:e}, mean {next_as_a_whole:e}"
-    );
-    assert!(pointwise < 0.92 * next && as_a_whole > 0.96 * next, "{pointwise} {as_a_whole} {next}");
-    // one mean alone in an element of degree 3 made a body 22 % too soft
-    let [two, three] = [as_a_whole, next].map(|size| next_as_a_whole / size);
-    assert!((two - 1.0).abs() < 0.06 && three > 1.0 && three < 1.05, "{two} {three}");
     let whole = scene("0.4997", "pressure = 100", "dilatation = \"mean\"");
     dir.write("sim.toml", &whole);
-    let run = dir.solver("simulate sim.toml --degree 1 -o out --restart");
+    let run = dir.solver("simulate sim.toml --degree 1 -o out");
     assert!(run.stderr.contains("changes nothing with degree = 1"), "{}", run.stderr);
     dir.write("sim.toml", &whole.replace("neo-hookean", "saint-venant-kirchhoff"));
     let words =

@@ -3,7 +3,6 @@
 use mechanics::energy::{BodyForce, Energies};
 use mechanics::forward::Failure;
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
-use mechanics::math::linear::{Precision, SparseSolver, Symmetric, one_by_one};
 use mechanics::math::tensor::{Mat3, Mat9};
 use mechanics::stability::SoftestMode;
 use mesh::Vec3;
@@ -112,36 +111,4 @@ fn the_softest_motion_of_a_bar_bends_it() {
     // a pivot is never below the smallest eigenvalue
     assert!(short.pivot.unwrap().value >= short.stiffness.unwrap());
     assert!(softest_mode(8, false).0.floats(1.0));
-}
-
-/// Dense enough for a factor by supernodes.
-#[test]
-fn the_smallest_pivot_is_that_of_a_dense_factor() {
-    let n = 200;
-    let entry = |i: usize, j: usize| if i == j { 150.0 } else { ((i * j) as f64).sin() };
-    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-    for c in 0..n {
-        rows.extend(c..n);
-        values.extend((c..n).map(|r| entry(r, c)));
-        start.push(rows.len());
-    }
-    let order: Vec<usize> = (0..n).collect();
-    let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
-    let factored = solver.positive(Symmetric::sparse(values), Precision::Double).unwrap();
-    // Gaussian elimination without exchanges
-    let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
-    for k in 0..n {
-        let pivot = a[k].clone();
-        for row in &mut a[k + 1..] {
-            let factor = row[k] / pivot[k];
-            row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
-        }
-    }
-    let pivots: Vec<f64> = (0..n).map(|k| a[k][k]).collect();
-    let smallest = pivots.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = pivots.iter().copied().fold(0.0, f64::max);
-    let found = factored.smallest_pivot().unwrap();
-    assert!((found.value / smallest - 1.0).abs() < 1e-11, "{found:?} {smallest}");
-    assert!((found.largest / largest - 1.0).abs() < 1e-11, "{found:?} {largest}");
-    assert_eq!(pivots[found.unknown], smallest);
 }

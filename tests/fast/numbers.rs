@@ -11,8 +11,7 @@ use scene::number::{KINDS, Number, Swept, Walls};
 use tests::chamber;
 use tests::workdir::Workdir;
 
-use crate::mullins;
-use crate::scenarios::objective_at_start;
+use crate::samples::{SOFTENING, moved};
 
 /// Motion of a body that falls.
 const MORE: &str = r#"
@@ -58,7 +57,7 @@ fn first(scene: &Scene) -> (f64, Vec<f64>) {
 /// Central differences: the remainder is of second order in the step.
 #[test]
 fn every_number_has_its_derivative() {
-    let softened = mullins::moved(&mullins::table(mullins::SOFTENING), &[8e-3, 3e-3, 6e-3]);
+    let softened = moved(SOFTENING, &[8e-3, 3e-3, 6e-3]);
     let mut words = with_derivatives(&workdir("").path("sim.toml"));
     words.extend(with_derivatives(&softened.path("p1.toml")));
     let known: BTreeSet<&str> = KINDS.iter().map(|kind| kind.word()).collect();
@@ -92,41 +91,6 @@ fn with_derivatives(path: &Path) -> BTreeSet<&'static str> {
         }
     }
     words
-}
-
-#[test]
-fn error_bars_of_a_path_are_derivatives_times_what_it_is_off() {
-    let dir = workdir(
-        "[uncertainty]\nmodulus = 0.1\nnumbers = { \"material.body.c1\" = 1e3, \"wall.top\" = 1e-4 }\n",
-    );
-    dir.solver("simulate sim.toml -o out").assert_good();
-    let bars = dir.json("out/report.json")["error_bars"]["top"]["bars"].clone();
-    let of = |path: &str| {
-        let mut own = bars.as_array().unwrap().iter();
-        own.find(|bar| bar["of"] == path).unwrap_or_else(|| panic!("{path}: {bars}")).clone()
-    };
-    let (_, derivatives) = first(&Scene::read(&dir.path("sim.toml")).unwrap());
-    let all = Number::all(&Scene::read(&dir.path("sim.toml")).unwrap());
-    for (path, unit, off) in [("material.body.c1", "Pa", 1e3), ("wall.top", "m", 1e-4)] {
-        let bar = of(path);
-        let place = all.iter().position(|number| number.path == path).unwrap();
-        let change = bar["change"][1].as_f64().unwrap();
-        assert!((change / (off * derivatives[place]) - 1.0).abs() < 1e-9, "{bar}");
-        assert_eq!(bar["per"], unit);
-    }
-}
-
-#[test]
-fn a_scenario_by_paths_is_the_scene_with_these_numbers() {
-    let dir = chamber::workdir();
-    let design = dir.text("design.toml").replace("iterations = 3", "iterations = 1");
-    let numbers = "{ \"material.body.c1\" = 60e3, \"chamber.cavity.pressure\" = 500 }";
-    let scenario = format!("\n[[scenario]]\nname = \"other\"\nnumbers = {numbers}\n");
-    let found = objective_at_start(&dir, &(design.clone() + &scenario));
-    let scene = dir.text("p1.toml");
-    dir.write("p1.toml", &scene.replace("55e3", "60e3").replace("= 8e3", "= 8.5e3"));
-    let expected = objective_at_start(&dir, &design);
-    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
 }
 
 /// Of a design whose variables are numbers of the material and a pressure: the wanted ones are found.
@@ -176,16 +140,4 @@ fn the_stress_of_a_law_has_its_gradient_by_the_law() {
     dir.solver("optimize law.toml -o out").assert_refused(2, &["\"stress\"", "material.body.c1"]);
 }
 
-#[test]
-fn numbers_of_a_scene_are_in_place_of_those_of_its_tables() {
-    let dir = chamber::workdir();
-    let scene = chamber::SIM.replace("degree = 2", "degree = 1") + chamber::PROBES;
-    let numbers = "[numbers]\n\"material.body.c1\" = 60e3\n\"chamber.cavity.pressure\" = 500\n";
-    let top = |text: &str| {
-        dir.write("sim.toml", text);
-        dir.solver("-q simulate sim.toml -o out --restart").assert_good();
-        dir.probe("out", "top")
-    };
-    let changed = scene.replace("55e3", "60e3").replace("= 8e3", "= 8.5e3");
-    assert!((top(&(scene.clone() + numbers)) / top(&changed) - 1.0).abs() < 1e-9);
 }

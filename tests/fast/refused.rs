@@ -11,8 +11,7 @@ use tests::workdir::{Workdir, repository};
 
 use crate::samples::*;
 use crate::{
-    alike, as_cast, calibrate, error_bars, groove, keep, mullins, probes, relaxation, scenarios,
-    symmetry, validate,
+    alike, as_cast, calibrate, error_bars, groove, keep, probes, scenarios, symmetry, validate,
 };
 
 pub struct Section<'a> {
@@ -52,8 +51,8 @@ pub fn sample(name: &str) -> Workdir {
         "fabric" => covered(FABRIC),
         "volumes" => volumes(TWO),
         "rigid" => glued(""),
-        "mullins" => mullins::moved(&mullins::table(mullins::SOFTENING), &[8e-3, 3e-3]),
-        "relaxation" => relaxation::bar(&relaxation::table(relaxation::BRANCH), 2),
+        "mullins" => moved(SOFTENING, &[8e-3, 3e-3]),
+        "relaxation" => creeping(2),
         "line" => twins(200e3, &supplied("on = \"left\"", "supply = 20e3", 0.0)),
         "contact" => falling(),
         "half fibre" => half(FIBRE),
@@ -65,6 +64,7 @@ pub fn sample(name: &str) -> Workdir {
         "as cast" => as_cast::workdir(),
         "calibration" => calibrate::measured(),
         "scenarios" => scenarios::workdir(""),
+        "pulse" => pulsed(),
         "alike" => alike::folder(alike::OWN),
         "keep" => keep::folder("[[shape.level]]\nhandles = 3\niterations = 3\n"),
         "part" => symmetry::quarter(),

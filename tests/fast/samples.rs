@@ -113,6 +113,13 @@ pub fn covered(tables: &str) -> Workdir {
     dir
 }
 
+/// The chamber with a file of another program.
+pub fn of_files(name: &str, text: &str) -> Workdir {
+    let dir = chamber::workdir();
+    dir.write(name, text);
+    dir
+}
+
 /// The chamber, whose tetrahedra below 10 mm are the volume `floor`, and others `walls`.
 pub fn volumes(materials: &str) -> Workdir {
     let dir = covered(TIGHT);
@@ -188,6 +195,42 @@ pub fn cube(law: &str, loads: &str) -> Workdir {
     let scene = format!("mesh = \"body.msh\"\ndegree = 1\n{law}{}{loads}{TIGHT}", fixed.concat());
     dir.write("p1.toml", &scene);
     dir
+}
+
+/// 40 % more isochoric stress at once, which relaxes in 2 s.
+pub const BRANCH: &str = "[[relaxation]]\noverstress = 0.4\ntime = 2\n";
+
+/// The cube, whose top is pulled from the first time step on to a strain of 0.1 %; its branch creeps.
+pub fn creeping(steps: usize) -> Workdir {
+    let law =
+        format!("[material]\nkind = \"neo-hookean\"\nyoung = 2.64e5\npoisson = 0.49\n{BRANCH}");
+    let loads = format!(
+        "[[traction]]\non = \"top\"\ntraction = [0, 0, 264]\n\
+         [[probe]]\nname = \"top\"\nkind = \"displacement\"\non = \"top\"\naxis = [0, 0, 1]\n\
+         [time]\nend = 4\nsteps = {steps}\nmethod = \"quasistatic\"\n"
+    );
+    cube(&law, &loads)
+}
+
+pub const SOFTENING: &str = "[[mullins]]\nr = 1.8\nm = 400\nbeta = 0.15\n";
+
+/// A law with a bulk modulus [Pa].
+pub fn silicone(bulk: f64) -> String {
+    let d1 = 0.5 * bulk;
+    format!("[material]\nkind = \"mooney-rivlin\"\nc1 = 40000\nc2 = 6000\nc3 = 0\nd1 = {d1}\n")
+}
+
+/// The cube, whose top rises so far [m] in steps of a second.
+pub fn moved(softening: &str, rises: &[f64]) -> Workdir {
+    let (count, times) = (rises.len(), Vec::from_iter(0..=rises.len()));
+    let values: Vec<f64> = [0.0].iter().chain(rises).copied().collect();
+    let loads = format!(
+        "[[fixed]]\non = \"top\"\ncomponents = \"z\"\n\
+         displacement = [0, 0, {{ t = {times:?}, value = {values:?} }}]\n\
+         [[probe]]\nname = \"pull\"\nkind = \"reaction\"\non = \"top\"\naxis = [0, 0, 1]\n\
+         [time]\nend = {count}\nsteps = {count}\nmethod = \"quasistatic\"\n"
+    );
+    cube(&(silicone(5e6) + softening), &loads)
 }
 
 /// A design of the cube for a probe, by the shape of a face.
@@ -270,6 +313,52 @@ pub fn falling() -> Workdir {
              [contact]\nactivation = 1e-4\nstiffness = 1e5\nthickness = 0.0\n\
              [time]\nend = 0.04\nsteps = 10\n"
         ),
+    );
+    dir
+}
+
+/// A block falls onto a floor, and another, which is held above, is moved onto it; they slide.
+/// The state before last, lagged contacts, the couplings of contact, and the work of the support
+/// all matter.
+pub fn sliding() -> Workdir {
+    let dir = Workdir::new();
+    let top = |p: Vec3| p.z > 12e-3 - 1e-9;
+    let block = block([1, 1, 1], 12e-3, |_| false, |p| p);
+    let block = tag(block, &[("top", &top), ("skin", &|_| true)]);
+    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
+    let floor = plate([-1.0, 1.0], [-1.0, 1.1], 0.0);
+    write_surface(&dir.path("floor.stl"), &floor).unwrap();
+    let material = "{ kind = \"neo-hookean\", young = 3e4, poisson = 0.4, density = 1000.0 }";
+    dir.write(
+        "sim.toml",
+        &format!(
+            "degree = 1\ngravity = [0, 0, -9.8]\n\
+             [[body]]\nname = \"low\"\nmesh = \"block.msh\"\ntranslate = [0, 0, 3e-4]\n\
+             velocity = [0.3, 0, 0]\nmaterial = {material}\n\
+             [[body]]\nname = \"high\"\nmesh = \"block.msh\"\ntranslate = [3e-3, 2e-3, 13e-3]\n\
+             velocity = [0, 0.1, -0.2]\nmaterial = {material}\n\
+             [[fixed]]\non = \"high.top\"\ndisplacement = [0, \"0.1*t\", \"-0.05*t\"]\n\
+             [[obstacle]]\nname = \"floor\"\nsurface = \"floor.stl\"\n\
+             [contact]\nactivation = 2e-4\nstiffness = 3e4\nfriction = 0.4\n\
+             [time]\nmethod = \"bdf2\"\nend = 0.032\nsteps = 16\n"
+        ),
+    );
+    dir
+}
+
+/// The chamber, blown up by a pulse whose peak and delay are designed.
+pub fn pulsed() -> Workdir {
+    let dir = chamber::workdir();
+    let pulse =
+        dir.text("p1.toml").replace("pressure = 8e3", "pressure = \"peak*max(t - delay, 0)\"");
+    let pulse = pulse.replace("\"seat\"\n", "\"seat\"\ndisplacement = [\"1e-5*moved\", 0, 0]\n");
+    let time = "[parameters]\npeak = 5e3\ndelay = 0.01\nmoved = 0\n[time]\nmethod = \"quasistatic\"\nend = 1\nsteps = 2\n";
+    dir.write("p1.toml", &(pulse + time));
+    dir.write(
+        "design.toml",
+        "scene = \"p1.toml\"\n[optimizer]\niterations = 3\n\
+         [[parameter]]\nname = \"peak\"\nbounds = [0, 1e4]\n[[parameter]]\nname = \"delay\"\nbounds = [0, 0.09]\n\
+         [[objective]]\nkind = \"volume\"\nname = \"air\"\nweight = 1e6\non = \"cavity\"\nmeasure = \"deformed\"\n",
     );
     dir
 }

@@ -3,9 +3,6 @@
 use tests::chamber;
 use tests::workdir::Workdir;
 
-use crate::resume::{COMMAND, unfinished};
-use crate::resume_in_time;
-
 fn pressure(dir: &Workdir, folder: &str) -> f64 {
     dir.json(&format!("{folder}/report.json"))["chambers"]["cavity"]["pressure"].as_f64().unwrap()
 }
@@ -33,24 +30,6 @@ fn what_is_set_is_simulated_and_reported() {
     ] {
         dir.solver(&format!("{run} {set}")).assert_refused(2, &["p1.toml", words, "^"]);
     }
-}
-
-#[test]
-fn an_interrupted_design_with_other_values_is_another() {
-    let dir = unfinished();
-    let words = ["out/checkpoint.json", "another problem", "--restart"];
-    let refuse = |set: &str| dir.solver(&format!("{COMMAND} {set}")).assert_refused(2, &words);
-    refuse("--set objective.0.weight=2e10");
-    refuse("--set scene.chamber.cavity.pressure=7e3");
-    let run = dir.solver(&format!("{COMMAND} --set parameters.peak=3"));
-    run.assert_refused(2, &["design.toml: --set parameters.peak=3", "unknown field `parameters`"]);
-}
-
-#[test]
-fn an_interrupted_run_with_other_values_is_another() {
-    let dir = resume_in_time::unfinished();
-    let set = format!("{} --set gravity.2=-1.0", resume_in_time::COMMAND);
-    dir.solver(&set).assert_refused(2, &["another scene", "--restart"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use mesh::Tags;
 use mesh::io::{read_tets, write_tets};
-use tests::chamber::{self, beyond_any_equilibrium};
+use tests::chamber;
 use tests::workdir::Workdir;
 
 #[test]
@@ -13,6 +13,8 @@ fn missing_files_and_arguments() {
     dir.solver("simulate sim.toml --mesh none.msh -o out").assert_refused(2, &["none.msh"]);
     dir.solver("simulate sim.toml").assert_refused(2, &["--output"]);
     dir.solver("simulat sim.toml").assert_refused(2, &["simulat"]);
+    std::fs::remove_file(dir.path("target.stl")).unwrap();
+    dir.solver("optimize design.toml -o none").assert_refused(2, &["target.stl", "No such file"]);
     std::fs::remove_file(dir.path("body.msh")).unwrap();
     dir.solver("simulate sim.toml -o out").assert_refused(2, &["body.msh", "No such file"]);
     assert!(!dir.path("out").exists());
@@ -25,18 +27,6 @@ fn refuse_mesh(dir: &Workdir, words: &[&str]) {
         run.assert_refused(2, words);
         run.assert_refused(2, &["body.msh"]);
         assert!(!dir.path("out").exists());
-    }
-}
-
-#[test]
-fn truncated_meshes() {
-    let dir = chamber::workdir();
-    let text = dir.text("body.msh");
-    // in the header, in the nodes, between sections, in the elements, before the last line
-    let nodes = text.find("$EndNodes").unwrap();
-    for length in [0, 12, nodes / 2, nodes + 10, text.len() * 3 / 4, text.len() - 15] {
-        dir.write("body.msh", &text[..length]);
-        refuse_mesh(&dir, &[]);
     }
 }
 
@@ -97,21 +87,6 @@ fn a_scene_without_a_load_is_refused_and_one_of_zero_remarked_on() {
     dir.write("p1.toml", &text[..text.find("[[chamber]]").unwrap()]);
     dir.solver("simulate p1.toml -o none").assert_refused(2, &[remark, "[[chamber]]"]);
     assert!(!dir.path("none").exists());
-}
-
-/// The program ran, but there is no result: exit code 1 and a report that says so.
-#[test]
-fn pressure_beyond_any_equilibrium() {
-    let dir = chamber::workdir();
-    dir.solver("simulate p1.toml -o out").assert_good();
-    dir.write("high.toml", &beyond_any_equilibrium(&dir.text("p1.toml")));
-    let run = dir.solver("simulate high.toml -o out");
-    run.assert_refused(1, &["high.toml", "no equilibrium", "% of the load", "lower the pressure"]);
-    // the good result of before must not remain beside it
-    assert_eq!(dir.files("out"), ["not_full_load.vtu", "report.json"]);
-    let report = dir.json("out/report.json");
-    assert_eq!(report["status"], "no equilibrium");
-    assert!(report["reason"].as_str().unwrap().contains("no equilibrium beyond"));
 }
 
 /// A file where the folder should be: refused for root, too, who may write

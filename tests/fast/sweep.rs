@@ -9,7 +9,6 @@ use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use tests::chromium::Chromium;
-use tests::hostile::{self, Hostile};
 use tests::skip::skip;
 use tests::workdir::{Workdir, program, repository};
 
@@ -103,36 +102,6 @@ fn cases_become_one_table_and_a_page() {
     let same = Command::new(&python).args(["-c", same]).current_dir(dir.path("")).output().unwrap();
     assert!(same.status.success(), "{}", said(&same));
     page(&dir);
-    every_text_is_text(&python, &dir);
-}
-
-/// Each text of plan and results, replaced by what would run if the page took it for markup.
-fn every_text_is_text(python: &Path, dir: &Workdir) {
-    let Some(program) = Chromium::installed() else { return };
-    let mut hostile = Hostile::but(vec!["key", "body"]);
-    for path in hostile::files(&dir.path("out")) {
-        let name = path.file_name().unwrap().to_str().unwrap();
-        if ["plan.json", "step.json", "report.json"].contains(&name) {
-            hostile.json_file(&path);
-        }
-    }
-    let mut table = Command::new(python);
-    table.arg(repository().join("pipelines/sweep/table.py")).arg(dir.path("out"));
-    let output = table.output().unwrap();
-    assert!(output.status.success(), "{}", said(&output));
-    let mut browser = Chromium::start(program, [1200, 900]);
-    let page = dir.path("out/sweep.html");
-    for page in [hostile::without_policy(&page), page] {
-        browser.open(&page);
-        browser.wait("document.getElementById('count')?.textContent.startsWith('3 cases')");
-        let all = "for (const select of document.querySelectorAll('select')) \
-                     for (const option of [...select.options]) { \
-                       select.value = option.value; select.dispatchEvent(new Event('change')); }";
-        browser.evaluate(all);
-        let seen = hostile::shown(&mut browser);
-        assert!(seen > 10, "{seen} texts of {} are shown", hostile.count());
-        hostile::assert_text_alone(&mut browser);
-    }
 }
 
 /// Choices on an axis choose cases, and no name of a parameter becomes markup.

@@ -12,7 +12,7 @@ fn commands_that_take_minutes_work() {
 #[test]
 #[ignore = "makes two bodies from model to mold: runs in make test-all"]
 fn commands_of_the_readmes_work() {
-    crate::beam::beam(); // they come after `make beam`
+    crate::beam(); // they come after `make beam`
     let count: usize = readmes().iter().map(|readme| readme.run(&["slow"])).sum();
     assert!(count > 30, "{count} lines of commands");
 }

@@ -14,8 +14,7 @@ use tests::reported::check_mold;
 use tests::skip::skip;
 use tests::workdir::{program, python, repository};
 
-use crate::beam::beam;
-use crate::{make, run};
+use crate::{beam, make, run};
 
 /// Scenes with a mold.toml.
 const SCENES: [&str; 6] = ["beam", "chamber", "finger", "frog", "gripper", "worm-segment"];

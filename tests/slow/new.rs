@@ -25,6 +25,8 @@ fn make_in_empty_folder(name: &str) {
     check_mold(&dir);
     assert_eq!(dir.json("mine/build/baseline/report.json")["usable"], true);
     assert!(!repository().join("build/mine").exists());
+    // a second make changes nothing, and says so
+    assert!(crate::make(&format!("-C {}", folder.display())).contains("nothing to do"));
 }
 
 fn check_mold(dir: &Workdir) {

@@ -166,14 +166,12 @@ pub fn with(body: &Body, tables: &str) -> Workdir {
     dir
 }
 
-/// When the silicone of [`near_its_edges`] tears: between its state under pressure and its limit.
-pub const STRETCH_AT_BREAK: &str = "stretch_at_break = 2";
-
 /// A folder whose `p1.toml` has a pressure not far from where it balloons, and a silicone that tears before.
 pub fn near_its_edges() -> Workdir {
     let dir = workdir();
-    let tears = format!("d1 = 1e6\n{STRETCH_AT_BREAK}");
-    let scene = dir.text("p1.toml").replace("8e3", "60e3").replace("d1 = 1e6", &tears);
+    // it tears between its state under pressure and its limit
+    let tears = "d1 = 1e6\nstretch_at_break = 2";
+    let scene = dir.text("p1.toml").replace("8e3", "60e3").replace("d1 = 1e6", tears);
     dir.write("p1.toml", &(scene + "\n[limit]\nmost = 4\n"));
     dir
 }

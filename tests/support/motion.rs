@@ -1,12 +1,17 @@
-//! Bodies that move: a scene through time, step by step.
+//! Bodies that move: a scene through time, or to its load, step by step.
+
+use std::collections::BTreeMap;
 
 use mechanics::body::Body;
 use mechanics::forward::{LoadStep, Problem, TimeStepper, Workspace};
 use mesh::{SurfaceMesh, Vec3};
+use reports::Chamber;
 use run::report::results;
 use scene::Scene;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::{block, tag};
 
 /// The material of all scenes here, for a `[[body]]` or at the top.
 pub const SILICONE: &str =
@@ -45,6 +50,38 @@ pub fn begin(bodies: &[(&str, &Body)], surfaces: &[(&str, &SurfaceMesh)], text: 
     Motion { _folder: Some(folder), ..Motion::of(scene) }
 }
 
+/// A bar that is held at its root.
+pub const HELD: &str = "[[fixed]]\non = \"root\"\n";
+
+/// A bar of 70 × 30 × 30 mm of degree 2 with closed cubic chambers `left`, `middle` and `right`, and tags `root`, `end`,
+/// `top`, `skin`, under some loads.
+pub fn bar(loads: &str) -> Motion {
+    let mesh = block([7, 3, 3], 0.01, |c| c[1..] == [1, 1] && c[0] % 2 == 1, |p| p);
+    let inside = |p: Vec3, x: f64| (p - Vec3::new(x, 0.015, 0.015)).amax() < 0.0055;
+    let body = tag(
+        mesh,
+        &[
+            ("root", &|p| p.x < 1e-9),
+            ("end", &|p| p.x > 0.07 - 1e-9),
+            ("top", &|p| p.z > 0.03 - 1e-9),
+            ("left", &|p| inside(p, 0.015)),
+            ("middle", &|p| inside(p, 0.035)),
+            ("right", &|p| inside(p, 0.055)),
+            ("skin", &|_| true),
+        ],
+    );
+    let head = "mesh = \"bar.msh\"\ndegree = 2\n\n[material]\nkind = \"mooney-rivlin\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e3\n\
+                d1 = 1e6\n";
+    begin(&[("bar", &body)], &[], &format!("{head}{loads}"))
+}
+
+/// Largest difference of two fields relative to the largest value.
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let largest = a.iter().chain(b).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let gap = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    gap / largest.max(f64::MIN_POSITIVE)
+}
+
 impl Motion {
     /// A scene at t = 0.
     pub fn of(scene: Scene) -> Self {
@@ -68,6 +105,22 @@ impl Motion {
                 .unwrap_or_else(|e| panic!("{e}"));
             self.last = last;
         }
+    }
+
+    /// Goes to the end: the states at the ends of time steps.
+    pub fn ends(&mut self) -> Vec<LoadStep> {
+        let count = self.scene.times().len();
+        let mut end = || {
+            self.go(1);
+            self.last.clone().expect("a step was made")
+        };
+        (0..count).map(|_| end()).collect()
+    }
+
+    /// The chambers at the last time step.
+    pub fn chambers(&self) -> BTreeMap<String, Chamber> {
+        let at = self.stepper.iterate(&self.problem, &self.scene.body.mesh.vertices);
+        results::chambers(&self.problem.energies, &at)
     }
 
     /// Nodal displacements [m].

@@ -68,11 +68,6 @@ impl Workdir {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
-    /// An empty folder in memory, where the system has a place for it.
-    pub fn in_memory() -> Self {
-        tempfile::tempdir_in("/dev/shm").map_or_else(|_| Self::new(), |folder| Self { folder })
-    }
-
     /// A path in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)

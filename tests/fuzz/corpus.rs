@@ -7,8 +7,8 @@ use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 use mesh::io::{npy, write_surface, write_tets};
 use mesh::{SurfaceMesh, Vec3};
 
-use crate::workdir::{Workdir, repository};
-use crate::{block, tag};
+use tests::workdir::{Workdir, repository};
+use tests::{block, tag};
 
 /// What `write` leaves in a file of this name.
 fn written(name: &str, write: impl FnOnce(&Path)) -> Vec<u8> {
