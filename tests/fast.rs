@@ -150,8 +150,6 @@ mod sweep;
 mod symmetric_contact;
 #[path = "fast/symmetry.rs"]
 mod symmetry;
-#[path = "fast/terminal.rs"]
-mod terminal;
 #[path = "fast/thin_walls.rs"]
 mod thin_walls;
 #[path = "fast/threads.rs"]

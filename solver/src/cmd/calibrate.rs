@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let text = table(&calibration, &found)?;
-    write!(program::stdout(), "{text}")?;
+    write!(std::io::stdout().lock(), "{text}")?;
     let report = report(&calibration, &found, &points);
     program::write_json(&folder.join("calibration.json"), &report)?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;
