@@ -2,7 +2,6 @@
 
 mod fixture;
 
-mod carried;
 mod castings;
 mod chambers;
 mod damage;

@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::fixture::{CHAMBER, CLOSED, Cubes, Scene, fab, stderr, stdout};
+use crate::fixture::{CHAMBER, CLOSED, Cubes, Scene, fab_in, stderr, stdout};
 use fab::body::source::CastPart;
 use fab::files::report::MoldReport;
 use fab::mold::Purpose;
-use fab::plan::pull::plane;
-use fab::plan::report::{ChosenBy, Material, PlanReport};
+use fab::plan::report::{ChosenBy, PlanReport};
 use mesh::Vec3;
-use mesh::solid::Solid;
 
 /// A tube of one chamber with an inlet as wide.
 const TUBE: Cubes =
@@ -25,46 +23,14 @@ const PYRAMID: Cubes = Cubes {
     },
 };
 
-/// The plan of a mold that is written: the checks of `fab verify` hold for its surfaces.
-fn made(scene: &Scene) -> PlanReport {
-    let made = scene.mold();
-    assert!(made.status.success(), "{}", stderr(&made));
-    PlanReport::read(&scene.path("mold")).unwrap()
-}
-
-/// The plan of a mold; what `fab verify` says of its files.
-fn proved(scene: &Scene) -> (PlanReport, String) {
-    let plan = made(scene);
-    let verified = scene.verify();
-    assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
-    (plan, stdout(&verified))
-}
-
-/// The plan of a mold whose files hold the checks of `fab verify`.
-fn molded(scene: &Scene) -> PlanReport {
-    proved(scene).0
-}
-
-fn report(scene: &Scene, folder: &str) -> MoldReport {
-    MoldReport::read(&scene.path("mold").join(folder)).unwrap()
-}
-
 fn names(report: &MoldReport) -> Vec<&str> {
     report.parts.iter().map(|part| part.name.as_str()).collect()
-}
-
-fn refused(scene: &Scene) -> String {
-    let output = scene.mold();
-    let said = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(!scene.path("mold/plan.json").exists());
-    said
 }
 
 #[test]
 fn a_core_no_wider_than_its_inlet_is_pulled_out() {
     let scene = Scene::planned(&TUBE, "");
-    let plan = molded(&scene);
+    let plan = scene.made();
     assert_eq!((plan.method.name(), plan.chosen_by), ("pull-out", ChosenBy::Measures));
     // Squares of 4 mm both.
     assert!((plan.measures[0].value - 1.0).abs() < 1e-9, "{:?}", plan.measures);
@@ -75,12 +41,12 @@ fn a_core_no_wider_than_its_inlet_is_pulled_out() {
 #[test]
 fn a_chamber_with_a_flat_wall_is_cast_open_and_closed_with_a_sheet() {
     let scene = Scene::planned(&CHAMBER, "");
-    let plan = molded(&scene);
+    let plan = scene.made();
     assert_eq!(plan.method.name(), "open-top");
     // Around the room 48 mm, around the inlet 16 mm.
     assert!((plan.measures[0].value - 3.0).abs() < 1e-9, "{:?}", plan.measures);
     assert!((plan.measures[1].value - 1.0).abs() < 0.05, "{:?}", plan.measures);
-    let [chamber, sheet] = [0, 1].map(|k| report(&scene, &plan.molds[k].folder));
+    let [chamber, sheet] = [0, 1].map(|k| scene.report(&plan.molds[k].folder));
     assert_eq!(names(&chamber), ["cup", "lid"]);
     assert_eq!(names(&sheet), ["tray"]);
     assert!(sheet.open && !chamber.open);
@@ -93,9 +59,9 @@ fn a_chamber_with_a_flat_wall_is_cast_open_and_closed_with_a_sheet() {
 #[test]
 fn a_closed_chamber_is_cast_in_halves() {
     let scene = Scene::planned(&CLOSED, "method = \"halves\"");
-    let plan = molded(&scene);
+    let plan = scene.made();
     assert_eq!(plan.chosen_by, ChosenBy::Configuration);
-    let halves: Vec<MoldReport> = plan.molds.iter().map(|m| report(&scene, &m.folder)).collect();
+    let halves: Vec<MoldReport> = plan.molds.iter().map(|m| scene.report(&m.folder)).collect();
     assert_eq!(halves.len(), 2);
     // 20 × 28 × 24 mm less a room of 12³.
     let cast: f64 = halves.iter().map(|half| half.cast.volume).sum();
@@ -115,7 +81,7 @@ fn a_closed_chamber_is_cast_in_halves() {
 fn glued_across(normal: &str) -> Scene {
     let config = format!("method = \"halves\"\n[limits]\npeel = 5\n[gluing]\nnormal = {normal}");
     let scene = Scene::planned(&CLOSED, &config);
-    assert_eq!(made(&scene).molds.len(), 2, "{normal}");
+    assert_eq!(scene.made().molds.len(), 2, "{normal}");
     scene
 }
 
@@ -146,16 +112,15 @@ const NECKED: Cubes = Cubes {
 #[test]
 #[ignore = "many seconds: runs in make test-all"]
 fn a_neck_behind_the_inlet_is_judged_as_the_inlet_is() {
-    let said = refused(&Scene::planned(&NECKED, "method = \"pull-out\""));
     let neck = "48.0 mm around where it passes through a neck of 16.0 mm";
-    for part in [neck, "behind its inlet: the neck must stretch to 3.00 times its girth"] {
-        assert!(said.contains(part), "{said:?} does not say {part:?}");
-    }
+    let words = [neck, "behind its inlet: the neck must stretch to 3.00 times its girth"];
+    Scene::planned(&NECKED, "method = \"pull-out\"").refused(2, &words);
     let scene = Scene::planned(
         &NECKED,
         "method = \"pull-out\"\n[limits]\ngirth = 3.01\n[core]\nsupport = \"stub\"",
     );
-    let (plan, said) = proved(&scene);
+    let said = scene.verified();
+    let plan = PlanReport::read(&scene.path("mold")).unwrap();
     assert!((plan.measures[0].value - 3.0).abs() < 1e-6, "{:?}", plan.measures);
     assert!(said.contains("3.00 × a neck's girth of 16.0 mm"), "{said}");
 }
@@ -173,27 +138,26 @@ fn pinned(core: &str, sprue: &str) -> Scene {
 fn a_core_that_leans_is_held_by_pins_unless_they_are_forbidden() {
     let sprue = "at = [0.002, 0.002, 0.024]";
     let scene = pinned("", sprue);
-    proved(&scene);
-    let held = report(&scene, ".");
+    scene.verified();
+    let held = scene.report(".");
     let hold = &held.holds[0];
     assert!(hold.alone > 0.5 && hold.held <= 0.5, "{hold:?}");
     let pins = |report: &MoldReport| {
         report.features.iter().filter(|f| f.purpose == Purpose::Pin).cloned().collect::<Vec<_>>()
     };
     assert_eq!(pins(&held).len(), hold.lengths.len());
-    let sheet = scene.sheet();
-    assert!(sheet.contains("of 2.0 mm diameter"), "{sheet}");
+    scene.assert_sheet(&["of 2.0 mm diameter"]);
 
     let scene = pinned("support = \"stub\"", sprue);
-    molded(&scene);
-    let stub = report(&scene, ".");
+    scene.made();
+    let stub = scene.report(".");
     assert!(pins(&stub).is_empty() && stub.holds[0].held == stub.holds[0].alone);
     assert!(stub.findings.iter().any(|note| note.rule == "core support"), "{:?}", stub.findings);
 
     // The core's top is 12 x 12 mm, and 4 mm below the skin.
     let scene = pinned("pins = [[0.007, 0.017, 0.024]]", sprue);
-    proved(&scene);
-    let [pin] = &pins(&report(&scene, "."))[..] else { panic!("one pin") };
+    scene.verified();
+    let [pin] = &pins(&scene.report("."))[..] else { panic!("one pin") };
     // The mold's origin lies below the middle of the body.
     let off = Vec3::from(pin.base).xy() - Vec3::new(-3.0, 3.0, 0.0).xy();
     assert!(off.norm() <= 1.0, "{pin:?}");
@@ -202,62 +166,41 @@ fn a_core_that_leans_is_held_by_pins_unless_they_are_forbidden() {
 
 #[test]
 fn pins_that_have_no_place_are_refused() {
-    let said = refused(&pinned("pins = [[0.007, 0.017, 0.024]]\npin = 5.5e-3", ""));
-    let parts =
+    let words =
         ["no pin of 5.50 mm radius", "within 22.0 mm of (0.007, 0.017", "too near to sprue"];
-    for part in parts {
-        assert!(said.contains(part), "{said:?} does not say {part:?}");
-    }
-    let said = refused(&pinned("support = \"pin\"\npin = 5.5e-3", ""));
-    assert!(said.contains("finds room at the core"), "{said}");
+    pinned("pins = [[0.007, 0.017, 0.024]]\npin = 5.5e-3", "").refused(2, &words);
+    pinned("support = \"pin\"\npin = 5.5e-3", "").refused(2, &["finds room at the core"]);
 }
 
 #[test]
 fn what_has_no_flat_wall_and_a_narrow_inlet_gets_a_core_that_dissolves() {
     let scene = Scene::planned(&PYRAMID, "[limits]\nflat = 0.99");
-    let plan = molded(&scene);
+    let plan = scene.made();
     assert_eq!(plan.method.name(), "soluble");
-    let drains = report(&scene, ".").features;
+    let drains = scene.report(".").features;
     assert!(drains.iter().any(|f| f.purpose == Purpose::Drain));
 }
 
 #[test]
-#[ignore = "many seconds: runs in make test-all"]
-fn a_core_of_wax_has_a_mold_of_its_own() {
-    let scene = Scene::planned(&PYRAMID, "method = \"wax\"");
-    let plan = molded(&scene);
-    assert_eq!(plan.molds.len(), 2);
-    assert_eq!(plan.molds[0].casts, Material::Wax);
-    let [wax, body] = [0, 1].map(|k| report(&scene, &plan.molds[k].folder));
-    assert_eq!(wax.input.part, CastPart::Core);
-    let core = body.parts.iter().find(|part| part.name == "core").unwrap();
-    assert!((wax.cast.volume / core.volume - 1.0).abs() < 1e-6);
-    // Another plan in the same folder leaves nothing of this one.
-    scene.configure("method = \"soluble\"");
-    made(&scene);
-    assert!(!scene.path("mold/core-mold/mold.json").exists());
-}
-
-#[test]
 fn a_wrong_choice_is_refused_with_what_was_measured() {
-    let said = refused(&Scene::planned(&CHAMBER, "method = \"pull-out\""));
-    for part in
-        ["the core is 48.0 mm around, its inlet 16.0 mm", "to 3.00 times its girth", "possible are"]
-    {
-        assert!(said.contains(part), "{said:?} does not say {part:?}");
+    for (body, method, words) in [
+        (
+            &CHAMBER,
+            "pull-out",
+            &[
+                "the core is 48.0 mm around, its inlet 16.0 mm",
+                "to 3.00 times its girth",
+                "possible are",
+            ][..],
+        ),
+        (&CLOSED, "soluble", &["a chamber of 1728.0 mm³ is closed", "\"halves\""]),
+        (&CHAMBER, "glue", &["unknown variant `glue`", "`pull-out`"]),
+    ] {
+        Scene::planned(body, &format!("method = \"{method}\"")).refused(2, words);
     }
-    let said = refused(&Scene::planned(&CLOSED, "method = \"soluble\""));
-    assert!(said.contains("a chamber of 1728.0 mm³ is closed"), "{said}");
-    assert!(said.contains("\"halves\""), "{said}");
-    let said = refused(&Scene::planned(&CHAMBER, "method = \"glue\""));
-    assert!(said.contains("unknown variant `glue`") && said.contains("`pull-out`"), "{said}");
     // A method that can be used is used.
-    scene_with_looser_limit();
-}
-
-fn scene_with_looser_limit() {
     let scene = Scene::planned(&CHAMBER, "method = \"pull-out\"\n[limits]\ngirth = 3.01");
-    assert_eq!(made(&scene).method.name(), "pull-out");
+    assert_eq!(scene.made().method.name(), "pull-out");
 }
 
 /// A spool with a chamber: discs of 36 mm on a stem of 12 mm, which lock every shell
@@ -272,13 +215,11 @@ const SPOOL: Cubes = Cubes {
 fn an_undercut_that_does_not_peel_is_refused_and_another_pull_found() {
     let locked =
         "[limits]\npeel = 0.3\n[parting]\nkind = \"plane\"\npull = [0, 0, 1]\noffset = 0.018";
-    let said = refused(&Scene::planned(&SPOOL, locked));
     // 12 mm below both sides of discs that are 36 mm wide, to half a column.
-    for part in ["cannot be peeled out", "of its width of 36.00 mm", "limits.peel is 0.30"] {
-        assert!(said.contains(part), "{said:?} does not say {part:?}");
-    }
+    let words = ["cannot be peeled out", "of its width of 36.00 mm", "limits.peel is 0.30"];
+    Scene::planned(&SPOOL, locked).refused(2, &words);
     let scene = Scene::planned(&SPOOL, "[limits]\npeel = 0.3");
-    let plan = molded(&scene);
+    let plan = scene.made();
     let best = plan.directions.iter().find(|d| d.usable).unwrap();
     assert!(best.pull[2].abs() < 1e-9, "{best:?}");
     assert!(best.undercut < 1.0, "{best:?}");
@@ -289,25 +230,23 @@ fn an_undercut_that_does_not_peel_is_refused_and_another_pull_found() {
 fn a_core_that_is_too_thin_is_refused_with_its_place() {
     let soluble = "method = \"soluble\"\ncasting.least_core = ";
     let scene = Scene::new(&CHAMBER, &format!("{soluble}4.1e-3"));
-    let said = refused(&scene);
     let words = "the core of \"cavity\" is 4.000 mm thick at (";
-    assert!(said.contains(words) && said.contains("casting.least_core is 4.100 mm"), "{said}");
+    scene.refused(2, &[words, "casting.least_core is 4.100 mm"]);
     // The plan accepts it, but the stub does not fill the inlet.
     scene.configure(&format!("{soluble}3.9e-3"));
     assert!(scene.plan().status.success());
-    let output = scene.mold();
-    assert!(stderr(&output).contains("core: thinnest"), "{}", stderr(&output));
+    scene.refused(1, &["core: thinnest"]);
     scene.configure(&format!("{soluble}1e-3"));
-    let (_, lines) = proved(&scene);
+    let lines = scene.verified();
     assert!(lines.contains("core: thinnest"), "{lines}");
 }
 
 #[test]
 fn the_plan_alone_writes_the_plan_and_its_picture() {
     let scene = Scene::planned(&CHAMBER, "");
-    let [mesh, out] = ["design.msh", "planned"].map(|n| scene.path(n));
-    let output = fab(&["plan".as_ref(), mesh.as_os_str(), "-o".as_ref(), out.as_os_str()]);
+    let output = fab_in(&scene.path(""), &["plan", "design.msh", "-o", "planned"]);
     assert!(output.status.success(), "{}", stderr(&output));
+    let out = scene.path("planned");
     let plan = PlanReport::read(&out).unwrap();
     assert!(plan.directions.len() > 60);
     assert!(plan.directions.is_sorted_by(|a, b| a.undercut <= b.undercut));
@@ -318,47 +257,16 @@ fn the_plan_alone_writes_the_plan_and_its_picture() {
     let picture = std::fs::read(out.join("undercut.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG"));
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 2);
-    let bare = scene.path("bare");
-    let [mesh, out] = [mesh.as_os_str(), bare.as_os_str()];
-    let output = fab(&["plan".as_ref(), mesh, "-o".as_ref(), out, "--no-pictures".as_ref()]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert_eq!(std::fs::read_dir(&bare).unwrap().count(), 1, "the plan alone");
-}
-
-#[test]
-fn shells_do_not_fit_when_one_is_turned() {
-    let scene = Scene::new(&CHAMBER, "");
-    assert!(scene.mold().status.success());
-    let report = report(&scene, ".");
-    let read = |name: &str| {
-        let part = report.parts.iter().find(|part| part.name == name).unwrap();
-        let mut surface = mesh::io::read_surface(&scene.path("mold").join(&part.file)).unwrap();
-        for p in &mut surface.vertices {
-            let row = |r: [f64; 3]| Vec3::from(r).dot(p);
-            *p = Vec3::new(row(part.to_mold[0]), row(part.to_mold[1]), row(part.to_mold[2]));
-        }
-        surface
-    };
-    let [upper, lower] = ["upper", "lower"].map(read);
-    let solid = |surface| Solid::from_surface(surface).unwrap();
-    let clash = |surface| solid(surface).intersection(&solid(&lower)).volume();
-    assert!(clash(&upper) < 1e-3, "{}", clash(&upper));
-    let mut turned = upper.clone();
-    for p in &mut turned.vertices {
-        *p = Vec3::new(-p.x, -p.y, p.z);
-    }
-    // A cone of 3 mm height, 3 mm radius below and 1.5 mm above, π·3·(9 + 4.5 + 2.25)/3 mm³,
-    // less what the slot in that corner takes of it.
-    let cone = std::f64::consts::PI * 15.75;
-    assert!(clash(&turned) > 0.5 * cone, "{}", clash(&turned));
+    assert!(scene.plan().status.success());
+    assert_eq!(std::fs::read_dir(scene.path("plan")).unwrap().count(), 1, "the plan alone");
 }
 
 #[test]
 fn the_hull_saves_plastic_and_shrinkage_enlarges_the_mold() {
     let volumes = |config: &str| {
         let scene = Scene::new(&CHAMBER, &format!("{config}\n[core]\nsupport = \"stub\""));
-        assert!(scene.mold().status.success());
-        let report = report(&scene, ".");
+        scene.made();
+        let report = scene.report(".");
         let plastic: f64 = report.parts.iter().map(|part| part.volume).sum();
         (plastic, report.plastic_saved, report.cast.volume)
     };
@@ -373,10 +281,8 @@ fn the_hull_saves_plastic_and_shrinkage_enlarges_the_mold() {
 #[test]
 fn values_are_set_from_outside() {
     let scene = Scene::new(&TUBE, "");
-    let file = |name| scene.path(name).display().to_string();
-    let [mesh, config, out] = ["design.msh", "mold.toml", "mold"].map(file);
-    let asked = ["plan", &mesh, "--config", &config, "-o", &out, "--no-pictures"];
-    let plan = |more: &[&str]| fab(&[&asked, more].concat());
+    let asked = ["plan", "design.msh", "--config", "mold.toml", "-o", "mold", "--no-pictures"];
+    let plan = |more: &[&str]| fab_in(&scene.path(""), &[&asked, more].concat());
     let method = |more: &[&str]| {
         let planned = plan(more);
         assert!(planned.status.success(), "{}", stderr(&planned));
@@ -390,14 +296,7 @@ fn values_are_set_from_outside() {
     let unknown = plan(&["--set", "limits.grith=2"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(stderr(&unknown).contains("girth"), "{}", stderr(&unknown));
-    let nothing = fab(&["plan", &mesh, "-o", &out, "--set", "wall=4e-3"]);
+    let bare = ["plan", "design.msh", "-o", "mold", "--set", "wall=4e-3"];
+    let nothing = fab_in(&scene.path(""), &bare);
     assert!(stderr(&nothing).contains("name it with --config"), "{}", stderr(&nothing));
-}
-
-#[test]
-fn planes_are_named_by_the_coordinate_that_they_hold() {
-    assert_eq!(plane(&-Vec3::z(), -4e-3), "the plane z = 4.00 mm");
-    assert_eq!(plane(&Vec3::x(), 0.0), "the plane x = 0.00 mm");
-    let tilted = plane(&Vec3::new(0.6, 0.0, 0.8), 2e-3);
-    assert_eq!(tilted, "the plane across (0.600, 0.000, 0.800) at 2.00 mm from the origin");
 }

@@ -2,25 +2,18 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::ffi::OsStr;
 use std::process::Output;
 
-use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, fab, stderr, stdout};
-use fab::files::report::MoldReport;
-use fab::plan::report::PlanReport;
+use crate::fixture::{CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, fab_in, stderr, stdout};
 use mesh::Vec3;
 use mesh::io::{read_tets, write_surface, write_tets};
 use mesh::topology::boundary;
 use nalgebra::{Rotation3, Unit};
 
-/// A scene whose vertices are moved.
-fn moved(body: &Cubes, config: &str, place: impl FnMut(&mut Vec3)) -> Scene {
-    let scene = Scene::planned(body, config);
-    let path = scene.path("design.msh");
-    let mut msh = read_tets(&path).unwrap();
-    msh.mesh.vertices.iter_mut().for_each(place);
-    write_tets(&path, &msh.mesh, &msh.tags).unwrap();
-    scene
+/// Runs `fab mold` with more options, in the folder of the scene.
+fn with_files(scene: &Scene, more: &[&str]) -> Output {
+    let own = ["mold", "design.msh", "--config", "mold.toml", "-o", "mold", "--no-pictures"];
+    fab_in(&scene.path(""), &[&own, more].concat())
 }
 
 /// Standard output of a run with single spaces.
@@ -28,20 +21,11 @@ fn words(output: &Output) -> String {
     stdout(output).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The plan of a mold that is made and verified.
-fn verified(scene: &Scene) -> PlanReport {
-    let made = scene.mold();
-    assert!(made.status.success(), "{}", stderr(&made));
-    let verified = scene.verify();
-    assert!(verified.status.success(), "{}{}", stdout(&verified), stderr(&verified));
-    PlanReport::read(&scene.path("mold")).unwrap()
-}
-
 #[test]
 #[ignore = "many seconds: runs in make test-all"]
 fn a_vent_of_a_large_body_is_measured_by_its_own_size() {
     // 216 mm long: rounding of the whole body exceeds what the mouth of a vent holds.
-    verified(&moved(&TWO_TOPS, "method = \"soluble\"", |p| *p *= 6.0));
+    Scene::planned(&TWO_TOPS, "method = \"soluble\"").moved(|p| *p *= 6.0).verified();
 }
 
 #[test]
@@ -51,8 +35,8 @@ fn the_name_of_a_tray_stands_on_its_tray() {
     let axis = Unit::new_normalize(Vec3::new(1.0, 2.0, 3.0));
     for angle in [0.3, 0.6, 0.9, 1.2] {
         let turn = Rotation3::from_axis_angle(&axis, angle).into_inner();
-        let scene = moved(&CLOSED, "method = \"open-top\"", |p| *p = turn * *p * 0.5);
-        assert_eq!(verified(&scene).molds.len(), 2);
+        let scene = Scene::planned(&CLOSED, "method = \"open-top\"");
+        assert_eq!(scene.moved(|p| *p = turn * *p * 0.5).made().molds.len(), 2);
     }
 }
 
@@ -72,28 +56,27 @@ fn halves_keep_their_plane_clear_of_vertices() {
             "method = \"halves\"\n[gluing]\nnormal = [{}, {}, {}]",
             normal.x, normal.y, normal.z
         );
-        verified(&moved(&HALVED, &config, |p| *p = turn * *p));
+        Scene::planned(&HALVED, &config).moved(|p| *p = turn * *p).verified();
     }
 }
 
 #[test]
 #[ignore = "many seconds: runs in make test-all"]
 fn a_closed_box_is_halved_across_any_plane() {
-    verified(&Scene::planned(&CLOSED, "method = \"halves\"\n[gluing]\nnormal = [1, 2, 3]"));
+    Scene::planned(&CLOSED, "method = \"halves\"\n[gluing]\nnormal = [1, 2, 3]").verified();
 }
 
 #[test]
 fn an_inlet_is_not_tilted_against_the_lid_of_a_half() {
     // The inlet leaves the body across the plane, not at a slant on which the lid would lock.
-    let plan = verified(&Scene::planned(&CHAMBER, "method = \"halves\""));
-    assert_eq!(plan.molds.len(), 2);
+    assert_eq!(Scene::planned(&CHAMBER, "method = \"halves\"").made().molds.len(), 2);
 }
 
 #[test]
 fn an_inlet_too_narrow_for_a_stub_is_no_way_in() {
     // Stubs of 0.56 mm fill less than half of their sockets.
     let config = "[core]\nshoulder = 1.24e-3";
-    let plan = verified(&Scene::planned(&CHAMBER, config));
+    let plan = Scene::planned(&CHAMBER, config).made();
     assert!(["open-top", "halves"].contains(&plan.method.name()), "{:?}", plan.method);
     assert!(plan.reason.contains("at least 2.073 mm"), "{}", plan.reason);
 }
@@ -110,7 +93,7 @@ fn a_tooth_that_locks_one_plane_is_freed_by_another() {
             (k == 1 && within(2)) || (k == 2 && within(4))
         },
     };
-    verified(&Scene::planned(&tooth, ""));
+    Scene::planned(&tooth, "").verified();
 }
 
 #[test]
@@ -122,11 +105,8 @@ fn a_wall_too_thin_is_refused_by_the_plan_with_its_place() {
         }
     };
     for method in ["soluble", "halves", "open-top"] {
-        let scene = moved(&CHAMBER, &format!("method = \"{method}\""), press);
-        let made = scene.mold();
-        let said = stderr(&made);
-        assert_eq!(made.status.code(), Some(2), "{method}: {said}");
-        assert!(said.contains("the silicone is 0.800 mm thick at ("), "{method}: {said}");
+        let scene = Scene::planned(&CHAMBER, &format!("method = \"{method}\"")).moved(press);
+        scene.refused(2, &["the silicone is 0.800 mm thick at ("]);
     }
 }
 
@@ -141,19 +121,14 @@ fn walls_are_measured_on_the_model_if_it_is_that_of_the_mesh() {
         }
     };
     // The mesh is within its envelope of a model of 1.04 mm.
-    let scene = moved(&CHAMBER, "method = \"soluble\"", press(0.12));
-    assert!(stderr(&scene.mold()).contains("the silicone is 0.960 mm thick"));
+    let scene = Scene::planned(&CHAMBER, "method = \"soluble\"").moved(press(0.12));
+    scene.refused(2, &["the silicone is 0.960 mm thick"]);
     let model = |part: f64| {
-        let body = moved(&CHAMBER, "", press(part));
+        let body = Scene::planned(&CHAMBER, "").moved(press(part));
         let mesh = read_tets(&body.path("design.msh")).unwrap().mesh;
         write_surface(&scene.path("model.stl"), &boundary(&mesh).surface(&mesh).0).unwrap();
     };
-    let with_model = || {
-        let files = ["design.msh", "mold.toml", "mold", "model.stl"].map(|name| scene.path(name));
-        let [mesh, config, out, model] = files.each_ref().map(|path| path.as_os_str());
-        let [c, o, m, n] = ["--config", "-o", "--model", "--no-pictures"].map(OsStr::new);
-        fab(&[OsStr::new("mold"), mesh, c, config, o, out, m, model, n])
-    };
+    let with_model = || with_files(&scene, &["--model", "model.stl"]);
     model(0.13);
     let made = with_model();
     assert!(made.status.success(), "{}", stderr(&made));
@@ -206,24 +181,16 @@ fn of_a_design_what_did_not_move_is_cast_as_in_the_model() {
     };
     design.vertices.iter_mut().filter(inside).for_each(|p| p.z += 1e-3);
     write_tets(&scene.path("design.msh"), &design, &file.tags).unwrap();
-    let files = ["design.msh", "tagged.msh", "model.stl", "mold.toml", "mold"];
-    let [mesh, from, model, config, out] = files.map(|name| scene.path(name));
-    let mold = |from: &[&OsStr]| {
-        let [c, o, m, n] = ["--config", "-o", "--model", "--no-pictures"].map(OsStr::new);
-        let all = [OsStr::new("mold"), mesh.as_os_str(), c, config.as_os_str(), o, out.as_os_str()];
-        fab(&[&all, &[m, model.as_os_str(), n][..], from].concat())
-    };
     // A model is not that of a design.
-    let alone = mold(&[]);
+    let alone = with_files(&scene, &["--model", "model.stl"]);
     assert_eq!(alone.status.code(), Some(2), "{}", stderr(&alone));
-    let made = mold(&[OsStr::new("--from"), from.as_os_str()]);
+    let made = with_files(&scene, &["--model", "model.stl", "--from", "tagged.msh"]);
     assert!(made.status.success(), "{}", stderr(&made));
     let verified = scene.verify();
     let said = stdout(&verified);
     assert!(verified.status.success(), "{said}");
-    assert!(said.contains("at most 0.0500 mm where nothing moved"), "{said}");
     assert!(words(&verified).contains("ok surface: mold to design 0.1"), "{said}");
-    let report = MoldReport::read(&scene.path("mold")).unwrap();
+    let report = scene.report(".");
     // 181 cubes of 64 mm³, less 12 × 12 × 1 mm, with a layer of 28 × 24 × 0.1 mm.
     let volume = 181.0 * 64.0 - 144.0 + 28.0 * 24.0 * 0.1;
     assert!((report.cast.volume - volume).abs() < 0.05, "{}", report.cast.volume);

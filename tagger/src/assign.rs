@@ -1,13 +1,13 @@
 //! Selections in order → one owner per facet.
 
-use anyhow::{Context as _, Result, anyhow, ensure};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use mesh::{Tags, TetMesh};
 use program::Unusable;
 
 use crate::config::{Config, Tag};
 use crate::facets::Facets;
 use crate::inside;
-use crate::select::{SELECTORS, Selector, Sources, nearest_patches};
+use crate::select::{Sources, nearest_patches};
 use crate::wall;
 
 /// Relative difference between selected and input area above which there is a warning.
@@ -55,14 +55,14 @@ impl Assignment {
 
     /// Ids and names for the facets, in the order of the tag file.
     pub fn tags(&self, config: &Config, facets: &Facets) -> Tags {
-        let mut tags = Tags::new(config.tags.iter().map(|t| t.name.clone()).collect());
+        let mut tags = Tags::new(config.tag.iter().map(|t| t.name.clone()).collect());
         for (triangle, owner) in facets.triangles.iter().zip(&self.owners) {
-            if let Some(id) = owner.and_then(|o| tags.id(&config.tags[o].name)) {
+            if let Some(id) = owner.and_then(|o| tags.id(&config.tag[o].name)) {
                 tags.set(*triangle, id);
             }
         }
         for &(facet, owner) in &self.inside {
-            if let Some(id) = tags.id(&config.tags[owner].name) {
+            if let Some(id) = tags.id(&config.tag[owner].name) {
                 tags.set(facet, id);
             }
         }
@@ -79,18 +79,18 @@ pub fn assign(
     mut sources: Sources,
 ) -> Result<Assignment> {
     let selectors = config
-        .tags
+        .tag
         .iter()
         .map(|tag| {
-            let selector = (!tag.inside).then(|| build(tag, &mut sources)).transpose();
-            selector.with_context(|| label(tag))
+            let build = || tag.selection()?.build(&mut sources);
+            (!tag.inside).then(build).transpose().with_context(|| label(tag))
         })
         .collect::<Result<Vec<_>>>()?;
     sources.nearest = nearest_patches(facets, &sources);
 
     let mut owners = vec![None; facets.len()];
     let (mut tallies, mut inside) = (Vec::new(), Vec::new());
-    for (index, (tag, selector)) in config.tags.iter().zip(&selectors).enumerate() {
+    for (index, (tag, selector)) in config.tag.iter().zip(&selectors).enumerate() {
         let Some(selector) = selector else {
             let tally = claim_inside(index, tag, mesh, &sources, &mut inside);
             tallies.push(tally.with_context(|| label(tag))?);
@@ -106,10 +106,10 @@ pub fn assign(
         tally.expected_area = selector.expected_area(&sources);
         tallies.push(tally);
     }
-    for (index, tag) in config.tags.iter().enumerate() {
+    for (index, tag) in config.tag.iter().enumerate() {
         tallies[index].pinholes = wall::fill_pinholes(facets, &mut owners, index, tag.pressure);
     }
-    for (index, tag) in config.tags.iter().enumerate().filter(|(_, tag)| tag.pressure) {
+    for (index, tag) in config.tag.iter().enumerate().filter(|(_, tag)| tag.pressure) {
         wall::check(facets, &owners, index, config)
             .map_err(|message| anyhow!(Unusable(format!("{}: {message}", label(tag)))))?;
     }
@@ -129,9 +129,8 @@ fn claim_inside(
     sources: &Sources,
     all: &mut Vec<([usize; 3], usize)>,
 ) -> Result<Tally> {
-    let name: String =
-        tag.value.clone().try_into().context("`patch` must be the file of an open surface")?;
-    let path = sources.file(&name)?;
+    let [name] = tag.patches() else { bail!("`patch` must be the file of an open surface") };
+    let path = sources.file(name)?;
     let patch = mesh::io::read_surface_in_metres(&path)?;
     let found = inside::select(mesh, &patch, &path, sources.epsilon)?;
     let selected = found.len();
@@ -149,14 +148,6 @@ fn claim_inside(
 
 fn label(tag: &Tag) -> String {
     format!("[[tag]] `{}`", tag.name)
-}
-
-fn build(tag: &Tag, sources: &mut Sources) -> Result<Box<dyn Selector>> {
-    let entry = SELECTORS
-        .iter()
-        .find(|entry| entry.key == tag.selector)
-        .expect("the selector of a Tag is a key of SELECTORS");
-    (entry.build)(&tag.value, sources)
 }
 
 /// Takes the selected facets that have no owner yet.
@@ -182,7 +173,7 @@ fn empty(
     selected: &[bool],
     advice: impl FnOnce() -> String,
 ) -> anyhow::Error {
-    let label = label(&config.tags[index]);
+    let label = label(&config.tag[index]);
     if tally.selected == 0 {
         return anyhow!(Unusable(format!("{label}: empty selection: {}", advice())));
     }
@@ -191,13 +182,13 @@ fn empty(
     let takers: Vec<String> = (0..index)
         .map(|o| (o, taken(o)))
         .filter(|&(_, count)| count > 0)
-        .map(|(o, count)| format!("`{}` ({count})", config.tags[o].name))
+        .map(|(o, count)| format!("`{}` ({count})", config.tag[o].name))
         .collect();
     anyhow!(Unusable(format!(
         "{label}: empty selection: all its {} facets belong to earlier tags: {}\n  \
          the first selection wins; put `{}` before them or make the selections disjoint",
         tally.selected,
         takers.join(", "),
-        config.tags[index].name
+        config.tag[index].name
     )))
 }

@@ -1,6 +1,6 @@
 //! Tetrahedra in named volumes: those whose centroid a selection holds.
 
-use anyhow::{Context as _, Result, anyhow, ensure};
+use anyhow::{Context as _, Result, ensure};
 use log::{info, warn};
 use mesh::measure::tet_volume;
 use mesh::{TetMesh, Vec3, Volumes};
@@ -8,7 +8,7 @@ use program::Unusable;
 
 use crate::config::{Config, Volume};
 use crate::facets::Facets;
-use crate::select::{SELECTORS, Selector, Sources};
+use crate::select::{Selector, Sources};
 
 /// The volume of each tetrahedron; those in no selection are called as before, and all are none
 /// where the file has no `[[volume]]`.
@@ -19,13 +19,14 @@ pub fn assign(
     facets: &Facets,
     sources: &mut Sources,
 ) -> Result<Volumes> {
-    if config.volumes.is_empty() {
+    if config.volume.is_empty() {
         return Ok(before.clone());
     }
     let mut owners: Vec<Option<usize>> = vec![None; mesh.tets.len()];
-    for (index, volume) in config.volumes.iter().enumerate() {
-        let selector = build(volume, sources).with_context(|| label(volume))?;
-        let held = held(&*selector, mesh, sources.epsilon).with_context(|| label(volume))?;
+    for (index, volume) in config.volume.iter().enumerate() {
+        let mut build = || volume.selection()?.build(sources);
+        let selector = build().with_context(|| label(volume))?;
+        let held = held(&*selector, mesh, sources.epsilon);
         ensure!(
             !held.tets.is_empty(),
             Unusable(format!(
@@ -40,7 +41,7 @@ pub fn assign(
             return Err(Unusable(format!(
                 "{} and {} overlap: {} tetrahedra, {:.3} mm³, are in both; volumes may have faces in \
                  common only",
-                label(&config.volumes[other]),
+                label(&config.volume[other]),
                 label(volume),
                 shared.len(),
                 1e9 * size(mesh, &shared)
@@ -67,7 +68,7 @@ pub fn assign(
 
 /// Names of the file, then those that tetrahedra without a selection had.
 fn named(config: &Config, owners: &[Option<usize>], before: &Volumes) -> Volumes {
-    let mut names: Vec<String> = config.volumes.iter().map(|v| v.name.clone()).collect();
+    let mut names: Vec<String> = config.volume.iter().map(|v| v.name.clone()).collect();
     let rest = |t: usize| before.of.get(t).map_or(mesh::io::msh::BODY, |&i| &before.names[i]);
     let mut place = |name: &str| {
         names.iter().position(|n| n == name).unwrap_or_else(|| {
@@ -89,20 +90,16 @@ struct Held {
     depth: f64,
 }
 
-fn held(selector: &dyn Selector, mesh: &TetMesh, epsilon: f64) -> Result<Held> {
+fn held(selector: &dyn Selector, mesh: &TetMesh, epsilon: f64) -> Held {
     let mut held = Held { tets: Vec::new(), crossing: 0, depth: 0.0 };
     for t in 0..mesh.tets.len() {
         let corners = mesh.corners(t);
         let centroid = corners.iter().sum::<Vec3>() / 4.0;
-        let distance = |p: &Vec3| {
-            selector.signed_distance(p).ok_or_else(|| {
-                anyhow!("it selects facets; expected `volume`, `box` or `plane` for tetrahedra")
-            })
-        };
-        if distance(&centroid)? <= 0.0 {
+        let distance = |p: &Vec3| selector.signed_distance(p).expect("a volume has an inside");
+        if distance(&centroid) <= 0.0 {
             held.tets.push(t);
         }
-        let distances = corners.iter().map(distance).collect::<Result<Vec<f64>>>()?;
+        let distances = corners.map(|p| distance(&p));
         let inward = distances.iter().fold(0.0_f64, |a, d| a.max(-d));
         let outward = distances.iter().fold(0.0_f64, |a, &d| a.max(d));
         if inward.min(outward) > epsilon {
@@ -110,7 +107,7 @@ fn held(selector: &dyn Selector, mesh: &TetMesh, epsilon: f64) -> Result<Held> {
             held.depth = held.depth.max(inward.min(outward));
         }
     }
-    Ok(held)
+    held
 }
 
 fn size(mesh: &TetMesh, tets: &[usize]) -> f64 {
@@ -123,9 +120,4 @@ fn size(mesh: &TetMesh, tets: &[usize]) -> f64 {
 
 fn label(volume: &Volume) -> String {
     format!("[[volume]] `{}`", volume.name)
-}
-
-fn build(volume: &Volume, sources: &mut Sources) -> Result<Box<dyn Selector>> {
-    let entry = SELECTORS.iter().find(|entry| entry.key == volume.selector);
-    (entry.expect("the selector is a key of SELECTORS").build)(&volume.value, sources)
 }

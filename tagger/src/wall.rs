@@ -11,7 +11,7 @@ use mesh::topology;
 
 use crate::config::Config;
 use crate::facets::Facets;
-use crate::select::point;
+use crate::select::place;
 
 /// Adds single facets without a tag that are surrounded by `tag` on all three
 /// sides; a pressure wall takes such facets from later tags, too. Returns how many.
@@ -49,10 +49,10 @@ pub fn check(
     let triangles = owned(facets, owners, wall);
     check_manifold(facets, &triangles)?;
     let loops = topology::boundary_loops(&triangles);
-    if loops.is_empty() || config.tags[wall].plug {
+    if loops.is_empty() || config.tag[wall].plug {
         return Ok(());
     }
-    let rims = &config.tags[wall].rim;
+    let rims = config.tag[wall].rim.all();
     if rims.is_empty() {
         return Err(format!(
             "the pressure wall is open: {} boundary loops{}\n  \
@@ -62,7 +62,7 @@ pub fn check(
             describe(facets, &loops, &vec![Vec::new(); loops.len()])
         ));
     }
-    let held = config.tags.iter().enumerate().filter(|(_, tag)| rims.contains(&tag.name));
+    let held = config.tag.iter().enumerate().filter(|(_, tag)| rims.contains(&tag.name));
     let fixed_edges: BTreeSet<[usize; 2]> = held
         .flat_map(|(tag, _)| owned(facets, owners, tag))
         .flat_map(topology::directed_edges)
@@ -96,7 +96,7 @@ fn check_manifold(facets: &Facets, triangles: &[[usize; 3]]) -> Result<(), Strin
     let pinched = topology::pinched_vertices(triangles);
     let first = crowded.first().map(|(e, _)| e[0]).or(pinched.first().copied());
     let place = first.map_or(String::new(), |v| {
-        format!(", first at vertex {v} at {} m", point(&facets.vertices[v]))
+        format!(", first at vertex {v} at {} m", place(&facets.vertices[v]))
     });
     Err(format!(
         "the pressure wall is not a manifold patch: {} edges with more than two facets, \
@@ -112,7 +112,7 @@ fn describe(facets: &Facets, loops: &[Vec<usize>], free: &[Vec<usize>]) -> Strin
     let length = |l: &[usize]| -> f64 {
         edges_of(l).map(|[a, b]| (facets.vertices[b] - facets.vertices[a]).norm()).sum()
     };
-    let place = |v: usize| format!("vertex {v} at {} m", point(&facets.vertices[v]));
+    let place = |v: usize| format!("vertex {v} at {} m", place(&facets.vertices[v]));
     loops
         .iter()
         .zip(free)

@@ -6,7 +6,6 @@ use fab::verify::{Against, Line, Status, before_writing};
 use mesh::io::read_surface;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
-use program::Progress;
 use std::process::Output;
 use tests::workdir::Workdir;
 
@@ -49,7 +48,7 @@ fn checked(dir: &Workdir, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<
     let plan = PlanReport::read(&dir.path("mold")).unwrap();
     let design = dir.path("body.msh");
     let against = Against { design: Some(&design), ..Against::default() };
-    before_writing(report, surfaces, against, &plan, Progress::new(0))
+    before_writing(report, surfaces, against, &plan)
 }
 
 /// Ends of the segments of the threads at rest [m].

@@ -139,5 +139,3 @@ fn the_stress_of_a_law_has_its_gradient_by_the_law() {
     dir.write("law.toml", &format!("{design}{by_law}"));
     dir.solver("optimize law.toml -o out").assert_refused(2, &["\"stress\"", "material.body.c1"]);
 }
-
-}

@@ -3,8 +3,7 @@
 //! Exit codes: 0 the result is usable; 1 the program ran but its result must not
 //! be used ([`Unusable`]); 2 usage or input error; 130 and 143 interrupted by SIGINT, SIGTERM.
 
-use std::fmt::Write as _;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
 use clap::{ArgAction, Args};
@@ -12,7 +11,6 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use mesh::io::IoError;
 
 use crate::interrupt::end_in_order;
-use crate::terminal::to_stderr;
 
 /// How much a program reports on standard error; flatten it into the arguments.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -41,6 +39,11 @@ impl Verbosity {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Unusable(pub String);
+
+/// A failure to write to standard error cannot be reported and is ignored.
+pub fn to_stderr(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
 
 /// Runs `f` with log messages on stderr and turns its result into an exit code.
 ///
@@ -102,14 +105,12 @@ impl Log for StderrLogger {
         if !self.enabled(record.metadata()) {
             return;
         }
-        let mut line = match record.level() {
-            Level::Error => String::from("error: "),
-            Level::Warn => String::from("warning: "),
-            _ => String::new(),
+        let kind = match record.level() {
+            Level::Error => "error: ",
+            Level::Warn => "warning: ",
+            _ => "",
         };
-        // Writing to a String cannot fail.
-        let _ = write!(line, "{}", record.args());
-        to_stderr(&line);
+        to_stderr(&format!("{kind}{}", record.args()));
     }
 
     fn flush(&self) {}

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use mesh::io::IoError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,14 +31,10 @@ impl InputFile {
         Self { path: relative(&self.path, folder), sha256: self.sha256.clone() }
     }
 
-    /// Where it is, as named by a report in `folder`; older reports have paths from the working
-    /// directory.
+    /// Where it is, as named by a report in `folder`.
     pub fn find(&self, folder: &Path) -> Result<PathBuf> {
-        let beside = folder.join(&self.path);
-        let path = if beside.exists() { beside } else { self.path.clone() };
-        let found = sha256_file(&path).with_context(|| {
-            format!("expected in {} or the working directory", folder.display())
-        })?;
+        let path = folder.join(&self.path);
+        let found = sha256_file(&path)?;
         if found != self.sha256 {
             bail!(
                 "{} is not what this result was made from (sha256 {found}, it was {}): make it again",

@@ -10,6 +10,7 @@ mod interrupt;
 mod json;
 mod lock;
 mod memory;
+mod names;
 mod nearest;
 mod pattern;
 mod picked;
@@ -19,7 +20,6 @@ mod settings;
 mod shell;
 pub mod table;
 mod temporary;
-mod terminal;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::{Process, beside};
@@ -29,14 +29,14 @@ pub use input::{InputFile, relative};
 pub use json::write_json;
 pub use lock::FolderLock;
 pub use memory::peak_rss_mb;
+pub use names::Names;
 pub use nearest::{did_you_mean, nearest, unknown};
 pub use pattern::fits;
 pub use picked::{Picked, Recognized};
-pub use progress::{Heartbeat, Progress, Spinner};
+pub use progress::Heartbeat;
 pub use settings::{
     Change, Changes, KeyPath, Keys, Meaning, Misfit, Settings, VERSION, read_key, read_table,
     read_toml,
 };
 pub use shell::parse;
 pub use temporary::temporary_folder;
-pub use terminal::{Stdout, stdout};

@@ -1,7 +1,6 @@
 //! One writer for a folder of results.
 
 use std::fs::{File, TryLockError};
-use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -24,26 +23,17 @@ impl FolderLock {
     pub fn new(folder: &Path) -> Result<Self> {
         make_folder(folder)?;
         let path = folder.join(NAME);
-        let context = || path.display().to_string();
-        let open = || open_to_append(&path);
-        let (mut file, unfinished) = Unfinished::new(open, |_| path.clone())?;
+        let (file, unfinished) = Unfinished::new(|| open_to_append(&path), |_| path.clone())?;
         match file.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                let mut owner = String::new();
-                // on Windows what is locked cannot be read either
-                let _who = file.read_to_string(&mut owner);
-                bail!(
-                    "{}: {} writes to this folder; wait until it has ended, or take another \
-                     folder",
-                    folder.display(),
-                    if owner.is_empty() { "another process" } else { owner.trim_end() }
-                );
+            Err(TryLockError::WouldBlock) => bail!(
+                "{}: another process writes to this folder; wait until it has ended, or take another folder",
+                folder.display()
+            ),
+            Err(TryLockError::Error(error)) => {
+                return Err(error).with_context(|| path.display().to_string());
             }
-            Err(TryLockError::Error(error)) => return Err(error).with_context(context),
         }
-        file.set_len(0).with_context(context)?;
-        writeln!(file, "process {} on {}", std::process::id(), host()).with_context(context)?;
         remove_litter(folder);
         Ok(Self { file, path, _unfinished: unfinished })
     }
@@ -57,11 +47,6 @@ impl Drop for FolderLock {
     }
 }
 
-/// Name of this machine, for messages.
-fn host() -> String {
-    system::host().unwrap_or_else(|| "this machine".to_owned())
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -73,11 +58,11 @@ mod tests {
         let inner = folder.path().join("out");
         let lock = FolderLock::new(&inner).unwrap();
         let refused = FolderLock::new(&inner).unwrap_err().to_string();
-        assert!(refused.contains(&format!("process {} on ", std::process::id())), "{refused}");
+        assert!(refused.contains("another process writes to this folder"), "{refused}");
         drop(lock);
         assert!(!inner.join(NAME).exists());
         // what a killed process leaves
-        std::fs::write(inner.join(NAME), "process 1 on elsewhere\n").unwrap();
+        std::fs::write(inner.join(NAME), "").unwrap();
         drop(FolderLock::new(&inner).unwrap());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, bail};
 use mesh::Vec3;
 use mesh::faces::{Again, Face, found_again};
 use schemars::JsonSchema;
@@ -10,9 +10,6 @@ use serde::{Deserialize, Serialize};
 
 /// More faces than these are only counted.
 const MOST: usize = 10;
-
-/// More faces than these are none that a person has picked; each is compared with all that are there now.
-const LARGEST: usize = 10_000;
 
 /// A face as it was when it was picked.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -39,32 +36,20 @@ pub struct Recognized {
 
 impl Recognized {
     /// Looks for the faces of a tag file, by the names of their files, among those of a body.
-    pub fn new(picked: &BTreeMap<String, Picked>, now: Vec<(String, Face)>) -> Result<Self> {
-        ensure!(
-            picked.len() <= LARGEST,
-            "[faces] has {} faces, {LARGEST} at most can be looked for",
-            picked.len()
-        );
+    pub fn new(picked: &BTreeMap<String, Picked>, now: Vec<(String, Face)>) -> Self {
         let numbers: BTreeMap<&String, usize> =
             picked.keys().enumerate().map(|(i, name)| (name, i)).collect();
         let face = |(name, picked): (&String, &Picked)| {
             let (middle, normal) = (Vec3::from(picked.middle), Vec3::from(picked.normal));
-            ensure!(
-                picked.area > 0.0
-                    && picked.area.is_finite()
-                    && normal.norm() < 1.001
-                    && middle.norm().is_finite(),
-                "[faces] {name}: an area above 0, a finite middle and a normal at most 1 long are needed"
-            );
             let beside =
                 picked.beside.iter().filter_map(|name| numbers.get(name).copied()).collect();
-            Ok((name.clone(), Face { area: picked.area, middle, normal, beside }))
+            (name.clone(), Face { area: picked.area, middle, normal, beside })
         };
-        let before: Vec<(String, Face)> = picked.iter().map(face).collect::<Result<_>>()?;
+        let before: Vec<(String, Face)> = picked.iter().map(face).collect();
         let faces =
             |list: &[(String, Face)]| list.iter().map(|(_, face)| face.clone()).collect::<Vec<_>>();
         let again = found_again(&faces(&before), &faces(&now));
-        Ok(Self { before, now, again })
+        Self { before, now, again }
     }
 
     /// The file that a face has now; that of its name, where the tag file says no more of it.
@@ -210,7 +195,7 @@ mod tests {
         now[1].0 = "lid.stl".into();
         now[2].1.middle.y = 2e-3;
         now[2].1.area = 1.1e-4;
-        let found = Recognized::new(&picked(&before), now.clone()).unwrap();
+        let found = Recognized::new(&picked(&before), now.clone());
         assert_eq!(found.file("face-1.stl").unwrap(), "lid.stl");
         assert_eq!(found.file("nobody.stl").unwrap(), "nobody.stl");
         let told = found.changes();
@@ -220,7 +205,7 @@ mod tests {
 
         now[2].1.beside = vec![1];
         now.push(("new.stl".into(), Face { area: 2e-4, middle: Vec3::y(), ..now[0].1.clone() }));
-        let found = Recognized::new(&picked(&before), now.clone()).unwrap();
+        let found = Recognized::new(&picked(&before), now.clone());
         let doubts = found.doubts();
         assert_eq!(doubts.len(), 1);
         assert!(
@@ -232,19 +217,11 @@ mod tests {
 
         now.remove(0);
         now.iter_mut().for_each(|(_, face)| face.beside.clear());
-        let found = Recognized::new(&picked(&before), now).unwrap();
+        let found = Recognized::new(&picked(&before), now);
         let error = found.file("face-0.stl").unwrap_err().to_string();
         assert!(
             error.contains("had 1.000 cm² at (0.0, 0.0, 0.0) mm; the nearest is lid.stl"),
             "{error}"
         );
-    }
-
-    #[test]
-    fn what_no_face_measures_is_refused() {
-        let mut faces = picked(&row(2));
-        faces.get_mut("face-1.stl").unwrap().area = 0.0;
-        let error = Recognized::new(&faces, row(2)).unwrap_err().to_string();
-        assert!(error.contains("[faces] face-1.stl: an area above 0"), "{error}");
     }
 }

@@ -24,5 +24,5 @@ pub fn run(_: &Args) -> Result<()> {
          digits, - . _ and / alone",
         special.unwrap_or_default()
     );
-    writeln!(program::stdout(), "{path}").context("standard output")
+    writeln!(std::io::stdout().lock(), "{path}").context("standard output")
 }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use mesh::io::{Unfinished, create_new, npy, read_own_text};
 use mesh::{SurfaceMesh, Vec3};
-use program::{Process, Spinner, Unusable, temporary_folder};
+use program::{Heartbeat, Process, Unusable, temporary_folder};
 use tempfile::TempDir;
 
 use super::python::Python;
@@ -98,7 +98,7 @@ impl Job {
         start: Instant,
         timeout: Duration,
     ) -> Result<Option<ExitStatus>> {
-        let spinner = Spinner::new(self.title);
+        let mut heartbeat = Heartbeat::start();
         let mut told = 0;
         loop {
             let ended = child.try_wait()?;
@@ -110,7 +110,7 @@ impl Job {
                 child.kill()?;
                 return Ok(None);
             }
-            spinner.show(start.elapsed());
+            heartbeat.say(|| format!("{}  {} s", self.title, start.elapsed().as_secs()));
             std::thread::sleep(Duration::from_millis(50));
         }
     }

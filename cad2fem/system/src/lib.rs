@@ -12,7 +12,7 @@ mod paths;
 mod this;
 
 pub use paths::{canonical, portable};
-pub use this::{available_memory, host, on_interruption, peak_memory, permissions, unblock_in};
+pub use this::{available_memory, on_interruption, peak_memory, permissions, unblock_in};
 
 /// What asked a program to end.
 #[derive(Clone, Debug)]

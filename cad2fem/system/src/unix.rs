@@ -47,11 +47,6 @@ fn signals() -> SigSet {
     [Signal::SIGINT, Signal::SIGTERM].into_iter().collect()
 }
 
-/// Name of this machine.
-pub fn host() -> Option<String> {
-    nix::unistd::gethostname().ok()?.into_string().ok().filter(|name| !name.is_empty())
-}
-
 /// Largest resident set of this process so far [B].
 #[cfg(target_os = "linux")]
 pub fn peak_memory() -> Option<usize> {

@@ -50,11 +50,6 @@ unsafe extern "system" fn handle(event: u32) -> i32 {
 /// A program that ours runs is interrupted as ours is: nothing has to be done.
 pub fn unblock_in(_command: &mut Command) {}
 
-/// Name of this machine.
-pub fn host() -> Option<String> {
-    std::env::var("COMPUTERNAME").ok().filter(|name| !name.is_empty())
-}
-
 /// Largest working set of this process so far [B].
 pub fn peak_memory() -> Option<usize> {
     let size = u32::try_from(size_of::<PROCESS_MEMORY_COUNTERS>()).ok()?;

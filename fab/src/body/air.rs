@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
+use mesh::{TetMesh, Vec3, topology};
 
 /// Points in and on a body, and edges along which air rises in it.
 #[derive(Clone, Debug)]
@@ -21,17 +21,6 @@ impl AirPaths {
         let points = mesh.vertices.clone();
         let edges = topology::tet_edges(&mesh.tets);
         let neighbours = topology::vertex_neighbours(points.len(), &edges);
-        Self { points, neighbours, outer }
-    }
-
-    /// Along the edges of a surface, where there is no volume mesh. A local maximum of the
-    /// surface need not be one of the volume: there may be a vent too many.
-    pub fn on(surface: &SurfaceMesh) -> Self {
-        let points = surface.vertices.clone();
-        let edges: Vec<[usize; 2]> =
-            topology::edge_facets(&surface.triangles).into_keys().collect();
-        let neighbours = topology::vertex_neighbours(points.len(), &edges);
-        let outer = (0..points.len()).collect();
         Self { points, neighbours, outer }
     }
 }

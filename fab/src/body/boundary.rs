@@ -10,14 +10,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use anyhow::{Context, Result, bail, ensure};
 use mesh::check;
 use mesh::io::MshFile;
 use mesh::measure::{bounds, diagonal, enclosed_volume, farthest, tet_volume};
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
+use program::Names;
 
 use super::air::AirPaths;
-use crate::config::{Casts, Chambers};
-use crate::geometry::cap::{self, Cap, CapError};
+use crate::config::Casts;
+use crate::geometry::cap::{self, Cap};
 use crate::geometry::walls::OFF;
 
 /// A rim counts as planar if it keeps to its plane within this part of the body's
@@ -79,135 +81,9 @@ pub struct Inlet {
     pub cap: SurfaceMesh,
 }
 
-/// Why no mold can be made of a body.
-#[derive(Debug, thiserror::Error)]
-pub enum BoundaryError {
-    /// The chamber's tag does not exist or has no facets.
-    #[error(
-        "no facet has the tag {tag:?}; the mesh has {known}; \
-         set `chamber` in mold.toml to the tag of the chamber's wall, to a list of such tags, or to [] if there \
-         is no chamber"
-    )]
-    NoChamber {
-        /// Tag asked for.
-        tag: String,
-        /// Tags there are, with their facet counts.
-        known: String,
-    },
-    /// Tagged facets that are not on the boundary.
-    #[error(
-        "{count} facets tagged {tag:?} are not on the boundary of the tetrahedra, the first at {at}; \
-         tag the mesh again"
-    )]
-    Inside {
-        /// The chamber's tag.
-        tag: String,
-        /// How many.
-        count: usize,
-        /// Centroid of the first.
-        at: String,
-    },
-    /// The rim of the chamber is not planar.
-    #[error(
-        "the rim of the chamber around {at} leaves its plane by {deviation_mm:.3} mm, \
-         at most {limit_mm:.3} mm are allowed: cut the inlet flat, or mesh it with a smaller envelope \
-         if it is flat in the model"
-    )]
-    NotPlanar {
-        /// Mean of the rim.
-        at: String,
-        /// Largest distance from the plane [mm].
-        deviation_mm: f64,
-        /// Largest distance allowed [mm].
-        limit_mm: f64,
-    },
-    /// The rim of the chamber cannot be closed.
-    #[error("the rim of the chamber around {at}: {cause}")]
-    Rim {
-        /// Mean of the rim.
-        at: String,
-        /// What is wrong with it.
-        cause: CapError,
-    },
-    /// A surface is not valid.
-    #[error("the {what} is not a valid closed surface: {findings}")]
-    Invalid {
-        /// Which surface.
-        what: &'static str,
-        /// What the checks found.
-        findings: String,
-    },
-    /// Chambers that share a rim or an edge.
-    #[error(
-        "the chambers {first:?} and {second:?} touch at {at}: two cores cannot be held apart there; leave a wall \
-         between them, or give both walls one tag"
-    )]
-    Touching {
-        /// Tag of one.
-        first: String,
-        /// Tag of the other.
-        second: String,
-        /// A vertex that they share.
-        at: String,
-    },
-    /// The model is another body.
-    #[error(
-        "--model: the mesh is up to {off_mm:.3} mm from it, at {at}, at most {limit_mm:.3} mm are allowed: name \
-         the surface that was meshed, in metres; for a body whose shape was designed since, name the mesh that \
-         the design began with, too (--from tagged.msh)"
-    )]
-    Model {
-        /// Largest distance [mm].
-        off_mm: f64,
-        /// Largest distance allowed [mm].
-        limit_mm: f64,
-        /// Where.
-        at: String,
-    },
-    /// The walls of chambers are others on the model.
-    #[error(
-        "--model: it has {} chambers with {} inlets where the tetrahedra have {} with {}: tag the chamber by regions \
-         of the model, or cast the boundary of the tetrahedra (surface = \"mesh\" in mold.toml)",
-        on_model[0], on_model[1], on_mesh[0], on_mesh[1]
-    )]
-    Inlets {
-        /// Chambers and inlets of the mesh.
-        on_mesh: [usize; 2],
-        /// Chambers and inlets of the model.
-        on_model: [usize; 2],
-    },
-    /// Several bodies, or closed chambers without the tag.
-    #[error(
-        "the boundary without the chamber's tag has {count} separate pieces, one is needed; the second, \
-         of {facets} facets, encloses {volume_mm3:.1} mm³ around {at}: tag closed chambers, mold bodies \
-         one by one; if a few facets of the chamber have no tag, raise the tagger's epsilon"
-    )]
-    Pieces {
-        /// How many.
-        count: usize,
-        /// Facets of the second.
-        facets: usize,
-        /// Signed volume of the second [mm³].
-        volume_mm3: f64,
-        /// Middle of its bounding box.
-        at: String,
-    },
-    /// Tetrahedra overlap.
-    #[error(
-        "the tetrahedra have a volume of {tets_mm3:.6} mm³ but their boundary encloses {boundary_mm3:.6} mm³: \
-         some are inverted or overlap; use a valid design"
-    )]
-    Overlap {
-        /// Sum of the tetrahedra [mm³].
-        tets_mm3: f64,
-        /// Volume within the boundary [mm³].
-        boundary_mm3: f64,
-    },
-}
-
 impl Boundary {
     /// Splits the boundary of a tagged mesh.
-    pub fn new(msh: &MshFile, chambers: &Chambers) -> Result<Self, BoundaryError> {
+    pub fn new(msh: &MshFile, chambers: &Names) -> Result<Self> {
         let mesh = &msh.mesh;
         let facets = topology::boundary(mesh).facets;
         let chamber = chambers_of(mesh, &facets, &msh.tags, chambers)?;
@@ -224,14 +100,14 @@ impl Boundary {
         vertices: &[Vec3],
         facets: &[[usize; 3]],
         chamber: &[Option<usize>],
-        chambers: &Chambers,
+        chambers: &Names,
         air_paths: AirPaths,
-    ) -> Result<Self, BoundaryError> {
+    ) -> Result<Self> {
         let of = |i: Option<usize>| -> Facets {
             facets.iter().zip(chamber).filter(|(_, of)| **of == i).map(|(f, _)| *f).collect()
         };
         let walls: Vec<(&String, Facets)> =
-            chambers.tags().iter().enumerate().map(|(i, tag)| (tag, of(Some(i)))).collect();
+            chambers.all().iter().enumerate().map(|(i, tag)| (tag, of(Some(i)))).collect();
         let outer = of(None);
         require_apart(vertices, &walls)?;
         require_one_piece(vertices, &outer)?;
@@ -263,8 +139,8 @@ impl Boundary {
         self,
         surface: &SurfaceMesh,
         chamber: &[Option<usize>],
-        chambers: &Chambers,
-    ) -> Result<Self, BoundaryError> {
+        chambers: &Names,
+    ) -> Result<Self> {
         let Self { air_paths, cast, cores, .. } = self;
         let SurfaceMesh { vertices, triangles } = surface;
         let other = Self::divided(vertices, triangles, chamber, chambers, air_paths)?;
@@ -273,41 +149,31 @@ impl Boundary {
         Ok(Self { casts: Casts::Model, beside: Some(cast), ..other })
     }
 
-    /// A body without a chamber, such as a core that is cast itself.
-    pub fn of_surface(surface: SurfaceMesh) -> Result<Self, BoundaryError> {
-        require_valid("surface", &surface)?;
-        let air_paths = AirPaths::on(&surface);
-        Ok(Self {
-            cast: surface.clone(),
-            filled: surface,
-            casts: Casts::Mesh,
-            beside: None,
-            plain: None,
-            cores: Vec::new(),
-            air_paths,
-        })
-    }
-
     /// Whether the body, as modelled, is where its model is.
-    pub fn require_near(surface: &SurfaceMesh, model: &SurfaceMesh) -> Result<(), BoundaryError> {
+    pub fn require_near(surface: &SurfaceMesh, model: &SurfaceMesh) -> Result<()> {
         let limit = OFF * diagonal(&model.vertices);
         let ways = [farthest(surface, model, SAMPLES), farthest(model, surface, SAMPLES)];
         let off = ways.into_iter().map(|way| way.unwrap_or((f64::INFINITY, Vec3::zeros())));
         let (off, at) = off.fold((0.0, Vec3::zeros()), |a, b| if b.0 > a.0 { b } else { a });
-        if off > limit {
-            let (off_mm, limit_mm) = (off * 1e3, limit * 1e3);
-            return Err(BoundaryError::Model { off_mm, limit_mm, at: place(&at) });
-        }
+        ensure!(
+            off <= limit,
+            "--model: the mesh is up to {:.3} mm from it, at {}, at most {:.3} mm are allowed: name the surface that was \
+             meshed, in metres; for a body whose shape was designed since, name the mesh that the design began with, too \
+             (--from tagged.msh)",
+            off * 1e3,
+            place(&at),
+            limit * 1e3
+        );
         Ok(())
     }
 
-    fn check(&self) -> Result<(), BoundaryError> {
+    fn check(&self) -> Result<()> {
         require_valid("boundary of the body", &self.cast)?;
         require_valid("outer boundary with its cap", &self.filled)?;
         self.cores.iter().try_for_each(|core| require_valid("chamber with its cap", &core.surface))
     }
 
-    fn check_volume(&self, mesh: &TetMesh) -> Result<(), BoundaryError> {
+    fn check_volume(&self, mesh: &TetMesh) -> Result<()> {
         let tets: f64 = mesh
             .tets
             .iter()
@@ -315,12 +181,13 @@ impl Boundary {
             .map(|[a, b, c, d]| tet_volume(a, b, c, d).abs())
             .sum();
         let boundary = enclosed_volume(&self.cast);
-        if (tets - boundary).abs() > VOLUME_ROUNDING * tets {
-            return Err(BoundaryError::Overlap {
-                tets_mm3: tets * 1e9,
-                boundary_mm3: boundary * 1e9,
-            });
-        }
+        ensure!(
+            (tets - boundary).abs() <= VOLUME_ROUNDING * tets,
+            "the tetrahedra have a volume of {:.6} mm³ but their boundary encloses {:.6} mm³: some are inverted or overlap; \
+             use a valid design",
+            tets * 1e9,
+            boundary * 1e9
+        );
         Ok(())
     }
 }
@@ -333,26 +200,29 @@ pub fn chambers_of(
     mesh: &TetMesh,
     boundary: &[[usize; 3]],
     tags: &Tags,
-    chambers: &Chambers,
-) -> Result<Vec<Option<usize>>, BoundaryError> {
+    chambers: &Names,
+) -> Result<Vec<Option<usize>>> {
     let mut of = vec![None; boundary.len()];
-    for (i, chamber) in chambers.tags().iter().enumerate() {
+    for (i, chamber) in chambers.all().iter().enumerate() {
         let id = tags.id(chamber);
         let tagged = id.map(|id| tags.facets_of(id)).unwrap_or_default();
-        if tagged.is_empty() {
-            return Err(BoundaryError::NoChamber { tag: chamber.into(), known: known_tags(tags) });
-        }
+        ensure!(
+            !tagged.is_empty(),
+            "no facet has the tag {chamber:?}; the mesh has {}; set `chamber` in mold.toml to the tag of the chamber's wall, \
+             to a list of such tags, or to [] if there is no chamber",
+            known_tags(tags)
+        );
         let wall: Vec<usize> =
             (0..boundary.len()).filter(|&f| tags.get(boundary[f]) == id).collect();
         if wall.len() < tagged.len() {
             let keys = wall.iter().map(|&f| mesh::facet_key(boundary[f]));
             let on_boundary: BTreeSet<[usize; 3]> = keys.collect();
             let first = tagged.iter().find(|f| !on_boundary.contains(*f)).unwrap_or(&tagged[0]);
-            return Err(BoundaryError::Inside {
-                tag: chamber.into(),
-                count: tagged.len() - wall.len(),
-                at: place(&(first.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0)),
-            });
+            bail!(
+                "{} facets tagged {chamber:?} are not on the boundary of the tetrahedra, the first at {}; tag the mesh again",
+                tagged.len() - wall.len(),
+                place(&(first.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0))
+            );
         }
         wall.into_iter().for_each(|f| of[f] = Some(i));
     }
@@ -360,25 +230,33 @@ pub fn chambers_of(
 }
 
 /// A surface has the inlets of another one.
-fn require_same_inlets(mesh: &[CoreBoundary], model: &[CoreBoundary]) -> Result<(), BoundaryError> {
+fn require_same_inlets(mesh: &[CoreBoundary], model: &[CoreBoundary]) -> Result<()> {
     let inlets = |cores: &[CoreBoundary]| cores.iter().map(|core| core.inlets.len()).sum::<usize>();
     let [on_mesh, on_model] = [mesh, model].map(|cores| [cores.len(), inlets(cores)]);
-    if on_mesh == on_model {
-        return Ok(());
-    }
-    Err(BoundaryError::Inlets { on_mesh, on_model })
+    ensure!(
+        on_mesh == on_model,
+        "--model: it has {} chambers with {} inlets where the tetrahedra have {} with {}: tag the chamber by regions of the \
+         model, or cast the boundary of the tetrahedra (surface = \"mesh\" in mold.toml)",
+        on_model[0],
+        on_model[1],
+        on_mesh[0],
+        on_mesh[1]
+    );
+    Ok(())
 }
 
 /// Walls of different chambers have no vertex in common.
-fn require_apart(vertices: &[Vec3], walls: &[(&String, Facets)]) -> Result<(), BoundaryError> {
+fn require_apart(vertices: &[Vec3], walls: &[(&String, Facets)]) -> Result<()> {
     let mut owner = BTreeMap::new();
     for (chamber, wall) in walls {
         for &v in wall.iter().flatten() {
             let first: &&String = owner.entry(v).or_insert(*chamber);
-            if *first != *chamber {
-                let (first, second) = ((*first).clone(), (*chamber).clone());
-                return Err(BoundaryError::Touching { first, second, at: place(&vertices[v]) });
-            }
+            ensure!(
+                *first == *chamber,
+                "the chambers {first:?} and {chamber:?} touch at {}: two cores cannot be held apart there; leave a wall \
+                 between them, or give both walls one tag",
+                place(&vertices[v])
+            );
         }
     }
     Ok(())
@@ -404,19 +282,23 @@ fn close_core(
     wall: &[[usize; 3]],
     chamber: &str,
     limit: f64,
-) -> Result<(CoreBoundary, Facets), BoundaryError> {
+) -> Result<(CoreBoundary, Facets)> {
     let rims = topology::boundary_loops(wall);
     let mut caps = Vec::new();
     let mut inlets = Vec::new();
     for rim in rims {
         let polygon: Vec<Vec3> = rim.iter().map(|&v| vertices[v]).collect();
         let at = || place(&(polygon.iter().sum::<Vec3>() / polygon.len() as f64));
-        let Cap { triangles, normal, deviation, .. } =
-            cap::close(&polygon).map_err(|cause| BoundaryError::Rim { at: at(), cause })?;
-        if deviation > limit {
-            let (deviation_mm, limit_mm) = (deviation * 1e3, limit * 1e3);
-            return Err(BoundaryError::NotPlanar { at: at(), deviation_mm, limit_mm });
-        }
+        let Cap { triangles, normal, deviation, .. } = cap::close(&polygon)
+            .with_context(|| format!("the rim of the chamber around {}", at()))?;
+        ensure!(
+            deviation <= limit,
+            "the rim of the chamber around {} leaves its plane by {:.3} mm, at most {:.3} mm are allowed: cut the inlet flat, \
+             or mesh it with a smaller envelope if it is flat in the model",
+            at(),
+            deviation * 1e3,
+            limit * 1e3
+        );
         let (centre, radius) = cap::inscribed_circle(&polygon, &normal);
         let next = polygon.iter().cycle().skip(1);
         let girth = polygon.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
@@ -433,32 +315,32 @@ fn close_core(
 }
 
 /// The outer boundary must be connected: a second piece is another body or a closed chamber.
-fn require_one_piece(vertices: &[Vec3], outer: &[[usize; 3]]) -> Result<(), BoundaryError> {
+fn require_one_piece(vertices: &[Vec3], outer: &[[usize; 3]]) -> Result<()> {
     let pieces = topology::components(outer);
     let Some(second) = pieces.get(1) else { return Ok(()) };
     let facets: Facets = second.iter().map(|&t| outer[t]).collect();
     let surface = topology::submesh(vertices, &facets).0;
-    Err(BoundaryError::Pieces {
-        count: pieces.len(),
-        facets: second.len(),
-        volume_mm3: enclosed_volume(&surface) * 1e9,
-        at: place(&middle(&surface.vertices)),
-    })
+    let (low, high) = bounds(&surface.vertices);
+    bail!(
+        "the boundary without the chamber's tag has {} separate pieces, one is needed; the second, of {} facets, encloses \
+         {:.1} mm³ around {}: tag closed chambers, mold bodies one by one; if a few facets of the chamber have no tag, raise \
+         the tagger's epsilon",
+        pieces.len(),
+        second.len(),
+        enclosed_volume(&surface) * 1e9,
+        place(&((low + high) / 2.0))
+    );
 }
 
-fn require_valid(what: &'static str, surface: &SurfaceMesh) -> Result<(), BoundaryError> {
+fn require_valid(what: &str, surface: &SurfaceMesh) -> Result<()> {
     let findings = check::check_surface(surface);
-    if findings.is_empty() {
-        return Ok(());
-    }
     let messages: Vec<String> = findings.into_iter().map(|f| f.message).collect();
-    Err(BoundaryError::Invalid { what, findings: messages.join("; ") })
-}
-
-/// Middle of the bounding box.
-fn middle(points: &[Vec3]) -> Vec3 {
-    let (low, high) = bounds(points);
-    (low + high) / 2.0
+    ensure!(
+        messages.is_empty(),
+        "the {what} is not a valid closed surface: {}",
+        messages.join("; ")
+    );
+    Ok(())
 }
 
 /// A point in words.

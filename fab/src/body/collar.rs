@@ -8,6 +8,7 @@
 //! O reaches into the body by a root, so that an uneven seat leaves no gap. B is narrower
 //! than the tube, which therefore seals.
 
+use anyhow::{Result, ensure};
 use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3};
 use schemars::JsonSchema;
@@ -69,50 +70,19 @@ pub struct FittedTube {
     pub length: f64,
 }
 
-/// Why an inlet gets no collar.
-#[derive(Debug, thiserror::Error)]
-pub enum CollarError {
-    /// A chamber is closed.
-    #[error("[fitting]: a chamber is closed and has no inlet for a tube; leave [fitting] out")]
-    Closed,
-    /// There is no chamber.
-    #[error("[fitting]: the body has no chamber for a tube; leave [fitting] out")]
-    NoChamber,
-    /// The tube is not known.
-    #[error("{0}")]
-    Tube(String),
-    /// The body is too narrow.
-    #[error(
-        "[fitting]: a collar of {diameter:.1} mm around the inlet at ({x:.2}, {y:.2}, {z:.2}) mm lies on the body with \
-         {percent:.0} % of its end, at least {needed:.0} % are needed: choose a thinner tube or reduce fitting.wall",
-        x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
-    )]
-    NotHeld {
-        /// Diameter of the collar [mm].
-        diameter: f64,
-        /// Middle of the inlet [m].
-        at: Vec3,
-        /// Part of its end on the body [%].
-        percent: f64,
-        /// Part needed [%].
-        needed: f64,
-    },
-    /// A surface is refused by the solid kernel.
-    #[error(transparent)]
-    Solid(#[from] SolidError),
-}
-
 /// The boundary with a collar around every inlet, and the collars in the design's metres;
 /// unchanged if no tube is asked for.
-pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>), CollarError> {
+pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>)> {
     let Some(fitting) = &config.fitting else { return Ok((boundary, Vec::new())) };
-    if boundary.cores.is_empty() {
-        return Err(CollarError::NoChamber);
-    }
-    if boundary.cores.iter().any(|core| core.inlets.is_empty()) {
-        return Err(CollarError::Closed);
-    }
-    let tube = fitting.tube().map_err(CollarError::Tube)?;
+    ensure!(
+        !boundary.cores.is_empty(),
+        "[fitting]: the body has no chamber for a tube; leave [fitting] out"
+    );
+    ensure!(
+        boundary.cores.iter().all(|core| !core.inlets.is_empty()),
+        "[fitting]: a chamber is closed and has no inlet for a tube; leave [fitting] out"
+    );
+    let tube = fitting.tube().map_err(anyhow::Error::msg)?;
     let up = layout::up(&boundary, config);
     let filled = Solid::from_surface(&boundary.filled)?;
     let mut collars = Vec::new();
@@ -208,19 +178,20 @@ impl Collar {
     }
 
     /// Whether its end lies on the body.
-    fn require_held(&self, inlet: &Inlet, filled: &Solid) -> Result<(), CollarError> {
+    fn require_held(&self, inlet: &Inlet, filled: &Solid) -> Result<()> {
         let thin = self.axis.normalize() * (ROOT / 2.0);
         let end = Self::cylinder(self.base + self.axis - thin, thin, self.radius);
         let part = end.intersection(filled).volume() / end.volume();
-        if part >= HELD {
-            return Ok(());
-        }
-        Err(CollarError::NotHeld {
-            diameter: 2e3 * self.radius,
-            at: inlet.centre,
-            percent: 100.0 * part,
-            needed: 100.0 * HELD,
-        })
+        let [x, y, z] = (inlet.centre * MM).into();
+        ensure!(
+            part >= HELD,
+            "[fitting]: a collar of {:.1} mm around the inlet at ({x:.2}, {y:.2}, {z:.2}) mm lies on the body with {:.0} % of its \
+             end, at least {:.0} % are needed: choose a thinner tube or reduce fitting.wall",
+            2.0 * self.radius * MM,
+            100.0 * part,
+            100.0 * HELD
+        );
+        Ok(())
     }
 
     /// For mold.json, in the millimetres of a mold.

@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use mesh::io::{MshFile, read_surface, read_tets};
 use mesh::{SurfaceMesh, topology};
+use program::Names;
 
 use super::boundary::{Boundary, chambers_of};
-use super::carried::{Carried, Walls, carry};
 use super::joined::{join, places};
 use super::labels;
-use crate::config::{Casts, Chambers};
+use crate::config::Casts;
 
 /// Folder beside a model with its regions.
 const PATCHES: &str = "patches";
@@ -39,20 +39,17 @@ pub struct Body {
 }
 
 impl BodyFiles<'_> {
-    /// The body with the surface that is cast: that which is asked for, else that of the model, if there is one,
-    /// carried with the design. Where that is not valid, chambers that were designed are those of the design, and so
-    /// is all of it if the outside moved.
-    pub fn read(&self, chambers: &Chambers, asked: Option<Casts>) -> Result<Body> {
+    /// The body with the surface that is cast: that which is asked for, else that of the model, if there is one. Chambers
+    /// that were designed are those of the design, and so is all of it if the outside moved.
+    pub fn read(&self, chambers: &Names, asked: Option<Casts>) -> Result<Body> {
         let of_mesh = || self.mesh.display().to_string();
         let file = read_tets(self.mesh)?;
         let boundary = Boundary::new(&file, chambers).with_context(of_mesh)?;
         let Some(path) = self.model else {
-            if let Some(asked @ (Casts::Model | Casts::Carried)) = asked {
-                let name = asked.name();
-                bail!(
-                    "surface = {name:?} in mold.toml: name the surface that was meshed with --model"
-                );
-            }
+            ensure!(
+                asked != Some(Casts::Model),
+                "surface = \"model\" in mold.toml: name the surface that was meshed with --model"
+            );
             return Ok(Body { boundary, file });
         };
         let modelled = self.modelled.map(read_tets).transpose()?;
@@ -70,43 +67,29 @@ struct Sources<'a> {
     modelled: Option<MshFile>,
 }
 
-/// The boundary of a mesh as modelled.
-struct Skin<'a> {
-    file: &'a MshFile,
-    facets: Vec<[usize; 3]>,
-    surface: SurfaceMesh,
-    /// For each facet the chamber whose wall it is, if any.
-    chamber: Vec<Option<usize>>,
-}
-
 impl Sources<'_> {
     /// The body with the surface that is cast.
     fn boundary(
         self,
         boundary: Boundary,
-        chambers: &Chambers,
+        chambers: &Names,
         asked: Option<Casts>,
     ) -> Result<Boundary> {
-        let skin = Skin::new(self.modelled.as_ref().unwrap_or(self.file), chambers)?;
-        Boundary::require_near(&skin.surface, &self.model)?;
+        let file = self.modelled.as_ref().unwrap_or(self.file);
+        let skin = topology::boundary(&file.mesh);
+        let surface = skin.surface(&file.mesh).0;
+        Boundary::require_near(&surface, &self.model)?;
+        // For each triangle of the model the chamber whose wall it is, if any.
+        let of = || -> Result<Vec<Option<usize>>> {
+            let chamber = chambers_of(&file.mesh, &skin.facets, &file.tags, chambers)?;
+            Ok(labels::of_model(&self.model, &patches(self.path)?, &surface, &chamber))
+        };
         let Some(modelled) = &self.modelled else {
             if asked == Some(Casts::Mesh) {
                 return Ok(Boundary { beside: Some(self.model), ..boundary });
             }
-            let of = self.labels(&skin, &skin.chamber)?;
-            return boundary.on(&self.model, &of, chambers).with_context(|| self.said());
+            return boundary.on(&self.model, &of()?, chambers).with_context(|| self.said());
         };
-        if matches!(asked, None | Some(Casts::Carried)) {
-            match self.carried(&skin, &boundary, chambers) {
-                Ok(carried) => return Ok(carried),
-                Err(error) if asked.is_some() => return Err(error.context(self.said())),
-                Err(error) => log::warn!(
-                    "{}: it cannot be carried with the design: {error:#}: what moved is cast as the \
-                     tetrahedra have it",
-                    self.path.display()
-                ),
-            }
-        }
         if asked == Some(Casts::Mesh) {
             return Ok(boundary);
         }
@@ -116,10 +99,9 @@ impl Sources<'_> {
             log::warn!("{error}: the boundary of the tetrahedra is cast");
             return Ok(boundary);
         }
-        let of = self.labels(&skin, &skin.chamber)?;
         let modelled = Boundary::new(modelled, chambers)?;
         let cores = modelled.cores.clone();
-        let outside = modelled.on(&self.model, &of, chambers).with_context(|| self.said())?;
+        let outside = modelled.on(&self.model, &of()?, chambers).with_context(|| self.said())?;
         join(boundary, outside, &cores).with_context(|| self.said())
     }
 
@@ -127,27 +109,8 @@ impl Sources<'_> {
         format!("{}: this surface is cast; {INSTEAD}", self.path.display())
     }
 
-    /// For each triangle of the model the answer of the facets there.
-    fn labels(&self, skin: &Skin, answers: &[Option<usize>]) -> Result<Vec<Option<usize>>> {
-        Ok(labels::of_model(&self.model, &patches(self.path)?, &skin.surface, answers))
-    }
-
-    /// The body with the surface of the model, carried as the design moved the mesh.
-    fn carried(&self, skin: &Skin, design: &Boundary, chambers: &Chambers) -> Result<Boundary> {
-        let Skin { file, facets, .. } = skin;
-        let tags: Vec<Option<usize>> =
-            facets.iter().map(|facet| file.tags.get(*facet).map(|id| id as usize)).collect();
-        let walls = Walls { modelled: &file.mesh, design: &self.file.mesh, facets, tags: &tags };
-        let Carried { surface, origin } = carry(&self.model, &self.labels(skin, &tags)?, &walls)?;
-        let of = self.labels(skin, &skin.chamber)?;
-        let chamber: Vec<Option<usize>> = origin.into_iter().map(|t| of[t]).collect();
-        let carried = design.clone().on(&surface, &chamber, chambers)?;
-        // Walls of a designed body are others than those of its model.
-        Ok(Boundary { casts: Casts::Carried, beside: None, ..carried })
-    }
-
     /// Whether the outside of the design has other vertices than that of the mesh as modelled.
-    fn outside_moved(&self, modelled: &MshFile, chambers: &Chambers) -> Result<bool> {
+    fn outside_moved(&self, modelled: &MshFile, chambers: &Names) -> Result<bool> {
         let outside = |file: &MshFile| -> Result<BTreeSet<[u64; 3]>> {
             let facets = topology::boundary(&file.mesh).facets;
             let of = chambers_of(&file.mesh, &facets, &file.tags, chambers)?;
@@ -155,15 +118,6 @@ impl Sources<'_> {
             Ok(places(own.flat_map(|(t, _)| t.map(|v| &file.mesh.vertices[v]))))
         };
         Ok(outside(modelled)? != outside(self.file)?)
-    }
-}
-
-impl<'a> Skin<'a> {
-    fn new(file: &'a MshFile, chambers: &Chambers) -> Result<Self> {
-        let skin = topology::boundary(&file.mesh);
-        let surface = skin.surface(&file.mesh).0;
-        let chamber = chambers_of(&file.mesh, &skin.facets, &file.tags, chambers)?;
-        Ok(Self { file, facets: skin.facets, surface, chamber })
     }
 }
 

@@ -1,5 +1,6 @@
 //! How the mold stands: which way is up, which way the shells are pulled.
 
+use anyhow::{Result, anyhow, ensure};
 use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 
@@ -12,32 +13,6 @@ use crate::geometry::frame::{Frame, Pull};
 /// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.
 const DOWN: f64 = 0.9962;
 
-/// Why the mold cannot stand as asked.
-#[derive(Debug, thiserror::Error)]
-pub enum LayoutError {
-    /// Neither along nor across.
-    #[error(
-        "parting.pull makes an angle of {angle:.2}° with up; it must be along up (upper and lower shell) \
-         or across it (left and right shell on a base)"
-    )]
-    Askew {
-        /// Angle between the two [degrees].
-        angle: f64,
-    },
-    /// An inlet that cannot hold a core from below.
-    #[error(
-        "the inlet at ({x:.5}, {y:.5}, {z:.5}) m faces {angle:.1}° away from straight down, at most 5° are allowed: \
-         set `up` opposite to the inlet; inlets that face different ways cannot be molded",
-        x = centre.x, y = centre.y, z = centre.z
-    )]
-    Inlet {
-        /// The centre in the design [m].
-        centre: Vec3,
-        /// Angle between its normal and down [degrees].
-        angle: f64,
-    },
-}
-
 /// The direction `up` that the configuration asks for, or away from the first inlet; z for a
 /// closed chamber.
 pub fn up(boundary: &Boundary, config: &Config) -> Vec3 {
@@ -45,13 +20,16 @@ pub fn up(boundary: &Boundary, config: &Config) -> Vec3 {
 }
 
 /// `up`, if all inlets face down.
-pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3, LayoutError> {
+pub fn require_inlets_down(boundary: &Boundary, up: Vec3) -> Result<Vec3> {
     for inlet in boundary.cores.iter().flat_map(|core| &core.inlets) {
         let cosine = -inlet.normal.dot(&up);
-        if cosine < DOWN {
-            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            return Err(LayoutError::Inlet { centre: inlet.centre, angle });
-        }
+        let [x, y, z] = inlet.centre.into();
+        ensure!(
+            cosine >= DOWN,
+            "the inlet at ({x:.5}, {y:.5}, {z:.5}) m faces {:.1}° away from straight down, at most 5° are allowed: set `up` \
+             opposite to the inlet; inlets that face different ways cannot be molded",
+            cosine.clamp(-1.0, 1.0).acos().to_degrees()
+        );
     }
     Ok(up)
 }
@@ -61,9 +39,15 @@ pub fn frame(
     filled: &SurfaceMesh,
     orientation: &Orientation,
     shrinkage: f64,
-) -> Result<(Frame, Pull), LayoutError> {
-    let (mut frame, pull) = Frame::new(orientation.up, orientation.pull)
-        .map_err(|cosine| LayoutError::Askew { angle: cosine.acos().to_degrees() })?;
+) -> Result<(Frame, Pull)> {
+    let askew = |cosine: f64| {
+        anyhow!(
+            "parting.pull makes an angle of {:.2}° with up; it must be along up (upper and lower shell) or across it (left \
+             and right shell on a base)",
+            cosine.acos().to_degrees()
+        )
+    };
+    let (mut frame, pull) = Frame::new(orientation.up, orientation.pull).map_err(askew)?;
     let (low, high) = bounds(&placed(filled, &frame).vertices);
     let middle = (low + high) / 2.0;
     let bottom = orientation.portion.cut().unwrap_or(low.z);

@@ -1,14 +1,13 @@
 //! From which file a body came, and which part of it is cast.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use mesh::io::IoError;
-use program::{relative, sha256_file};
+use program::{InputFile, Names};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::orientation::Portion;
-use crate::config::{Casts, Chambers};
+use crate::config::Casts;
 
 /// Where the body came from.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -19,7 +18,7 @@ pub struct Input {
     /// SHA-256 of its content.
     pub sha256: String,
     /// Tags of the walls of its chambers.
-    pub chamber: Chambers,
+    pub chamber: Names,
     /// Which part of it is cast.
     pub part: CastPart,
     /// Which surface of it is cast.
@@ -27,36 +26,10 @@ pub struct Input {
     pub surface: Casts,
     /// The surface that it was meshed from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub model: Option<NamedFile>,
+    pub model: Option<InputFile>,
     /// The mesh as modelled, if it was designed since.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub modelled: Option<NamedFile>,
-}
-
-/// A file that a body was made of.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct NamedFile {
-    /// The file, relative to the folder of this one.
-    pub path: PathBuf,
-    /// SHA-256 of its content.
-    pub sha256: String,
-}
-
-impl NamedFile {
-    /// Names and hashes the file at `path` for a report in `folder`.
-    pub fn new(path: &Path, folder: &Path) -> Result<Self, IoError> {
-        Ok(Self { path: relative(path, folder), sha256: sha256_file(path)? })
-    }
-
-    /// Whether the file at `path` is this one.
-    pub fn require(&self, path: &Path) -> Result<(), String> {
-        let found = sha256_file(path).map_err(|e| e.to_string())?;
-        if found != self.sha256 {
-            return Err(format!("{} has changed since the mold was made", path.display()));
-        }
-        Ok(())
-    }
+    pub modelled: Option<InputFile>,
 }
 
 /// What of the input is cast.
@@ -69,9 +42,6 @@ pub enum CastPart {
     Above(f64),
     /// What is below a height in the mold's coordinates [mm].
     Below(f64),
-    /// The input is no mesh in metres but the surface of a core, in the millimetres
-    /// of the mold that holds it.
-    Core,
 }
 
 impl CastPart {
@@ -83,27 +53,5 @@ impl CastPart {
             Portion::Above(_) => Self::Above(0.0),
             Portion::Below(_) => Self::Below(0.0),
         }
-    }
-}
-
-impl Input {
-    /// Names and hashes the mesh at `path` for a report in `folder`.
-    pub fn new(
-        path: &Path,
-        folder: &Path,
-        chamber: &Chambers,
-        part: CastPart,
-    ) -> Result<Self, IoError> {
-        let sha256 = sha256_file(path)?;
-        let path = relative(path, folder);
-        Ok(Self {
-            path,
-            sha256,
-            chamber: chamber.clone(),
-            part,
-            surface: Casts::Mesh,
-            model: None,
-            modelled: None,
-        })
     }
 }

@@ -14,17 +14,17 @@ use mesh::Vec3;
 use mesh::io::{IoError, MshFile, read_tets};
 use mesh::measure::volume;
 use program::schema::SchemaArguments;
-use program::{Changes, Progress};
+use program::{Changes, InputFile};
 
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar};
 use crate::body::files::{Body, BodyFiles};
 use crate::body::layer::Layer;
-use crate::body::source::{CastPart, Input, NamedFile};
+use crate::body::source::{CastPart, Input};
 use crate::body::thread::Thread;
 use crate::config::{Casts, Config};
 use crate::geometry::MM;
-use crate::plan::report::{PlanReport, entries};
+use crate::plan::report::PlanReport;
 use crate::plan::{Plan, Refused};
 
 /// What `fab` can do.
@@ -88,8 +88,6 @@ pub struct Planned {
     pub file: MshFile,
     /// Volume of what lies in the mold already [mm³].
     pub inside: f64,
-    /// Logs what the run is doing.
-    pub progress: Progress,
 }
 
 impl Task {
@@ -104,9 +102,7 @@ impl Task {
         let threads = self.named(self.threads(&config))?;
         let lines = self.named(self.lines(&config))?;
         let inside = self.named(self.inside(&config))?;
-        let triangles = boundary.cast.triangles.len();
-        let progress = Progress::new(triangles);
-        progress.step(&format!("measuring a body of {triangles} triangles"));
+        log::debug!("measuring a body of {} triangles", boundary.cast.triangles.len());
         let (boundary, collars) = self.named(collar::fit(boundary, &config))?;
         let plan = self.named(Plan::new(&boundary, &config))?;
         log::info!("{}: {}", plan.method, plan.reason);
@@ -125,7 +121,6 @@ impl Task {
             lines,
             file,
             inside,
-            progress,
         })
     }
 
@@ -162,20 +157,8 @@ impl Task {
     }
 
     fn report(&self, plan: &Plan, boundary: &Boundary, config: &Config) -> Result<PlanReport> {
-        let molds = entries(plan, boundary.cores.len());
         let input = self.input(&self.output, config, CastPart::Whole, boundary.casts)?;
-        Ok(PlanReport::new(plan, input, molds))
-    }
-
-    /// What is asked for, in words.
-    pub fn asked(&self) -> String {
-        let config = self.config.as_ref().map(|path| format!(" --config {}", path.display()));
-        let set: String =
-            self.changes.set.iter().map(|change| format!(" --set {change}")).collect();
-        let model = self.model.as_ref().map(|path| format!(" --model {}", path.display()));
-        let from = self.from.as_ref().map(|path| format!(" --from {}", path.display()));
-        let asked = [config, model, from].map(Option::unwrap_or_default).concat();
-        format!("fab mold {}{asked}{set}", self.mesh.display())
+        Ok(PlanReport::new(plan, input))
     }
 
     /// The mesh, of which a part and a surface are cast, as a report in `folder` names it.
@@ -186,12 +169,11 @@ impl Task {
         part: CastPart,
         surface: Casts,
     ) -> Result<Input, IoError> {
-        let named = |path: &Option<PathBuf>| {
-            path.as_ref().map(|path| NamedFile::new(path, folder)).transpose()
-        };
-        let (model, modelled) = (named(&self.model)?, named(&self.from)?);
-        let input = Input::new(&self.mesh, folder, &config.chamber, part)?;
-        Ok(Input { surface, model, modelled, ..input })
+        let named = |path: &PathBuf| InputFile::new(path, folder);
+        let InputFile { path, sha256 } = named(&self.mesh)?;
+        let model = self.model.as_ref().map(named).transpose()?;
+        let modelled = self.from.as_ref().map(named).transpose()?;
+        Ok(Input { path, sha256, chamber: config.chamber.clone(), part, surface, model, modelled })
     }
 
     /// A result whose error names the mesh.

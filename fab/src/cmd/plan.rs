@@ -4,7 +4,7 @@ use anyhow::Result;
 use program::FolderLock;
 
 use super::{Planned, Task, proof};
-use crate::plan::drawing;
+use crate::files::undercut;
 
 /// Runs the verb.
 pub fn run(task: &Task) -> Result<()> {
@@ -12,7 +12,7 @@ pub fn run(task: &Task) -> Result<()> {
     let _lock = FolderLock::new(&task.output)?;
     report.write(&task.output)?;
     if !task.no_pictures {
-        drawing::draw(&task.output.join(drawing::FILE), &plan)?;
+        undercut::draw(&task.output.join(undercut::FILE), &plan)?;
     }
     Ok(())
 }

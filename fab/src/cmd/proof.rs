@@ -1,9 +1,8 @@
-//! The molds of a plan before they are written, proved; where they do not hold the cores, those of the
-//! next method.
+//! The molds of a plan before they are written, proved; where cores lean in them, those of the next method.
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use mesh::{SurfaceMesh, Vec3};
-use program::{Progress, Unusable};
+use program::Unusable;
 
 use super::{Planned, Task};
 use crate::body::collar::{Collar, FittedTube};
@@ -11,118 +10,92 @@ use crate::body::course::Ground;
 use crate::body::groove::Groove;
 use crate::body::layer::{LaidIn, Layer};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
-use crate::body::source::{CastPart, Input};
+use crate::body::source::CastPart;
 use crate::config::Config;
 use crate::config::fitting::Tube;
 use crate::config::method::Method;
 use crate::files::export::printable;
 use crate::files::report::{CAST, Cast, MoldReport, OUTSIDE, Role};
-use crate::geometry::MM;
 use crate::geometry::frame::Turn;
+use crate::mold::holding::Lean;
 use crate::mold::{Mold, Piece};
-use crate::plan::report::{ChosenBy, Entry, PlanReport};
+use crate::plan::report::{ChosenBy, Entry};
 use crate::plan::{Casting, Refused};
-use crate::verify::{Against, LEFT, Line, Status, before_writing, held};
+use crate::verify::{Against, Status, before_writing};
 
-/// Cores that do not stay in their places, with numbers; nothing else is wrong with the mold.
+/// How far cores move that do not stay in their places, in words.
 #[derive(Debug, thiserror::Error)]
-#[error("{refusal}")]
-struct Leaning {
-    /// How far they move, in words.
-    moves: String,
-    /// Why the mold is refused, and what to do.
-    refusal: String,
-}
+#[error(
+    "{0}: a mold would not be right, none is written: widen the inlet, lengthen core.length, give core.pins, or method = \
+     \"halves\""
+)]
+struct Leaning(String);
 
-/// The molds of a plan, or of the next method that can be used where the first one was left to `fab` and
-/// does not hold the cores.
+/// The molds of a plan, or of the next method, proved.
 pub fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, MoldFiles)>)> {
-    or_next(task, planned, molds)
-}
-
-/// A plan whose molds hold the cores, or that of the next method: nothing else is proved of the molds.
-pub fn holding(task: &Task, planned: Planned) -> Result<Planned> {
-    or_next(task, planned, require_held).map(|(planned, ())| planned)
-}
-
-/// What `attempt` makes of a plan, or of that of the next method if cores lean.
-fn or_next<T>(
-    task: &Task,
-    planned: Planned,
-    attempt: impl Fn(&Task, &Planned) -> Result<T>,
-) -> Result<(Planned, T)> {
-    let error = match attempt(task, &planned) {
-        Ok(made) => return Ok((planned, made)),
-        Err(error) => error,
-    };
-    let leaning = error.downcast::<Leaning>()?;
-    if planned.plan.chosen_by == ChosenBy::Configuration {
-        return Err(Unusable(leaning.refusal).into());
-    }
-    log::warn!("{}: {}: another method is tried", planned.plan.method, leaning.moves);
-    // A core that dissolves stands as one that is pulled out.
-    let on_stubs = Method::all().into_iter().filter(|method| method.core.stands_on_stub);
-    let refuse = |method| Refused { method, reason: leaning.moves.clone() };
-    let refused: Vec<Refused> = on_stubs.map(refuse).collect();
-    let none =
-        |error| Unusable(format!("{}; no other method can be used: {error:#}", leaning.refusal));
-    let planned = task.plan_without(&refused, planned).map_err(none)?;
-    let made = attempt(task, &planned)?;
-    Ok((planned, made))
-}
-
-/// The molds of a plan, proved.
-fn molds(task: &Task, planned: &Planned) -> Result<Vec<(Entry, MoldFiles)>> {
-    let (model, from) = (task.model.as_deref(), task.from.as_deref());
-    let against = Against { design: Some(&task.mesh), model, from, simulation: None };
-    let mut molds = Vec::new();
-    for casting in &planned.plan.castings {
-        let entry = entry(planned, casting);
-        let (mold, groove) = cut(task, planned, casting)?;
-        planned.progress.step("rounding and checking its surfaces");
-        let mut files = MoldFiles::of_casting(&mold, task, planned, entry)?;
+    let (planned, molds) = held(task, planned)?;
+    let each = planned.plan.castings.iter().zip(&planned.report.molds).zip(molds);
+    let files = each.map(|((casting, entry), (mold, groove))| {
+        log::debug!("rounding the {} and checking its surfaces", entry.name);
+        let mut files = MoldFiles::new(&mold, task, &planned, entry)?;
         files.report.collars = fitted_tubes(&planned.collars, &mold, &planned.config);
         files.report.layers = task.named(laid_in(&planned.layers, &mold, &casting.name))?;
         files.report.threads = planned.threads.clone();
         files.report.groove = groove.map(|groove| groove.placed(&mold.frame));
         task.named(enclose(&mut files.report.cast, planned.inside))?;
-        files.prove(&entry.name, against, &planned.report, planned.progress)?;
-        molds.push((entry.clone(), files));
-    }
-    Ok(molds)
+        files.prove(task, &planned, &entry.name)?;
+        Ok((entry.clone(), files))
+    });
+    let files = files.collect::<Result<_>>()?;
+    Ok((planned, files))
 }
 
-/// Whether cores that stand on stubs stay in their places. Molds in which none moves by more than
-/// `limits.sag` are not put together.
-fn require_held(task: &Task, planned: &Planned) -> Result<()> {
-    if !planned.plan.method.core.stands_on_stub || planned.boundary.cores.is_empty() {
-        return Ok(());
-    }
-    for casting in &planned.plan.castings {
-        let (mold, _) = cut(task, planned, casting)?;
-        if mold.holds.iter().any(|hold| hold.held > hold.limit) {
-            let entry = entry(planned, casting);
-            let files = MoldFiles::of_casting(&mold, task, planned, entry)?;
-            files.judge(&entry.name, &held(&files.report, &files.surfaces))?;
-        }
-    }
-    Ok(())
-}
-
-fn entry<'a>(planned: &'a Planned, casting: &Casting) -> &'a Entry {
-    let mut molds = planned.report.molds.iter();
-    molds.find(|entry| entry.name == casting.name).expect("it is planned")
+/// A plan whose molds hold the cores, or that of the next method: nothing else is proved of the molds.
+pub fn holding(task: &Task, planned: Planned) -> Result<Planned> {
+    let stand = planned.plan.method.core.stands_on_stub && !planned.boundary.cores.is_empty();
+    if stand { Ok(held(task, planned)?.0) } else { Ok(planned) }
 }
 
 /// The mold of a casting, and the groove in it for a thread.
-fn cut(task: &Task, planned: &Planned, casting: &Casting) -> Result<(Mold, Option<Groove>)> {
-    let Planned { config, boundary, plan, progress, .. } = planned;
-    progress.step(&format!("cutting the mold of the {}", casting.name));
-    let groove = task.named(groove(planned, casting))?;
-    let grooved = task.named(groove.as_ref().map(|groove| groove.cut(boundary)).transpose())?;
-    let boundary = grooved.as_ref().unwrap_or(boundary);
-    let mold = task.named(Mold::new(boundary, &casting.orientation, plan.method, config))?;
-    Ok((mold, groove))
+type Cut = (Mold, Option<Groove>);
+
+/// The molds of a plan, or of the next method that can be used where the first one was left to `fab` and does not hold
+/// the cores.
+fn held(task: &Task, planned: Planned) -> Result<(Planned, Vec<Cut>)> {
+    let error = match castings(task, &planned) {
+        Ok(molds) => return Ok((planned, molds)),
+        Err(error) => error,
+    };
+    let leaning = error.downcast::<Leaning>()?;
+    if planned.plan.chosen_by == ChosenBy::Configuration {
+        return Err(Unusable(leaning.to_string()).into());
+    }
+    log::warn!("{}: {}: another method is tried", planned.plan.method, leaning.0);
+    // A core that dissolves stands as one that is pulled out.
+    let on_stubs = Method::ALL.into_iter().filter(|method| method.core.stands_on_stub);
+    let refuse = |method| Refused { method, reason: leaning.0.clone() };
+    let refused: Vec<Refused> = on_stubs.map(refuse).collect();
+    let none = |error| Unusable(format!("{leaning}; no other method can be used: {error:#}"));
+    let planned = task.plan_without(&refused, planned).map_err(none)?;
+    let molds = castings(task, &planned)?;
+    Ok((planned, molds))
+}
+
+/// The molds of all castings, in which cores stay in their places.
+fn castings(task: &Task, planned: &Planned) -> Result<Vec<Cut>> {
+    let Planned { config, boundary, plan, .. } = planned;
+    let cut = |casting: &Casting| {
+        log::debug!("cutting the mold of the {}", casting.name);
+        let groove = task.named(groove(planned, casting))?;
+        let grooved = task.named(groove.as_ref().map(|groove| groove.cut(boundary)).transpose())?;
+        let boundary = grooved.as_ref().unwrap_or(boundary);
+        let mold = task.named(Mold::new(boundary, &casting.orientation, plan.method, config))?;
+        let leaning = mold.leaning(config.casting.least_wall);
+        let words: Vec<String> = leaning.iter().map(Lean::in_words).collect();
+        ensure!(words.is_empty(), Leaning(words.join("; ")));
+        Ok((mold, groove))
+    };
+    plan.castings.iter().map(cut).collect()
 }
 
 /// The groove that is asked for.
@@ -204,7 +177,10 @@ pub struct MoldFiles {
 
 impl MoldFiles {
     /// Rounds a mold to what its files hold.
-    pub fn new(mold: &Mold, input: Input, config: &Config) -> Result<Self> {
+    fn new(mold: &Mold, task: &Task, planned: &Planned, entry: &Entry) -> Result<Self> {
+        let Planned { config, boundary, .. } = planned;
+        let below = task.output.join(&entry.folder);
+        let input = task.input(&below, config, CastPart::of(mold.portion), boundary.casts)?;
         let upright = Turn::lowering(-Vec3::z());
         let cast = printable(CAST, &mold.cast, upright)?;
         let mut report = MoldReport::new(mold, input, config, &cast);
@@ -224,43 +200,22 @@ impl MoldFiles {
         Ok(Self { surfaces, report })
     }
 
-    fn of_casting(mold: &Mold, task: &Task, planned: &Planned, entry: &Entry) -> Result<Self> {
-        let Planned { config, boundary, .. } = planned;
-        let below = task.output.join(&entry.folder);
-        let input = task.input(&below, config, CastPart::of(mold.portion), boundary.casts)?;
-        Self::new(mold, input, config)
-    }
-
     /// Refuses a mold that `fab verify` would reject.
-    pub fn prove(
-        &self,
-        name: &str,
-        against: Against,
-        plan: &PlanReport,
-        progress: Progress,
-    ) -> Result<()> {
-        let lines = before_writing(&self.report, &self.surfaces, against, plan, progress);
-        self.judge(name, &lines)
-    }
-
-    /// Refuses a mold of which a check fails.
-    fn judge(&self, name: &str, lines: &[Line]) -> Result<()> {
-        let failed: Vec<_> = lines.iter().filter(|line| line.status == Status::Fail).collect();
-        if failed.is_empty() {
-            return Ok(());
-        }
-        let words =
-            |line: &&Line| format!("{} is {}, expected {}", line.name, line.found, line.needed);
-        let refusal = failed.iter().map(words).collect::<Vec<_>>().join("; ");
-        let refusal = format!("{name}: a mold would not be right, none is written: {refusal}");
-        let moves = |line: &&Line| {
-            let core = line.leaning()?;
-            let left = LEFT * self.report.casting.least_wall * MM;
-            Some(format!("{core} would move by {}, where {left:.2} mm must be left", line.found))
-        };
-        match failed.iter().map(moves).collect::<Option<Vec<_>>>() {
-            Some(moves) => Err(Leaning { moves: moves.join("; "), refusal }.into()),
-            None => Err(Unusable(refusal).into()),
-        }
+    fn prove(&self, task: &Task, planned: &Planned, name: &str) -> Result<()> {
+        let (model, from) = (task.model.as_deref(), task.from.as_deref());
+        let against = Against { design: Some(&task.mesh), model, from, simulation: None };
+        let lines = before_writing(&self.report, &self.surfaces, against, &planned.report);
+        let failed = lines.iter().filter(|line| line.status == Status::Fail);
+        let words = failed
+            .map(|line| format!("{} is {}, expected {}", line.name, line.found, line.needed))
+            .collect::<Vec<_>>();
+        ensure!(
+            words.is_empty(),
+            Unusable(format!(
+                "{name}: a mold would not be right, none is written: {}",
+                words.join("; ")
+            ))
+        );
+        Ok(())
     }
 }

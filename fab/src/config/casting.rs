@@ -1,6 +1,6 @@
 //! `[casting]`: what is cast, and what the mold is printed on.
 
-use library::{Printer, printers, silicones};
+use library::{Printer, Silicone, printers, silicones};
 use program::schema::one_of_these_or_none;
 use program::table;
 use program::table::Range;
@@ -36,6 +36,16 @@ table! {
 }
 
 impl CastingConfig {
+    /// The silicone that is named.
+    pub fn silicone(&self) -> Option<&'static Silicone> {
+        self.silicone.as_deref().and_then(|key| silicones().find(key).ok())
+    }
+
+    /// By how much it stretches until it breaks, if that is known [%].
+    pub fn elongation(&self) -> Option<f64> {
+        self.silicone()?.casting.as_ref()?.elongation
+    }
+
     /// The printer that is named.
     pub fn printer(&self) -> Option<&'static Printer> {
         self.printer.as_deref().and_then(|key| printers().find(key).ok())

@@ -40,7 +40,7 @@ table! {
         shoulder: f64 = 1e-4, LENGTH;
         /// What holds a core beside its stub: `"pin"`, at least one pin of the mold, whose hole in the silicone
         /// is closed afterwards; `"stub"`, nothing; or `"auto"`, pins if the core leans or bends by more than
-        /// `limits.sag`, and none in cores of wax.
+        /// `limits.sag`.
         support: Support = Support::Auto;
         /// Radius of those pins [m].
         pin: f64 = 1e-3, LENGTH;

@@ -6,41 +6,29 @@
 pub mod method;
 
 mod casting;
-mod chambers;
 mod core;
 pub mod fitting;
-mod flange;
-mod gluing;
 mod groove;
-mod keys;
-mod limits;
 mod parting;
-mod sprue;
-mod vents;
+mod tables;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
-use library::{Chemistry, silicones};
+use library::Chemistry;
 use program::table;
 use program::table::{Range, Table, direction, nested};
-use program::{Change, KeyPath, Keys, Settings, misfit};
+use program::{Change, KeyPath, Keys, Misfit, Names, Settings, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use casting::CastingConfig;
-pub use chambers::Chambers;
 pub use core::{CoreConfig, STUB_FLAT, Support};
 pub use fitting::FittingConfig;
-pub use flange::FlangeConfig;
-pub use gluing::GluingConfig;
 pub use groove::GrooveConfig;
-pub use keys::KeysConfig;
-pub use limits::LimitsConfig;
-use method::MethodChoice;
+use method::Method;
 pub use parting::{AutoParting, HeightFieldConfig, PartingConfig, PlaneParting};
-pub use sprue::SprueConfig;
-pub use vents::VentsConfig;
+pub use tables::{FlangeConfig, GluingConfig, KeysConfig, LimitsConfig, SprueConfig, VentsConfig};
 
 /// Gap around a part that slides into another, from a filament printer: 0.2 to 0.4 mm
 /// are usual [m].
@@ -63,8 +51,6 @@ pub enum OutsideShape {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Casts {
-    /// The surface of the model, carried as the design moved the tetrahedra.
-    Carried,
     /// The surface of the model; chambers that a design moved are those of its tetrahedra.
     Model,
     /// The boundary of its tetrahedra.
@@ -73,19 +59,10 @@ pub enum Casts {
 }
 
 impl Casts {
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Carried => "carried",
-            Self::Model => "model",
-            Self::Mesh => "mesh",
-        }
-    }
-
     /// The other one.
     pub fn other(self) -> Self {
         match self {
-            Self::Carried | Self::Model => Self::Mesh,
+            Self::Model => Self::Mesh,
             Self::Mesh => Self::Model,
         }
     }
@@ -97,10 +74,9 @@ table! {
     pub struct Config {
         /// Tag of the wall of the air chamber; of several chambers a list, in the order in which cores
         /// are numbered; `[]` for a body without one.
-        chamber: Chambers = Chambers::one("cavity"), Chambers::check;
-        /// How the chamber comes into the body: one of the methods above, or `"auto"`, which
-        /// chooses by what is measured.
-        method: MethodChoice = MethodChoice(None);
+        chamber: Names = Names::One("cavity".into()), different;
+        /// How the chamber comes into the body: one of the methods above.
+        method: Option<Method> = None => "what is measured decides";
         /// Tags of sheets inside the body, such as paper, that are laid in while it is cast: in a
         /// casting that is open on top, and level there.
         layers: Vec<String> = Vec::new() => "none";
@@ -110,10 +86,10 @@ table! {
         /// Mesh of what is cast already and lies in the mold, from the folder of this file: the silicone around it, such
         /// as a skin over a wound core, is what is left to pour.
         around: Option<PathBuf> = None => "none";
-        /// Which surface is cast: `"carried"`, that of the model which `--model` names, carried as a design moved the
-        /// mesh; `"model"`, the same with designed chambers as the tetrahedra have them; or `"mesh"`, the boundary of
-        /// the tetrahedra, which is off the model by up to the mesher's envelope.
-        surface: Option<Casts> = None => "that of the model, if there is one, carried with the design";
+        /// Which surface is cast: `"model"`, that of the model which `--model` names, with designed chambers as the
+        /// tetrahedra have them; or `"mesh"`, the boundary of the tetrahedra, which is off the model by up to the
+        /// mesher's envelope.
+        surface: Option<Casts> = None => "that of the model, if there is one";
         /// What decides between methods and partings.
         limits: LimitsConfig = LimitsConfig::default(), nested;
         /// Part of its lengths by which the silicone shrinks when it cures: the mold is larger by
@@ -150,6 +126,15 @@ table! {
     }
 }
 
+/// The rule of names of which none occurs twice.
+fn different(key: &KeyPath, names: &Names) -> Result<(), Misfit> {
+    let names = names.all();
+    match (0..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        Some(i) => Err(misfit!(key.clone(), " names {:?} twice", names[i])),
+        None => Ok(()),
+    }
+}
+
 impl Config {
     /// Reads and checks a file with changes from outside, or gives the defaults.
     pub fn read(path: Option<&Path>, changes: &[Change]) -> Result<Self> {
@@ -175,17 +160,16 @@ impl Config {
     /// less than a printer resolves.
     pub fn shrinkage(&self) -> f64 {
         let of_silicone = || {
-            let silicone = silicones().find(self.casting.silicone.as_deref()?).ok()?;
-            let facts =
-                silicone.casting.as_ref().filter(|facts| facts.chemistry == Chemistry::Tin)?;
-            facts.shrinkage.map(|percent| percent / 100.0)
+            let facts = self.casting.silicone()?.casting.as_ref()?;
+            let percent = facts.shrinkage.filter(|_| facts.chemistry == Chemistry::Tin)?;
+            Some(percent / 100.0)
         };
         self.shrinkage.or_else(of_silicone).unwrap_or(0.0)
     }
 
     /// Density of the silicone that is named, if it is known [kg/m³].
     pub fn density(&self) -> Option<f64> {
-        silicones().find(self.casting.silicone.as_deref()?).ok()?.density
+        self.casting.silicone()?.density
     }
 
     /// Gap around keys [m].

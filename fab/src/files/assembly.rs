@@ -3,7 +3,7 @@
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::files::report::MoldReport;
+use crate::files::report::{MoldReport, Part};
 
 /// Room between parts that are taken apart, as a share of the mold's diagonal.
 const GAP: f64 = 0.06;
@@ -25,7 +25,7 @@ pub struct Member {
 /// files: the parts as they are printed, and the cast.
 pub fn assembly(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Member> {
     let names = report.parts.iter().map(|part| (part.name.clone(), true));
-    let turns = report.parts.iter().map(|p| Matrix3::from_fn(|i, j| p.to_mold[i][j]));
+    let turns = report.parts.iter().map(Part::turn);
     let mut members: Vec<Member> = names
         .chain([("cast".into(), false)])
         .zip(turns.chain([Matrix3::identity()]))

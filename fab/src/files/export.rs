@@ -3,6 +3,7 @@
 //! Rounding can spoil a surface. Where [`Rounded`] cannot repair it, the solid is simplified
 //! first. Either way the surface must stay where it was.
 
+use anyhow::{Result, bail};
 use mesh::SurfaceMesh;
 use mesh::check;
 use mesh::measure::hausdorff;
@@ -25,20 +26,8 @@ const THIN: f64 = 1e-4;
 /// Points at which that distance is measured, besides the vertices.
 const SAMPLES: usize = 20_000;
 
-/// No repair made the rounded surface valid without moving it.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{name}: no valid surface within {off_um} µm of the solid after rounding to 32-bit millimetres: {findings}; \
-     move the parting or the design a little, or mesh the design anew",
-    off_um = OFF * 1e3
-)]
-pub struct ExportError {
-    name: String,
-    findings: String,
-}
-
 /// The boundary of `solid`, turned, in millimetres that 32-bit floats hold exactly.
-pub fn printable(name: &str, solid: &Solid, turn: Turn) -> Result<SurfaceMesh, ExportError> {
+pub fn printable(name: &str, solid: &Solid, turn: Turn) -> Result<SurfaceMesh> {
     let exact = turned(solid, turn);
     let mut findings = Vec::new();
     for tolerance in SIMPLIFY {
@@ -55,7 +44,12 @@ pub fn printable(name: &str, solid: &Solid, turn: Turn) -> Result<SurfaceMesh, E
         }
         log::debug!("{name}: rounded it has {}", findings.join("; "));
     }
-    Err(ExportError { name: name.into(), findings: findings.join("; ") })
+    bail!(
+        "{name}: no valid surface within {} µm of the solid after rounding to 32-bit millimetres: {}; move the parting or the \
+         design a little, or mesh the design anew",
+        OFF * 1e3,
+        findings.join("; ")
+    );
 }
 
 /// What is wrong with a surface that was repaired.

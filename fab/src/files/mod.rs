@@ -2,7 +2,6 @@
 //! the sheet for casting and its page, pictures.
 
 pub mod assembly;
-pub mod attempt;
 pub mod export;
 pub mod output;
 pub mod page;
@@ -10,3 +9,4 @@ pub mod picture;
 pub mod report;
 pub mod sheet;
 pub mod slicer;
+pub mod undercut;

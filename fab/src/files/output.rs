@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
+use anyhow::Result;
 use mesh::io::threemf::{self, Place, Shape};
 use mesh::io::{IoError, write_atomic};
 use mesh::{SurfaceMesh, Vec3, measure};
-use nalgebra::Matrix3;
 
 use crate::body::layer::LaidIn;
 use crate::files::assembly::{Member, assembly};
@@ -43,7 +43,7 @@ pub fn files(report: &MoldReport) -> Vec<String> {
 
 /// Writes the parts and their assembly as 3MF, how parts are sliced, the assembly for
 /// ParaView, and what the sheet for casting says. `surfaces` are those of the STL files, the cast last.
-pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<(), IoError> {
+pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Result<()> {
     let shape = |(part, surface): (&Part, &SurfaceMesh), place| Shape {
         name: part.name.clone(),
         surface: surface.clone(),
@@ -58,11 +58,12 @@ pub fn write(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Re
     for layer in &report.layers {
         write_atomic(&folder.join(layer.file()), |out| out.write_all(layer.svg().as_bytes()))?;
     }
-    let closed: Vec<Shape> = shapes.map(|both| shape(both, to_mold(both.0))).collect();
+    let closed: Vec<Shape> = shapes
+        .map(|both| shape(both, Place { turn: both.0.turn(), shift: Vec3::zeros() }))
+        .collect();
     threemf::write(&folder.join(ASSEMBLY), &report.program, "closed mold", &closed)?;
     picture::grid(&folder.join(GRID), &assembly(report, surfaces))?;
-    let sheet = Sheet::new(report);
-    sheet.map_err(|message| IoError::content(folder, message))?.write(folder)
+    Sheet::new(report).write(folder)
 }
 
 /// Draws the mold closed and taken apart.
@@ -72,11 +73,6 @@ pub fn draw(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Res
     let path = folder.join(ASSEMBLED);
     picture::assembled(&path, "closed, cut open", &members, &centre, &along)?;
     picture::exploded(&folder.join(EXPLODED), "taken apart", &members)
-}
-
-/// Where a part stands in the closed mold.
-pub fn to_mold(part: &Part) -> Place {
-    Place { turn: Matrix3::from_fn(|i, j| part.to_mold[i][j]), shift: Vec3::zeros() }
 }
 
 /// The plane that shows most: through the axis of the first socket, or else of the mold,

@@ -9,8 +9,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use mesh::io::{IoError, read_bytes, write_atomic};
 
 use crate::files::output::{ASSEMBLED, EXPLODED};
+use crate::files::report::MoldReport;
 use crate::files::sheet::{Item, Sheet};
-use crate::plan::report::{Entry, Material, PlanReport};
+use crate::plan::report::{Entry, PlanReport};
 
 /// The sheet, beside plan.json.
 pub const FILE: &str = "cast.html";
@@ -29,15 +30,20 @@ struct Cast<'a> {
 }
 
 /// Writes the sheet of all molds of a plan, which are in `folder`, with the pictures that are there.
-pub fn write(folder: &Path, plan: &PlanReport, title: &str) -> Result<(), IoError> {
+pub fn write<'a>(
+    folder: &Path,
+    plan: &PlanReport,
+    molds: impl Iterator<Item = (&'a Entry, &'a MoldReport)>,
+    title: &str,
+) -> Result<(), IoError> {
     let mut casts = Vec::new();
-    for entry in &plan.molds {
+    for (entry, report) in molds {
         let below = folder.join(&entry.folder);
         let drawn = [EXPLODED, ASSEMBLED].map(|name| below.join(name));
         let drawn = drawn.iter().filter(|path| path.exists());
         let pictures = drawn.map(|path| Ok(STANDARD.encode(read_bytes(path)?)));
         let pictures = pictures.collect::<Result<_, IoError>>()?;
-        casts.push(Cast { entry, sheet: Sheet::read(&below)?, pictures });
+        casts.push(Cast { entry, sheet: Sheet::new(report), pictures });
     }
     let page = page(plan, &casts, title).into_string();
     write_atomic(&folder.join(FILE), |out| out.write_all(page.as_bytes()))
@@ -97,7 +103,6 @@ fn casting(cast: &Cast, is_one_of_several: bool) -> Markup {
     html! {
         h2 {
             @if is_one_of_several { "Cast the " (entry.name) } @else { "Cast" }
-            @if entry.casts == Material::Wax { ", of wax" }
         }
         div.pictures { @for picture in pictures { img alt="" src={ "data:image/png;base64," (picture) }; } }
         table { @for (what, value) in sheet.rows() { tr { th scope="row" { (what) } td { (value) } } } }

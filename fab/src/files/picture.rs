@@ -59,7 +59,7 @@ fn draw(
         .iter()
         .zip(&colors)
         .map(|(member, color)| {
-            let mut shape = shape(&member.surface, *color);
+            let mut shape = shape(&member.surface, |_| f64::NAN, *color);
             shape.translate(&shift(member));
             cut(&shape, plane)
         })
@@ -86,10 +86,15 @@ fn paint(i: usize, member: &Member) -> Rgb {
     if member.printed { color::palette(i) } else { color::from_hex(CAST) }
 }
 
-fn shape(surface: &SurfaceMesh, color: Rgb) -> Shape {
-    let triangle =
-        |&points: &[usize; 3]| Triangle { points, values: [f64::NAN; 3], color, edges: 0 };
-    let triangles: Vec<Triangle> = surface.triangles.iter().map(triangle).collect();
+/// A surface in a colour, with a value at each triangle, or NaN.
+pub fn shape(surface: &SurfaceMesh, value: impl Fn(usize) -> f64, color: Rgb) -> Shape {
+    let triangle = |(t, &points): (usize, &[usize; 3])| Triangle {
+        points,
+        values: [value(t); 3],
+        color,
+        edges: 0,
+    };
+    let triangles: Vec<Triangle> = surface.triangles.iter().enumerate().map(triangle).collect();
     Shape {
         facets: shade(&surface.vertices, &triangles),
         cells: None,

@@ -2,29 +2,29 @@
 
 use std::path::{Component, Path};
 
-use library::printers;
-use mesh::io::{IoError, write_atomic};
+use anyhow::Result;
+use mesh::io::IoError;
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
-use program::KeyPath;
-use program::table::Table;
+use program::write_json;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::collar::FittedTube;
 use crate::body::groove::Groove;
 use crate::body::layer::LaidIn;
-use crate::body::source::{CastPart, Input};
+use crate::body::source::Input;
 use crate::body::thread::Thread;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
 use crate::geometry::frame::{Frame, Turn};
+use crate::geometry::frustum::Frustum;
 use crate::geometry::overhang::{CUSTOMARY, Overhangs};
 use crate::geometry::{MM, Triple};
-use crate::mold::holding::Hold;
+use crate::mold::holding::Holding;
 use crate::mold::{Feature, Mold, Piece, Purpose};
 
 /// Name of the report in the folder of a mold.
@@ -46,7 +46,7 @@ pub struct MoldReport {
     pub units: String,
     /// The body.
     pub input: Input,
-    /// From the design [m], or from a core [mm], to the mold [mm]: three rows of (s R | t).
+    /// From the design [m] to the mold [mm]: three rows of (s R | t).
     pub design_to_mold: [[f64; 4]; 3],
     /// Bounds of the closed mold.
     pub block: Bounds,
@@ -126,6 +126,13 @@ pub struct Part {
     pub genus: i32,
 }
 
+impl Part {
+    /// The rotation from its file to the closed mold.
+    pub fn turn(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| self.to_mold[i][j])
+    }
+}
+
 /// What a part does.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -156,52 +163,6 @@ pub struct Cast {
     pub weight: Option<Weight>,
 }
 
-/// How a core is held.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Holding {
-    /// Name of the core.
-    pub core: String,
-    /// Centre of its inlet [mm].
-    pub inlet: Triple,
-    /// Radius of its stub [mm].
-    pub stub_radius: f64,
-    /// Length of its stub below the inlet [mm].
-    pub stub_length: f64,
-    /// Play of its stub and of pins [mm].
-    pub clearance: f64,
-    /// Density of the silicone in which it floats [kg/m³].
-    pub density: f64,
-    /// Motion of its farthest point that is not reported [mm].
-    pub limit: f64,
-    /// Motion of its farthest point on the stub alone [mm].
-    pub alone: f64,
-    /// Motion of its farthest point with its pins [mm].
-    pub held: f64,
-    /// Thickness of the silicone at each of its pins, in the order of `features` [mm].
-    pub lengths: Vec<f64>,
-    /// Silicone that closes the holes of its pins [mm³].
-    pub plugs: f64,
-}
-
-impl Holding {
-    fn new(hold: &Hold) -> Self {
-        Self {
-            core: hold.core.clone(),
-            inlet: millimetres(&hold.inlet),
-            stub_radius: hold.stub.base_radius * MM,
-            stub_length: (hold.inlet.z - hold.stub.base.z - hold.stub.axis.z) * MM,
-            clearance: hold.clearance * MM,
-            density: hold.density,
-            limit: hold.limit * MM,
-            alone: hold.alone * MM,
-            held: hold.held * MM,
-            lengths: hold.lengths.iter().map(|length| length * MM).collect(),
-            plugs: hold.plugs * MM.powi(3),
-        }
-    }
-}
-
 /// The outline of a channel or gap: a frustum.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -216,6 +177,23 @@ pub struct Outline {
     pub base_radius: f64,
     /// Radius of the top [mm].
     pub top_radius: f64,
+}
+
+impl Outline {
+    /// The frustum [mm].
+    pub fn frustum(&self) -> Frustum {
+        Frustum {
+            base: Vec3::from(self.base),
+            axis: Vec3::from(self.axis),
+            base_radius: self.base_radius,
+            top_radius: self.top_radius,
+        }
+    }
+
+    /// The frustum as it was cut [mm].
+    pub fn exact(&self) -> Solid {
+        self.frustum().solid()
+    }
 }
 
 /// A finding.
@@ -245,8 +223,8 @@ impl MoldReport {
         let chamber_area = mold.chamber_area * MM.powi(2);
         // Cured, it has shrunk to the size of the design.
         let cured = 1.0 / mold.frame.scale;
-        let plugs = mold.holds.iter().map(|hold| hold.plugs * MM.powi(3)).sum::<f64>();
-        let density = config.density().filter(|_| input.part != CastPart::Core);
+        let plugs = mold.holds.iter().map(|hold| hold.plugs).sum::<f64>();
+        let density = config.density();
         let weight = density.map(|density| {
             let volume = volume + plugs;
             Weight::new(volume * cured.powi(3), chamber_area * cured.powi(2), density)
@@ -254,7 +232,7 @@ impl MoldReport {
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
             units: "mm".into(),
-            design_to_mold: in_millimetres(&mold.frame, &input.part),
+            design_to_mold: in_millimetres(&mold.frame),
             input,
             block: Bounds { min: millimetres(&low), max: millimetres(&high) },
             outside: OUTSIDE.into(),
@@ -264,7 +242,7 @@ impl MoldReport {
             method: mold.method,
             chambers: mold.chambers.clone(),
             one_way: mold.one_way,
-            holds: mold.holds.iter().map(Holding::new).collect(),
+            holds: mold.holds.clone(),
             parts: Vec::new(),
             cast: Cast {
                 file: CAST.into(),
@@ -312,8 +290,7 @@ impl MoldReport {
     /// The steepest overhang that the named printer prints without support, from the
     /// vertical [degrees].
     fn steepest(&self) -> f64 {
-        let printer = self.casting.printer.as_deref().and_then(|key| printers().find(key).ok());
-        printer.map_or(CUSTOMARY, |printer| printer.overhang)
+        self.casting.printer().map_or(CUSTOMARY, |printer| printer.overhang)
     }
 
     /// Reads the report of the mold in `folder`.
@@ -322,48 +299,13 @@ impl MoldReport {
         let text = mesh::io::read_own_text(&path)?;
         let report: Self =
             serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))?;
-        report.require_plausible().map_err(|message| IoError::content(&path, message))?;
-        Ok(report)
-    }
-
-    /// Whether what the checks rely on is plausible.
-    fn require_plausible(&self) -> Result<(), String> {
         let plain =
             |file: &&str| Path::new(file).components().all(|c| matches!(c, Component::Normal(_)));
-        if let Some(file) = self.files().find(|file| !plain(file)) {
-            return Err(format!("lists {file:?}; files must lie in its own folder"));
+        if let Some(file) = report.files().find(|file| !plain(file)) {
+            let message = format!("lists {file:?}; files must lie in its own folder");
+            return Err(IoError::content(&path, message));
         }
-        if self.units != "mm" {
-            return Err(format!("units are {:?}, must be \"mm\"", self.units));
-        }
-        self.casting.check_ranges(&KeyPath::of("casting"))?;
-        for Part { name, demolding, to_mold, .. } in &self.parts {
-            let direction = Vec3::from(*demolding);
-            if direction.x != 0.0 || direction.abs().sum() != 1.0 || direction.amax() != 1.0 {
-                return Err(format!(
-                    "{name} is demolded along {demolding:?}, must be one of ±y and ±z"
-                ));
-            }
-            let expected = rows(&Turn::lowering(direction).inverse().0);
-            if *to_mold != expected {
-                return Err(format!("{name} is turned by {to_mold:?}, must be {expected:?}"));
-            }
-        }
-        let map = Matrix3::from_fn(|i, j| self.design_to_mold[i][j]);
-        let scale = map.row(0).norm();
-        let off = ((map / scale) * (map / scale).transpose() - Matrix3::identity()).amax();
-        let least = if self.input.part == CastPart::Core { 1.0 } else { MM };
-        let plausible = (least..1.3 * least).contains(&(scale * (1.0 + 1e-12)));
-        let shift = self.design_to_mold.iter().fold(0.0, |m: f64, row| m.max(row[3].abs()));
-        // A million kilometres is beyond any design.
-        if !plausible || off > 1e-9 || shift > 1e15 {
-            return Err(format!(
-                "design_to_mold is {:?}, must be {least} times a rotation, up to 1.3 times that for what shrinks, \
-                 and a shift",
-                self.design_to_mold
-            ));
-        }
-        Ok(())
+        Ok(report)
     }
 
     /// Millimetres of the mold per metre of the design [mm/m].
@@ -373,11 +315,8 @@ impl MoldReport {
     }
 
     /// Writes the report into `folder`.
-    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
-        write_atomic(&folder.join(FILE), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        write_json(&folder.join(FILE), self)
     }
 
     /// Files other than the report, relative to its folder: those of the parts, the cast
@@ -404,13 +343,12 @@ fn outline(feature: &Feature) -> Outline {
     }
 }
 
-/// The map of a frame to millimetres, from metres or, for a core, from millimetres.
-fn in_millimetres(frame: &Frame, part: &CastPart) -> [[f64; 4]; 3] {
-    let unit = if *part == CastPart::Core { 1.0 } else { MM };
+/// The map of a frame from metres to millimetres.
+fn in_millimetres(frame: &Frame) -> [[f64; 4]; 3] {
     let shift = -(frame.rotation * frame.origin) * frame.scale * MM;
     std::array::from_fn(|i| {
         std::array::from_fn(|j| match j {
-            0..3 => frame.rotation[(i, j)] * frame.scale * unit,
+            0..3 => frame.rotation[(i, j)] * frame.scale * MM,
             _ => shift[i],
         })
     })

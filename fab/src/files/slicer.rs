@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use library::{Printer, PrinterKind, printers};
+use library::{Printer, PrinterKind};
 use mesh::io::{IoError, write_atomic};
 
 use crate::files::report::{MoldReport, Part, Role};
@@ -29,12 +29,10 @@ pub fn file(part: &Part) -> String {
     format!("{}.ini", part.name)
 }
 
-/// The settings of a part; none without a named filament printer, and for a core that is
-/// cast of wax.
+/// The settings of a part; none without a named filament printer.
 pub fn settings(report: &MoldReport, part: &Part) -> Option<String> {
-    let printer = printers().find(report.casting.printer.as_deref()?).ok()?;
-    let printed = part.role == Role::Shell || !report.method.core.is_cast();
-    (printer.kind == PrinterKind::Filament && printed).then(|| text(printer, report, part))
+    let printer = report.casting.printer()?;
+    (printer.kind == PrinterKind::Filament).then(|| text(printer, report, part))
 }
 
 /// Writes the settings of all parts that have some.
@@ -47,7 +45,7 @@ pub fn write(folder: &Path, report: &MoldReport) -> Result<(), IoError> {
 
 fn text(printer: &Printer, report: &MoldReport, part: &Part) -> String {
     let shell = part.role == Role::Shell;
-    let (plastic, density) = match report.method.core.filament().filter(|_| !shell) {
+    let (plastic, density) = match report.method.core.filament.filter(|_| !shell) {
         Some(filament) => (filament.name, filament.density),
         None => (printer.kind.plastic().0, printer.kind.plastic().1 * 1e-3),
     };

@@ -1,14 +1,14 @@
 //! Cores on their stubs, with bores for water and pits for pins.
 
+use anyhow::Result;
 use mesh::Vec3;
 use mesh::check::Finding;
 use mesh::solid::Solid;
 
-use super::MoldError;
 use super::cast_body::{CastBody, Core};
 use super::features::core::{Print, drain};
 use super::features::pin::Pin;
-use super::holding::{self, Hold, Standing};
+use super::holding::{self, Holding, Standing};
 use super::mount::Mount;
 use super::piece::{Feature, Piece, Purpose};
 use crate::config::Config;
@@ -30,7 +30,7 @@ pub struct Cores {
     /// What a person should know.
     pub findings: Vec<Finding>,
     /// How each core is held.
-    pub holds: Vec<Hold>,
+    pub holds: Vec<Holding>,
     /// Whether each core fits into its socket one way only.
     pub one_way: bool,
 }
@@ -50,7 +50,7 @@ impl Cores {
     }
 
     /// The cores of a body with their stubs, and sockets for these in the last of the shells.
-    pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self, MoldError> {
+    pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self> {
         let mut all = Self::none(body, shells);
         for index in 0..body.cores.len() {
             let name = match body.cores.len() {
@@ -63,13 +63,7 @@ impl Cores {
     }
 
     /// One more.
-    fn add(
-        &mut self,
-        name: String,
-        body: &CastBody,
-        index: usize,
-        mount: &Mount,
-    ) -> Result<(), MoldError> {
+    fn add(&mut self, name: String, body: &CastBody, index: usize, mount: &Mount) -> Result<()> {
         let core = &body.cores[index];
         let mut solid = core.solid.clone();
         let mut last = None;
@@ -79,7 +73,7 @@ impl Cores {
             solid = solid.union(&print.stub_solid());
             let holder = self.shells.last_mut().expect("there are shells");
             holder.solid = holder.solid.difference(&print.socket_solid());
-            if mount.method.core.is_bored {
+            if mount.method.core.dissolves() {
                 solid = self.bored(solid, &print, core, mount.config);
             }
             let frustum = print.socket.clone();

@@ -1,10 +1,10 @@
 //! The outside of a mold divided into shells, and what joins these.
 
+use anyhow::{Result, ensure};
 use mesh::check::Finding;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 
-use super::MoldError;
 use super::cast_body::CastBody;
 use super::features::block::Block;
 use super::features::flange::Joint;
@@ -54,7 +54,7 @@ pub struct Division {
 
 impl Division {
     /// The outside around the body and the rims of its channels, divided as the body stands.
-    pub fn new(blank: &Blank, rims: &[Vec3]) -> Result<Self, MoldError> {
+    pub fn new(blank: &Blank, rims: &[Vec3]) -> Result<Self> {
         let Blank { body, block, orientation, pull, config, .. } = blank;
         let below = Block::below(orientation.portion, config);
         let points = [&body.surface.vertices, rims].concat();
@@ -125,7 +125,7 @@ impl Blank<'_> {
     }
 
     /// Two shells that part above each other.
-    fn upper_and_lower(&self, hull: Solid) -> Result<Division, MoldError> {
+    fn upper_and_lower(&self, hull: Solid) -> Result<Division> {
         let split = self.split()?;
         let Block { min, max } = self.block;
         let thickness = self.config.flange.thickness;
@@ -155,7 +155,7 @@ impl Blank<'_> {
     }
 
     /// Two shells side by side, on a base.
-    fn sides_on_base(&self, hull: Solid) -> Result<Division, MoldError> {
+    fn sides_on_base(&self, hull: Solid) -> Result<Division> {
         let split = self.split()?;
         let Block { min, max } = self.block;
         let thickness = self.config.flange.thickness;
@@ -276,7 +276,7 @@ impl Blank<'_> {
     }
 
     /// The parting surface, in coordinates with z along the pull.
-    fn split(&self) -> Result<Split, MoldError> {
+    fn split(&self) -> Result<Split> {
         let Blank { body, block, pull, config, .. } = self;
         let turn = Turn::lowering(-pull.vector());
         let corners = [turn.0 * block.min, turn.0 * block.max];
@@ -289,10 +289,12 @@ impl Blank<'_> {
         match &self.orientation.parting {
             PartingSurface::HeightField(field) => {
                 let columns = (max.x - min.x) * (max.y - min.y) / field.cell.powi(2);
-                if columns > MOST_COLUMNS {
-                    let (cell, most) = (field.cell, MOST_COLUMNS);
-                    return Err(MoldError::Columns { cell, columns, most });
-                }
+                ensure!(
+                    columns <= MOST_COLUMNS,
+                    "parting.cell = {} m makes {columns:.1e} columns over the mold, at most {MOST_COLUMNS:.1e} are allowed; \
+                     enlarge it",
+                    field.cell
+                );
                 let vertices = body.surface.vertices.iter().map(|p| turn.0 * p).collect();
                 let triangles = body.surface.triangles.clone();
                 Ok(Split::height_field(&site, &SurfaceMesh { vertices, triangles }, field))

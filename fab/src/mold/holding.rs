@@ -1,42 +1,126 @@
 //! Whether a core stays in its place, and the pins that hold it there.
 
+use anyhow::{Context, Result, ensure};
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 use mesh::solid::Solid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
+use super::Mold;
 use super::cast_body::CastBody;
 use super::features::pin::{self, NEAR, Pin, Site, Tried};
 use super::features::support::{Contact, SILICONE, Stand};
 use super::mount::Mount;
-use super::piece::Piece;
+use super::piece::{Piece, Purpose};
 use crate::config::{Casts, Config, Support};
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
+use crate::geometry::{MM, Triple};
 
 /// How a core is held.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Hold {
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Holding {
     /// Name of the core.
     pub core: String,
-    /// Centre of its inlet [m].
-    pub inlet: Vec3,
-    /// The stub.
-    pub stub: Frustum,
-    /// Play of its stub and of pins [m].
+    /// Centre of its inlet [mm].
+    pub inlet: Triple,
+    /// Radius of its stub [mm].
+    pub stub_radius: f64,
+    /// Length of its stub below the inlet [mm].
+    pub stub_length: f64,
+    /// Play of its stub and of pins [mm].
     pub clearance: f64,
     /// Density of the silicone in which it floats [kg/m³].
     pub density: f64,
-    /// Motion of its farthest point that is not reported [m].
+    /// Motion of its farthest point that is not reported [mm].
     pub limit: f64,
-    /// Motion of its farthest point on the stub alone [m].
+    /// Motion of its farthest point on the stub alone [mm].
     pub alone: f64,
-    /// Motion of its farthest point with its pins [m].
+    /// Motion of its farthest point with its pins [mm].
     pub held: f64,
-    /// Thickness of the silicone at each pin [m].
+    /// Thickness of the silicone at each of its pins, in the order of `features` [mm].
     pub lengths: Vec<f64>,
-    /// Silicone that closes the holes of its pins [m³].
+    /// Silicone that closes the holes of its pins [mm³].
     pub plugs: f64,
+}
+
+/// Part of casting.least_wall that must be left beside a core that moves: a judgement.
+const LEFT: f64 = 0.5;
+
+/// A core that comes too near to the mold or to another core.
+pub struct Lean {
+    hold: Holding,
+    /// What is left then [mm].
+    left: f64,
+    /// What must be left [mm].
+    least: f64,
+}
+
+impl Lean {
+    /// How far it moves, and what is left.
+    pub fn in_words(&self) -> String {
+        let Self { hold, left, least } = self;
+        format!(
+            "{} would move by {:.2} mm on its stub and {} pin{}, {:.2} mm on its stub alone, {:.2} mm from mold and other cores \
+             then, where {:.2} mm must be left",
+            hold.core,
+            hold.held,
+            hold.lengths.len(),
+            if hold.lengths.len() == 1 { "" } else { "s" },
+            hold.alone,
+            left.max(0.0),
+            least
+        )
+    }
+}
+
+impl Mold {
+    /// The cores that move by more than `limits.sag`, and so far that less than half of `least_wall` [m] is left beside
+    /// them.
+    pub fn leaning(&self, least_wall: f64) -> Vec<Lean> {
+        let least = LEFT * least_wall * MM;
+        let moving = self.holds.iter().filter(|hold| hold.held > hold.limit);
+        let lean = |hold: &Holding| Lean {
+            hold: hold.clone(),
+            left: self.left_beside(hold, 2.0 * least_wall) * MM,
+            least,
+        };
+        moving.map(lean).filter(|lean| lean.left < least).collect()
+    }
+
+    /// What is left between a core and the mold or another core when it turns about its inlet [m]: each point of it moves
+    /// in proportion to its distance from the inlet. Not within the distance `apart` of the piece on which it stands and of
+    /// pins [m].
+    fn left_beside(&self, hold: &Holding, apart: f64) -> f64 {
+        let inlet = Vec3::from(hold.inlet) / MM;
+        let (own, others): (Vec<&Piece>, Vec<&Piece>) =
+            self.cores.iter().partition(|core| core.name == hold.core);
+        let others = others.into_iter().chain(&self.shells);
+        let others: Vec<SurfaceBvh> =
+            others.map(|piece| SurfaceBvh::new(&piece.solid.to_surface())).collect();
+        let pins = self.features.iter().filter(|feature| feature.purpose == Purpose::Pin);
+        let pins: Vec<&Frustum> = pins.map(|pin| &pin.frustum).collect();
+        let vertices: Vec<Vec3> =
+            own.into_iter().flat_map(|core| core.solid.to_surface().vertices).collect();
+        let above = vertices.iter().filter(|p| p.z >= inlet.z);
+        let reach = above.map(|p| (p - inlet).norm()).fold(0.0, f64::max);
+        let free = |p: &&Vec3| {
+            let beside = |pin: &&Frustum| {
+                let along =
+                    ((**p - pin.base).dot(&pin.axis) / pin.axis.norm_squared()).clamp(0.0, 1.0);
+                (**p - pin.base - pin.axis * along).norm() > apart + pin.base_radius
+            };
+            p.z > inlet.z + apart && pins.iter().all(beside)
+        };
+        let left = vertices.iter().filter(free).flat_map(|p| {
+            let moves = hold.held / MM * (p - inlet).norm() / reach;
+            others.iter().map(move |other| other.closest(p).distance - moves)
+        });
+        left.fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// A core on its stub, of which it is to be seen whether that holds it.
@@ -62,56 +146,12 @@ pub struct Held {
     /// What a person should know.
     pub finding: Option<Finding>,
     /// How it is held.
-    pub hold: Hold,
-}
-
-/// No place for a pin that was asked for.
-#[derive(Debug, thiserror::Error, PartialEq)]
-pub enum PinError {
-    /// Nowhere.
-    #[error(
-        "core.support = \"pin\": no pin of {:.2} mm radius finds room at the {core}: {tried}; at {left} places it \
-         would be too near to sprue or vents, or leave silicone thinner than casting.least_wall; make core.pin \
-         thinner, move sprue.at, or hold the core by its stub",
-        radius * 1e3
-    )]
-    Nowhere {
-        /// Name of the core.
-        core: String,
-        /// Radius of the pin [m].
-        radius: f64,
-        /// What was tried.
-        tried: Tried,
-        /// Places that were left.
-        left: usize,
-    },
-    /// Not where it was asked for.
-    #[error(
-        "core.pins: no pin of {:.2} mm radius can stand within {:.1} mm of ({x}, {y}, {z}) m: {tried}; at {left} \
-         places it would be too near to sprue, vents or another pin, or leave silicone thinner than \
-         casting.least_wall; choose another point, or leave core.pins out",
-        radius * 1e3, NEAR * radius * 1e3, x = at[0], y = at[1], z = at[2]
-    )]
-    NotThere {
-        /// The point [m].
-        at: [f64; 3],
-        /// Radius of the pin [m].
-        radius: f64,
-        /// What was tried.
-        tried: Tried,
-        /// Places that were left.
-        left: usize,
-    },
+    pub hold: Holding,
 }
 
 /// Holds a core on its stub, by pins of the shells if it needs them or they are asked for. `cast` is what is cast, with
 /// the holes of other cores' pins.
-pub fn hold(
-    standing: &Standing,
-    cast: &Solid,
-    shells: &[Piece],
-    mount: &Mount,
-) -> Result<Held, PinError> {
+pub fn hold(standing: &Standing, cast: &Solid, shells: &[Piece], mount: &Mount) -> Result<Held> {
     let Standing { name, body, index, solid, inlet, stub } = standing;
     let config = mount.config;
     let chamber = body.cores[*index].solid.to_surface();
@@ -158,20 +198,18 @@ pub fn hold(
         placed(&asked, &site, mount, fits)?
     } else if config.core.support == Support::Pin {
         let (offered, tried) = site.pins(None);
-        let none = || PinError::Nowhere {
-            core: (*name).into(),
-            radius: site.radius,
-            tried,
-            left: offered.len(),
-        };
         // One even where the core stays within the limit.
         let chosen = pin::choose(&stand, &offered, limit.min(0.999 * alone), fits);
-        if chosen.is_empty() {
-            return Err(none());
-        }
+        ensure!(
+            !chosen.is_empty(),
+            "core.support = \"pin\": no pin of {:.2} mm radius finds room at the {name}: {tried}; at {} places it would be too \
+             near to sprue or vents, or leave silicone thinner than casting.least_wall; make core.pin thinner, move sprue.at, \
+             or hold the core by its stub",
+            site.radius * 1e3,
+            offered.len()
+        );
         chosen
-    } else if config.core.support == Support::Auto && !mount.method.core.is_cast() && alone > limit
-    {
+    } else if config.core.support == Support::Auto && alone > limit {
         let (offered, places) = site.pins(None);
         tried = Some((places, offered.len()));
         let chosen = pin::choose(&stand, &offered, limit, fits);
@@ -186,17 +224,18 @@ pub fn hold(
         true => unheld(name, &stand, limit, tried),
         false => Some(pinned(name, &pins, shells, [alone, held.most(), limit])),
     };
-    let hold = Hold {
+    let hold = Holding {
         core: (*name).into(),
-        inlet: *inlet,
-        stub: stub.clone(),
-        clearance,
+        inlet: (inlet * MM).map(|x| x + 0.0).into(),
+        stub_radius: stub.base_radius * MM,
+        stub_length: (inlet.z - stub.base.z - stub.axis.z) * MM,
+        clearance: clearance * MM,
         density,
-        limit,
-        alone,
-        held: held.most(),
-        lengths: pins.iter().map(|pin| pin.length).collect(),
-        plugs: pins.iter().map(|pin| pin.hole).sum(),
+        limit: limit * MM,
+        alone: alone * MM,
+        held: held.most() * MM,
+        lengths: pins.iter().map(|pin| pin.length * MM).collect(),
+        plugs: pins.iter().map(|pin| pin.hole).sum::<f64>() * MM.powi(3),
     };
     Ok(Held { pins, finding, hold })
 }
@@ -213,7 +252,7 @@ fn placed(
     site: &Site,
     mount: &Mount,
     fits: impl Fn(&Pin, &[Pin]) -> bool,
-) -> Result<Vec<Pin>, PinError> {
+) -> Result<Vec<Pin>> {
     let mut pins: Vec<Pin> = Vec::new();
     for at in asked {
         let point = mount.frame.point(&Vec3::from(*at));
@@ -226,8 +265,17 @@ fn placed(
         offered.sort_by(|a, b| off(a).total_cmp(&off(b)));
         let left = offered.len();
         let found = offered.into_iter().find(|pin| fits(pin, &pins));
-        let radius = site.radius;
-        pins.push(found.ok_or(PinError::NotThere { at: *at, radius, tried, left })?);
+        let nowhere = || {
+            let ([x, y, z], radius) = (at, site.radius);
+            format!(
+                "core.pins: no pin of {:.2} mm radius can stand within {:.1} mm of ({x}, {y}, {z}) m: {tried}; at {left} places \
+                 it would be too near to sprue, vents or another pin, or leave silicone thinner than casting.least_wall; \
+                 choose another point, or leave core.pins out",
+                radius * 1e3,
+                NEAR * radius * 1e3
+            )
+        };
+        pins.push(found.with_context(nowhere)?);
     }
     Ok(pins)
 }

@@ -8,12 +8,11 @@
 //! | `CastBody::new` | what is cast, and what fills its chambers |
 //! | [`venting::places`] | where silicone enters and air leaves |
 //! | `Division::new` | the outside, and shells with keys and bolts |
-//! | [`channels`] | the sprue and the vents |
+//! | `Places::channels` | the sprue and the vents |
 //! | `Cores::new` | cores on their stubs, shells with sockets, the cast with holes of pins |
 //! | `cut`, `connected` | shells with channels; every piece in one piece |
 
 mod cast_body;
-mod channels;
 mod cores;
 mod division;
 pub mod features;
@@ -24,29 +23,28 @@ pub mod parting;
 mod piece;
 pub mod venting;
 
+use anyhow::Result;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
-use mesh::solid::{Solid, SolidError};
+use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 
 use crate::body::boundary::Boundary;
-use crate::body::layout::{self, LayoutError};
+use crate::body::layout;
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::config::method::Method;
 use crate::geometry::frame::Frame;
 use cast_body::CastBody;
 pub use cast_body::Opening;
-use channels::channels;
 use cores::Cores;
 use division::{Blank, Division};
 use features::block::Block;
-use features::core::PrintError;
-use holding::{Hold, PinError};
+use holding::Holding;
 use mount::Mount;
 pub use piece::{Feature, Piece, Purpose};
 use piece::{connected, cut};
-use venting::{Places, VentError};
+use venting::Places;
 
 /// Channels reach this far out of the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
@@ -73,7 +71,7 @@ pub struct Mold {
     /// Tags of the chambers, one for each core that the body has.
     pub chambers: Vec<String>,
     /// How each core is held that stands on a stub.
-    pub holds: Vec<Hold>,
+    pub holds: Vec<Holding>,
     /// Whether each core fits into its socket one way only.
     pub one_way: bool,
     /// What is cast, without sprue and vents.
@@ -86,51 +84,6 @@ pub struct Mold {
     pub findings: Vec<Finding>,
 }
 
-/// Why a mold cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum MoldError {
-    /// The directions do not fit.
-    #[error(transparent)]
-    Layout(#[from] LayoutError),
-    /// A core cannot be held.
-    #[error(transparent)]
-    Print(#[from] PrintError),
-    /// The pin that was asked for has no place.
-    #[error(transparent)]
-    Pin(#[from] PinError),
-    /// A channel misses the part.
-    #[error(transparent)]
-    Vent(#[from] VentError),
-    /// A surface is refused by the solid kernel.
-    #[error(transparent)]
-    Solid(#[from] SolidError),
-    /// A grid too fine to work with.
-    #[error(
-        "parting.cell = {cell} m makes {columns:.1e} columns over the mold, at most {most:.1e} are allowed; enlarge it"
-    )]
-    Columns {
-        /// Spacing asked for [m].
-        cell: f64,
-        /// Columns it makes.
-        columns: f64,
-        /// Columns allowed.
-        most: f64,
-    },
-    /// A shell fell apart.
-    #[error(
-        "the {name} shell has {count} separate pieces, the second of {volume_mm3:.3} mm³: \
-         choose another parting.pull, or another parting.kind"
-    )]
-    Pieces {
-        /// Name of the shell.
-        name: String,
-        /// How many pieces it has.
-        count: usize,
-        /// Volume of the second [mm³].
-        volume_mm3: f64,
-    },
-}
-
 impl Mold {
     /// The mold of a body whose chamber comes into it by `method`.
     pub fn new(
@@ -138,7 +91,7 @@ impl Mold {
         orientation: &Orientation,
         method: Method,
         config: &Config,
-    ) -> Result<Self, MoldError> {
+    ) -> Result<Self> {
         let portion = orientation.portion;
         let (frame, pull) = layout::frame(&boundary.filled, orientation, config.shrinkage())?;
         let joint = orientation.joint.map(|joint| frame.point(&(orientation.up * joint)).z);
@@ -158,7 +111,7 @@ impl Mold {
         let end = block.max.z + BEYOND;
         let outside = division.outside;
         let channels =
-            places.as_ref().map_or(Vec::new(), |places| channels(places, &surface, end, config));
+            places.as_ref().map_or(Vec::new(), |places| places.channels(&surface, end, config));
         let sealed = places.map_or(Vec::new(), |places| places.findings);
         let mount =
             Mount { method, floor: block.min.z, frame: &frame, channels: &channels, config };

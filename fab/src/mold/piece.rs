@@ -1,11 +1,11 @@
 //! Printed pieces, and the channels and gaps that are cut into them.
 
+use anyhow::{Result, bail};
 use mesh::Vec3;
 use mesh::solid::Solid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::MoldError;
 use super::parting::FILM;
 use crate::geometry::frustum::Frustum;
 
@@ -78,18 +78,20 @@ pub fn cut(pieces: Vec<Piece>, features: &[Feature]) -> Vec<Piece> {
 }
 
 /// A piece without films of rounding.
-pub fn connected(piece: Piece) -> Result<Piece, MoldError> {
+pub fn connected(piece: Piece) -> Result<Piece> {
     let mut bodies = piece.solid.decompose();
     if bodies.len() < 2 {
         return Ok(piece);
     }
     bodies.retain(|body| body.volume() > FILM);
     if let Some(second) = bodies.get(1) {
-        return Err(MoldError::Pieces {
-            name: piece.name,
-            count: bodies.len(),
-            volume_mm3: second.volume() * 1e9,
-        });
+        bail!(
+            "the {} shell has {} separate pieces, the second of {:.3} mm³: choose another parting.pull, or another \
+             parting.kind",
+            piece.name,
+            bodies.len(),
+            second.volume() * 1e9
+        );
     }
     Ok(Piece { solid: bodies.swap_remove(0), ..piece })
 }

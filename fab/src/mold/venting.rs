@@ -4,10 +4,13 @@
 //! reaches a local maximum of height. Those on the outer boundary get a vent; those
 //! on the wall of the chamber, below the core, cannot have one and are reported.
 
+use anyhow::{Context, Result};
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
 
+use super::features::channel;
+use super::piece::{Feature, Purpose};
 use crate::body::air::AirPaths;
 use crate::body::boundary::Boundary;
 use crate::body::orientation::Portion;
@@ -31,15 +34,17 @@ pub struct Places {
     pub findings: Vec<Finding>,
 }
 
-/// A channel that would not meet the part.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "the vertical through sprue.at = ({x:.5}, {y:.5}, {z:.5}) m does not meet the part; choose a point above it",
-    x = at.x, y = at.y, z = at.z
-)]
-pub struct VentError {
-    /// The point in the design [m].
-    at: Vec3,
+impl Places {
+    /// The sprue and the vents from here on the body, whose filled surface is `surface`, up to height `end` [m].
+    pub fn channels(&self, surface: &SurfaceBvh, end: f64, config: &Config) -> Vec<Feature> {
+        let (sprue, vent) = (&config.sprue, config.vents.radius);
+        let frustum = channel(surface, &self.sprue, end, sprue.radius, sprue.top_radius);
+        let vents = self.vents.iter().map(|top| {
+            let frustum = channel(surface, top, end, vent, vent);
+            Feature { purpose: Purpose::Vent, frustum }
+        });
+        [Feature { purpose: Purpose::Sprue, frustum }].into_iter().chain(vents).collect()
+    }
 }
 
 /// Finds the places for sprue and vents; `filled` is the boundary in the mold's frame.
@@ -49,7 +54,7 @@ pub fn places(
     portion: Portion,
     filled: &SurfaceBvh,
     config: &Config,
-) -> Result<Places, VentError> {
+) -> Result<Places> {
     let AirPaths { points, neighbours, outer } = &boundary.air_paths;
     let positions: Vec<Vec3> = points.iter().map(|p| frame.point(p)).collect();
     let heights: Vec<f64> = positions.iter().map(|p| p.z).collect();
@@ -72,7 +77,13 @@ pub fn places(
     let asked = config.sprue.at.filter(|_| portion == Portion::Whole);
     let sprue = match asked.map(Vec3::from) {
         Some(at) => {
-            surface_near(filled, &frame.point(&at), f64::INFINITY).ok_or(VentError { at })?
+            let missed = || {
+                let [x, y, z] = at.into();
+                format!(
+                    "the vertical through sprue.at = ({x:.5}, {y:.5}, {z:.5}) m does not meet the part; choose a point above it"
+                )
+            };
+            surface_near(filled, &frame.point(&at), f64::INFINITY).with_context(missed)?
         }
         None => tops.first().copied().unwrap_or_else(|| top(filled, &positions)),
     };

@@ -1,6 +1,5 @@
 //! How a body is molded: what is measured, which method, pull and parting surface follow, and why.
 
-pub mod drawing;
 pub mod gluing;
 pub mod pull;
 pub mod report;
@@ -8,12 +7,13 @@ mod sides;
 pub mod undercut;
 mod verdict;
 
+use anyhow::Result;
 use mesh::measure::{area, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use crate::body::boundary::Boundary;
-use crate::body::layout::{self, LayoutError};
+use crate::body::layout;
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::body::weight::Weight;
 use crate::config::Config;
@@ -21,8 +21,8 @@ use crate::config::method::Method;
 use crate::geometry::MM;
 use crate::geometry::walls::Wall;
 use gluing::Flat;
-use pull::{Choice, DirectionUndercut};
-use report::{ChosenBy, Measure, Verdict};
+use pull::Choice;
+use report::{ChosenBy, Direction, Measure, Verdict};
 use undercut::Worst;
 use verdict::Judge;
 pub use verdict::Refused;
@@ -41,7 +41,7 @@ pub struct Plan {
     /// What was found about each method.
     pub verdicts: Vec<Verdict>,
     /// The undercuts along every direction.
-    pub directions: Vec<DirectionUndercut>,
+    pub directions: Vec<Direction>,
     /// How many chambers the body has.
     pub chambers: usize,
     /// What is cast of silicone.
@@ -67,95 +67,21 @@ pub struct Casting {
     pub worst: Option<Worst>,
 }
 
-/// Why a body cannot be molded.
+/// The silicone cannot be peeled out, in words.
 #[derive(Debug, thiserror::Error)]
-pub enum PlanError {
-    /// The method asked for cannot be used.
-    #[error("method = \"{method}\" cannot be used: {reason}; {possible}")]
-    Method {
-        /// The method.
-        method: Method,
-        /// Why not, with numbers.
-        reason: String,
-        /// Which can.
-        possible: String,
-    },
-    /// No method can be used.
-    #[error("no method makes this body: {reasons}")]
-    None {
-        /// Why each of them cannot.
-        reasons: String,
-    },
-    /// The silicone cannot be peeled out.
-    #[error(
-        "the {name} cannot be peeled out of its mold: {surface}; at ({x:.2}, {y:.2}, {z:.2}) mm the silicone must \
-         give way by {depth:.2} mm and on its other side by {opposite:.2} mm, {ratio:.2} of its width of {width:.2} mm \
-         there, limits.peel is {limit:.2}: \
-         choose another `up` or parting.pull, set method = \"halves\", or raise limits.peel for a softer silicone",
-        x = worst.at.x * 1e3, y = worst.at.y * 1e3, z = worst.at.z * 1e3,
-        depth = worst.depth * 1e3, opposite = worst.opposite * 1e3, width = worst.width * 1e3, ratio = worst.ratio
-    )]
-    Locked {
-        /// What is cast.
-        name: String,
-        /// How its shells part.
-        surface: String,
-        /// Where that is worst.
-        worst: Worst,
-        /// Largest ratio allowed.
-        limit: f64,
-    },
-    /// A wall of the body is too thin.
-    #[error(
-        "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm of the {on}, casting.least_wall is {:.3} mm: \
-         thicken the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
-        thickness * 1e3, least * 1e3, x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
-    )]
-    Thin {
-        /// Thickness of the silicone [m].
-        thickness: f64,
-        /// Where, in the design [m].
-        at: Vec3,
-        /// Least thickness allowed [m].
-        least: f64,
-        /// On what it was measured.
-        on: &'static str,
-    },
-    /// A core is too thin.
-    #[error(
-        "the core{of} is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_core is {:.3} mm: widen the chamber \
-         there, or lower casting.least_core",
-        thickness * 1e3, least * 1e3, x = at.x * 1e3, y = at.y * 1e3, z = at.z * 1e3
-    )]
-    ThinCore {
-        /// The chamber of the core, as the message names it; empty where it has no name.
-        of: String,
-        /// Thickness of the core [m].
-        thickness: f64,
-        /// Where, in the design [m].
-        at: Vec3,
-        /// Least thickness allowed [m].
-        least: f64,
-    },
-    /// The directions do not fit.
-    #[error(transparent)]
-    Layout(#[from] LayoutError),
-}
+#[error("{0}")]
+struct Locked(String);
 
 impl Plan {
     /// Measures a body and chooses.
-    pub fn new(boundary: &Boundary, config: &Config) -> Result<Self, PlanError> {
+    pub fn new(boundary: &Boundary, config: &Config) -> Result<Self> {
         Self::without(&[], boundary, config)
     }
 
     /// Plans as [`Self::new`] does, without methods that were tried.
-    pub fn without(
-        refused: &[Refused],
-        boundary: &Boundary,
-        config: &Config,
-    ) -> Result<Self, PlanError> {
+    pub fn without(refused: &[Refused], boundary: &Boundary, config: &Config) -> Result<Self> {
         let mut judge = Judge::new(boundary, config, refused);
-        let (method, castings, chosen_by) = match config.method.0 {
+        let (method, castings, chosen_by) = match config.method {
             Some(asked) => {
                 let method = judge.require(asked)?;
                 (method, judge.castings(method)?, ChosenBy::Configuration)
@@ -198,7 +124,7 @@ impl Casting {
         up: Vec3,
         portion: Portion,
         config: &Config,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self> {
         let Choice { pull, parting, undercut, worst, reason } =
             pull::choose(filled, &up, portion, config);
         log::info!("{name}: {reason}");
@@ -211,8 +137,17 @@ impl Casting {
             if let Some(other) = other(name, filled, &orientation, config) {
                 return Ok(other);
             }
-            let (name, surface) = (name.into(), reason);
-            return Err(PlanError::Locked { name, surface, worst, limit });
+            let Worst { ratio, depth, opposite, width, at } = worst;
+            let [x, y, z] = (at * MM).into();
+            return Err(Locked(format!(
+                "the {name} cannot be peeled out of its mold: {reason}; at ({x:.2}, {y:.2}, {z:.2}) mm the silicone must give way by \
+                 {:.2} mm and on its other side by {:.2} mm, {ratio:.2} of its width of {:.2} mm there, limits.peel is {limit:.2}: \
+                 choose another `up` or parting.pull, set method = \"halves\", or raise limits.peel for a softer silicone",
+                depth * MM,
+                opposite * MM,
+                width * MM
+            ))
+            .into());
         }
         let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
         Ok(Self { name, orientation, filled, undercut, worst })
@@ -281,7 +216,7 @@ fn halves(
     normal: &Vec3,
     offset: f64,
     config: &Config,
-) -> Result<Vec<Casting>, PlanError> {
+) -> Result<Vec<Casting>> {
     let config = Config { parting: Config::default().parting, ..config.clone() };
     let sides = [("half-a", *normal, offset), ("half-b", -normal, -offset)];
     let half = |(name, up, offset): (&str, Vec3, f64)| {
@@ -291,11 +226,7 @@ fn halves(
 }
 
 /// The chamber, cut face down on a plate that carries the core, and the sheet in a tray.
-fn chamber_and_sheet(
-    boundary: &Boundary,
-    flat: &Flat,
-    config: &Config,
-) -> Result<Vec<Casting>, PlanError> {
+fn chamber_and_sheet(boundary: &Boundary, flat: &Flat, config: &Config) -> Result<Vec<Casting>> {
     let config = Config { parting: Config::default().parting, ..config.clone() };
     let (normal, offset) = (&flat.cut.normal, flat.cut.offset);
     let up = -normal;

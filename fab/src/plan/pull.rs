@@ -6,9 +6,11 @@
 
 use mesh::{SurfaceMesh, Vec3};
 
+use super::report::Direction;
 use super::undercut::{self, Undercut, View, Worst};
 use crate::body::orientation::{PartingSurface, Portion};
 use crate::config::{self, Config};
+use crate::geometry::MM;
 use crate::geometry::frame::Frame;
 use crate::geometry::gap;
 
@@ -30,19 +32,6 @@ pub const ALONG: f64 = 1.0 - 1e-9;
 
 /// Positions along the pull that are tried for a plane.
 const POSITIONS: usize = 9;
-
-/// A direction and the undercuts along it at best.
-#[derive(Clone, Debug)]
-pub struct DirectionUndercut {
-    /// The direction [1].
-    pub pull: Vec3,
-    /// Whether it is along or across `up`.
-    pub usable: bool,
-    /// Part of the area in undercuts of a parting surface in the middle of every column [1].
-    pub share: f64,
-    /// How deep [m].
-    pub depth: f64,
-}
 
 /// How the shells of a mold separate.
 #[derive(Clone, Debug)]
@@ -76,18 +65,18 @@ impl Choice {
 
 /// The undercuts of a body along a hemisphere of directions, `up`, coordinate axes across it and
 /// other directions across it; the least come first.
-pub fn directions(body: &SurfaceMesh, up: &Vec3) -> Vec<DirectionUndercut> {
+pub fn directions(body: &SurfaceMesh, up: &Vec3) -> Vec<Direction> {
     let spiral = hemisphere().map(|pull| (pull, false));
     let usable = usable(up).into_iter().map(|pull| (pull, true));
-    let mut directions: Vec<DirectionUndercut> = usable
+    let mut directions: Vec<Direction> = usable
         .chain(spiral)
         .map(|(pull, usable)| {
             let Undercut { share, depth, .. } =
                 View::along(body, &pull).undercut(undercut::PartingHeight::Middle);
-            DirectionUndercut { pull, usable, share, depth }
+            Direction { pull: pull.into(), usable, undercut: 100.0 * share, depth: depth * MM }
         })
         .collect();
-    directions.sort_by(|a, b| a.share.total_cmp(&b.share));
+    directions.sort_by(|a, b| a.undercut.total_cmp(&b.undercut));
     directions
 }
 
@@ -293,6 +282,8 @@ mod tests {
     fn planes_and_directions_are_told_without_the_sign_of_a_zero() {
         assert_eq!(plane(&-Vec3::y(), 1e-6), "the plane y = 0.00 mm");
         assert_eq!(plane(&-Vec3::z(), 4e-3), "the plane z = -4.00 mm");
+        let tilted = plane(&Vec3::new(0.6, 0.0, 0.8), 2e-3);
+        assert_eq!(tilted, "the plane across (0.600, 0.000, 0.800) at 2.00 mm from the origin");
         assert_eq!(direction(&Vec3::new(-1e-5, 0.6, 0.8)), "(0.000, 0.600, 0.800)");
     }
 }

@@ -2,11 +2,12 @@
 
 use std::path::{Component, Path};
 
-use mesh::io::{IoError, write_atomic};
+use anyhow::Result;
+use mesh::io::IoError;
+use program::write_json;
 use serde::{Deserialize, Serialize};
 
-use super::Plan;
-use super::pull::DirectionUndercut;
+use super::{Casting, Plan};
 use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
@@ -128,23 +129,11 @@ pub struct Entry {
     pub folder: String,
     /// The name.
     pub name: String,
-    /// What is cast in it.
-    pub casts: Material,
-}
-
-/// What is cast in a mold.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Material {
-    /// Silicone.
-    Silicone,
-    /// Wax, for a core.
-    Wax,
 }
 
 impl PlanReport {
-    /// The report of a plan and of the molds made by it.
-    pub fn new(plan: &Plan, input: Input, molds: Vec<Entry>) -> Self {
+    /// The report of a plan.
+    pub fn new(plan: &Plan, input: Input) -> Self {
         Self {
             program: format!("fab {}", env!("CARGO_PKG_VERSION")),
             units: "mm".into(),
@@ -154,11 +143,15 @@ impl PlanReport {
             reason: plan.reason.clone(),
             measures: plan.measures.clone(),
             methods: plan.verdicts.clone(),
-            directions: plan.directions.iter().map(direction).collect(),
-            molds,
+            directions: plan.directions.clone(),
+            molds: entries(plan),
             steps: plan.steps(),
             weight: plan.weight,
-            wall: plan.wall.map(thinnest),
+            wall: plan.wall.map(|Wall { thickness, at, on }| ThinnestWall {
+                thickness: MM * thickness,
+                at: (MM * at).into(),
+                on: on.into(),
+            }),
         }
     }
 
@@ -177,50 +170,20 @@ impl PlanReport {
         }
     }
 
-    /// The molds of silicone.
-    pub fn silicone(&self) -> impl Iterator<Item = &Entry> {
-        self.molds.iter().filter(|entry| entry.casts == Material::Silicone)
-    }
-
     /// Writes the plan into `folder`.
-    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
-        write_atomic(&folder.join(FILE), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        write_json(&folder.join(FILE), self)
     }
 }
 
-/// The molds of a plan, cores of wax first.
-pub fn entries(plan: &Plan, cores: usize) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    if plan.method.core.is_cast() {
-        for i in 0..cores {
-            let name = if cores == 1 { "core".into() } else { format!("core{}", i + 1) };
-            entries.push(Entry { folder: format!("{name}-mold"), name, casts: Material::Wax });
-        }
-    }
-    let single = entries.is_empty() && plan.castings.len() == 1;
-    entries.extend(plan.castings.iter().map(|casting| Entry {
+/// The molds of a plan.
+fn entries(plan: &Plan) -> Vec<Entry> {
+    let single = plan.castings.len() == 1;
+    let entry = |casting: &Casting| Entry {
         folder: if single { ".".into() } else { format!("{}-mold", casting.name) },
         name: casting.name.clone(),
-        casts: Material::Silicone,
-    }));
-    entries
-}
-
-fn thinnest(wall: Wall) -> ThinnestWall {
-    let Wall { thickness, at, on } = wall;
-    ThinnestWall { thickness: MM * thickness, at: (MM * at).into(), on: on.into() }
-}
-
-fn direction(measured: &DirectionUndercut) -> Direction {
-    Direction {
-        pull: measured.pull.into(),
-        usable: measured.usable,
-        undercut: 100.0 * measured.share,
-        depth: measured.depth * MM,
-    }
+    };
+    plan.castings.iter().map(entry).collect()
 }
 
 #[cfg(test)]

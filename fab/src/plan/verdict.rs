@@ -1,15 +1,17 @@
 //! Which methods can make a body's chamber, judged by what is measured.
 
+use anyhow::{Error, Result, bail, ensure};
 use mesh::Vec3;
 
 use super::gluing::{self, CAUGHT, Cut, Flat};
 use super::report::{Measure, Verdict};
-use super::{Casting, Plan, PlanError, chamber_and_sheet, halves, pull};
+use super::{Casting, Locked, Plan, chamber_and_sheet, halves, pull};
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::config::method::{Bodies, Castings, JudgedBy, Method};
+use crate::geometry::MM;
 use crate::geometry::girth::{self, Passage};
 use crate::geometry::walls::{self, Wall};
 
@@ -61,14 +63,13 @@ impl<'a> Judge<'a> {
     }
 
     /// The method that is preferred of those that can be used without being asked for, and its castings.
-    pub fn first_possible(&mut self) -> Result<(Method, Vec<Casting>), PlanError> {
-        let wanted = self.candidates().into_iter().filter(|method| method.is_automatic);
-        for method in wanted {
+    pub fn first_possible(&mut self) -> Result<(Method, Vec<Casting>)> {
+        for method in self.candidates() {
             if !self.judge(method).possible {
                 continue;
             }
             match self.castings(method) {
-                Err(error @ PlanError::Locked { .. }) if self.config.parting.is_open() => {
+                Err(error) if error.is::<Locked>() && self.config.parting.is_open() => {
                     self.reject(method, &error);
                 }
                 Err(error) => return Err(error),
@@ -77,7 +78,7 @@ impl<'a> Judge<'a> {
         }
         let reason = |v: &Verdict| format!("{}: {}", v.method, v.reason);
         let reasons: Vec<String> = self.verdicts.iter().map(reason).collect();
-        Err(PlanError::None { reasons: reasons.join("; ") })
+        bail!("no method makes this body: {}", reasons.join("; "));
     }
 
     /// The methods that concern a body with chambers, or one without.
@@ -88,14 +89,14 @@ impl<'a> Judge<'a> {
             Bodies::All => true,
             Bodies::WithChambers => !solid,
         };
-        let mut all = Method::all();
+        let mut all = Method::ALL.to_vec();
         // What is simplest comes first.
         all.sort_by_key(|method| method.bodies != Bodies::Solid);
         all.into_iter().filter(concerns).collect()
     }
 
     /// Takes back that a method can be used.
-    fn reject(&mut self, method: Method, error: &PlanError) {
+    fn reject(&mut self, method: Method, error: &Error) {
         let verdict = self.verdicts.iter_mut().rfind(|verdict| verdict.method == method);
         let verdict = verdict.expect("it was judged");
         verdict.possible = false;
@@ -103,7 +104,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The method asked for.
-    pub fn require(&mut self, method: Method) -> Result<Method, PlanError> {
+    pub fn require(&mut self, method: Method) -> Result<Method> {
         let verdict = self.judge(method);
         if verdict.possible {
             return Ok(method);
@@ -117,26 +118,30 @@ impl<'a> Judge<'a> {
             0 => "no other method can be used".into(),
             _ => format!("possible are {}", can.join(", ")),
         };
-        Err(PlanError::Method { method, reason: verdict.reason, possible })
+        bail!("method = \"{method}\" cannot be used: {}; {possible}", verdict.reason);
     }
 
     /// Walls of the body are nowhere too thin in the mold, which is larger by what shrinks. What halves
     /// and open-top molds cut in two has sharp edges there, which are no walls: the body is measured.
-    fn require_walls(&mut self) -> Result<(), PlanError> {
+    fn require_walls(&mut self) -> Result<()> {
         let (boundary, least) = (self.boundary, self.config.casting.least_wall);
         let cast = (&boundary.cast, boundary.casts);
         let wall = self.wall.get_or_insert_with(|| walls::thinnest(cast, boundary.beside.as_ref()));
-        match *wall {
-            Some(wall) if wall.is_thinner(least * (1.0 - self.config.shrinkage())) => {
-                let Wall { thickness, at, on } = wall;
-                Err(PlanError::Thin { thickness, at, least, on })
-            }
-            _ => Ok(()),
-        }
+        let Some(wall) = *wall else { return Ok(()) };
+        let Wall { thickness, at, on } = wall;
+        let [x, y, z] = (at * MM).into();
+        ensure!(
+            !wall.is_thinner(least * (1.0 - self.config.shrinkage())),
+            "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm of the {on}, casting.least_wall is {:.3} mm: thicken \
+             the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
+            thickness * MM,
+            least * MM
+        );
+        Ok(())
     }
 
     /// Cores, which are larger by what shrinks, are nowhere too thin.
-    fn require_cores(&self) -> Result<(), PlanError> {
+    fn require_cores(&self) -> Result<()> {
         let Some(least) = self.config.casting.least_core else { return Ok(()) };
         let in_design = least * (1.0 - self.config.shrinkage());
         for core in &self.boundary.cores {
@@ -144,14 +149,20 @@ impl<'a> Judge<'a> {
             if let Some(Wall { thickness, at, .. }) = walls::too_thin(surface, None, in_design) {
                 let named = !core.chamber.is_empty();
                 let of = if named { format!(" of {:?}", core.chamber) } else { String::new() };
-                return Err(PlanError::ThinCore { of, thickness, at, least });
+                let [x, y, z] = (at * MM).into();
+                bail!(
+                    "the core{of} is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_core is {:.3} mm: widen the chamber \
+                     there, or lower casting.least_core",
+                    thickness * MM,
+                    least * MM
+                );
             }
         }
         Ok(())
     }
 
     /// What a method that was judged possible casts.
-    pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>, PlanError> {
+    pub fn castings(&mut self, method: Method) -> Result<Vec<Casting>> {
         let (boundary, config) = (self.boundary, self.config);
         self.require_walls()?;
         self.require_cores()?;

@@ -21,7 +21,7 @@ const GLUE: f64 = 1e-2;
 /// design itself.
 pub fn checks(folder: &Path, plan: &PlanReport, against: Against) -> Vec<Line> {
     let read = |entry: &Entry| MoldReport::read(&folder.join(&entry.folder)).ok();
-    let reports: Vec<MoldReport> = plan.silicone().filter_map(read).collect();
+    let reports: Vec<MoldReport> = plan.molds.iter().filter_map(read).collect();
     let Some(first) = reports.first() else { return Vec::new() };
     if reports.len() == 1 && first.input.part == CastPart::Whole {
         return Vec::new();

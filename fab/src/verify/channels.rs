@@ -8,7 +8,6 @@ use mesh::solid::Solid;
 use super::Line;
 use super::closed_mold::ClosedMold;
 use crate::files::report::Outline;
-use crate::geometry::frustum::SEGMENTS;
 use crate::mold::Purpose;
 
 /// Least part of a key's or stub's seat that must be filled: a key of 3 mm with 0.2 mm around
@@ -133,17 +132,4 @@ fn seated(mold: &ClosedMold, name: &str, outline: &Outline) -> Vec<Line> {
         Line::at_least(format!("{name}: stub length"), length, FILLED * depth, "mm"),
         Line::at_least(format!("{name}: stub fills"), 100.0 * part, 100.0 * FILLED, "%"),
     ]
-}
-
-impl Outline {
-    /// The frustum as it was cut [mm].
-    pub fn exact(&self) -> Solid {
-        Solid::cylinder(
-            &Vec3::from(self.base),
-            &Vec3::from(self.axis),
-            self.base_radius,
-            self.top_radius,
-            SEGMENTS,
-        )
-    }
 }

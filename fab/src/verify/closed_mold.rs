@@ -5,10 +5,12 @@ use std::path::Path;
 use mesh::io::read_surface;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
-use nalgebra::Matrix3;
 
 use super::Line;
-use crate::files::report::{MoldReport, Outline, Part, Role};
+use crate::files::report::{MoldReport, Role};
+
+/// By how much channels and gaps are taken wider than they were cut [mm].
+const WIDER: f64 = 1e-3;
 
 /// Surfaces of a mold in the closed mold's coordinates [mm].
 pub struct Files {
@@ -65,15 +67,10 @@ impl Files {
         let outside = surfaces.pop().expect("a report lists the outside");
         let cast = surfaces.pop().expect("a report lists the cast");
         for (surface, part) in surfaces.iter_mut().zip(&report.parts) {
-            let turn = Files::turn(part);
+            let turn = part.turn();
             surface.vertices.iter_mut().for_each(|p| *p = turn * *p);
         }
         Self { report, parts: surfaces, cast, outside }
-    }
-
-    /// The rotation of a part from its file to the closed mold.
-    pub fn turn(part: &Part) -> Matrix3<f64> {
-        Matrix3::from_fn(|i, j| part.to_mold[i][j])
     }
 }
 
@@ -141,8 +138,9 @@ impl ClosedMold {
         let whole = outside.solid.clone();
         let cavity = solids.fold(whole, |rest, body| rest.difference(&body.solid));
         let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
-        let channels =
-            report.features.iter().fold(empty, |all, outline| all.union(&outline.solid()));
+        // A little wider than they were cut, so that rounding leaves no film beside them.
+        let wider = report.features.iter().map(|outline| outline.frustum().grown(WIDER).solid());
+        let channels = wider.fold(empty, |all, outline| all.union(&outline));
         let cast = Body::new("cast", &cast, Vec3::zeros());
         Self { report, shells, cores, cast, bounds, outside, rounding, cavity, channels }
     }
@@ -168,19 +166,5 @@ impl Body {
             solid,
             demolding,
         }
-    }
-}
-
-impl Outline {
-    /// The frustum, a little wider than it was cut so that rounding leaves no film beside it [mm].
-    pub fn solid(&self) -> Solid {
-        const WIDER: f64 = 1e-3;
-        let frustum = crate::geometry::frustum::Frustum {
-            base: Vec3::from(self.base),
-            axis: Vec3::from(self.axis),
-            base_radius: self.base_radius,
-            top_radius: self.top_radius,
-        };
-        frustum.grown(WIDER).solid()
     }
 }

@@ -24,7 +24,7 @@ fn belongs(part: &CastPart, slice: &Solid) -> bool {
     match part {
         CastPart::Above(height) => !slice.trim_by_plane(&Vec3::z(), *height).is_empty(),
         CastPart::Below(height) => !slice.trim_by_plane(&-Vec3::z(), -height).is_empty(),
-        CastPart::Whole | CastPart::Core => true,
+        CastPart::Whole => true,
     }
 }
 

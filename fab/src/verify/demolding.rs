@@ -10,8 +10,8 @@ use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 use rayon::prelude::*;
 
+use super::Line;
 use super::closed_mold::{Body, ClosedMold};
-use super::{Line, Status};
 
 /// Distances by which a shell is moved: from about the play of the keys to beyond keys and undercuts;
 /// what lies further is found by `path` [mm].
@@ -86,9 +86,5 @@ fn undercut(mold: &ClosedMold, shell: &Body) -> Line {
     let volume: f64 = silicone.iter().map(|body| body.volume).sum();
     let part = pressed(shell, &silicone) / volume;
     let name = format!("{}: undercut", shell.name);
-    let mut line = Line::at_most(name, 100.0 * part, 100.0 * UNDERCUT, "% of the part");
-    if line.status == Status::Fail {
-        line.status = Status::Warn;
-    }
-    line
+    Line::at_most(name, 100.0 * part, 100.0 * UNDERCUT, "% of the part").or_warning()
 }

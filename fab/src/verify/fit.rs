@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use mesh::io::read_surface;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 use program::sha256_file;
 
 use super::closed_mold::{Body, ClosedMold};
-use super::deviation::{SURFACE, deviation, placed};
+use super::deviation::{SURFACE, deviation};
 use super::origins::Origins;
 use super::{Against, Line, Status, cad};
 use crate::body::source::CastPart;
@@ -111,10 +110,6 @@ pub fn designed(
     report: &MoldReport,
     casts: Casts,
 ) -> Result<SurfaceMesh, String> {
-    if report.input.part == CastPart::Core {
-        let core = read_surface(&origins.design).map_err(|e| e.to_string())?;
-        return Ok(placed(core, report));
-    }
     let whole = origins.whole(report, casts)?;
     let cut = |up: f64, height: f64| {
         let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
@@ -140,7 +135,6 @@ pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
 fn wanted(origins: &Origins, report: &MoldReport) -> &'static str {
     match (report.input.surface, &origins.modelled) {
         (Casts::Mesh, _) => "design",
-        (Casts::Carried, _) => "carried CAD",
         (Casts::Model, None) => "CAD",
         (Casts::Model, Some(_)) => "CAD and design",
     }

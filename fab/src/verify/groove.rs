@@ -4,14 +4,13 @@
 //! of its depth, and from its middle to its bottom and on through the wall. The ridge of a shell is what it has
 //! within the groove; moved along its demolding direction, it must not share a volume with the casting.
 
-use library::printers;
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 use rayon::prelude::*;
 
+use super::Line;
 use super::closed_mold::ClosedMold;
-use super::{Line, Status};
 use crate::body::groove::{Groove, Station};
 use crate::files::report::MoldReport;
 use crate::geometry::MM;
@@ -129,22 +128,18 @@ fn guides(groove: &Groove) -> Line {
         "{:.0} % of the thread, up to {widened:.2} mm wider{left_out}",
         100.0 * length / wound
     );
-    let mut line = Line::new("groove: guides", true, found, "all of the thread on its tags");
-    if *length < 0.999 * wound {
-        line.status = Status::Warn;
-    }
-    line
+    let whole = *length >= 0.999 * wound;
+    Line::new("groove: guides", whole, found, "all of the thread on its tags").or_warning()
 }
 
 /// Whether the printer draws a line as narrow as the ridge.
 fn printed(report: &MoldReport, groove: &Groove) -> Option<Line> {
-    let nozzle = printers().find(report.casting.printer.as_deref()?).ok()?.nozzle;
+    let nozzle = report.casting.printer()?.nozzle;
     let found = format!("{:.2} mm wide at its top", groove.width);
     let holds = groove.width >= nozzle;
     let needed = format!("at least a line of {nozzle:.2} mm");
-    let mut line = Line::new("groove: ridge is printed", holds, found, &needed);
+    let mut line = Line::new("groove: ridge is printed", holds, found, &needed).or_warning();
     if !holds {
-        line.status = Status::Warn;
         line.needed += ", or a printer with a finer nozzle or of resin";
     }
     Some(line)

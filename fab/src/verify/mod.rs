@@ -10,57 +10,44 @@
 //! A check that uses the same code as what it checks repeats its errors.
 //!
 //! - Independent, but for the crate `mesh` (files, Booleans, distances): `surfaces`, `fit` without
-//!   collars, `demolding`, `filling`, `keying`. They use the written surfaces. `fit` and `filling`
-//!   take the outlines of channels and gaps from the report, `keying` where sockets are.
+//!   collars, `demolding`, `filling`. They use the written surfaces. `fit` and `filling`
+//!   take the outlines of channels and gaps from the report.
 //! - `walls`, `castings`: the silicone is measured by `mesh::walls`, by which the plan refuses thin
 //!   bodies.
 //! - `channels`: places and sizes of features come from the report. That there are enough features is not checked.
-//! - `holding`: places of pins come from the report, what they fill, touch and leave free is measured; `pin::LAND` is
-//!   the limit by which they were placed, and `features::support` computes motions as it did for that.
-//! - `fit` of designed bodies: `body::files` carries the model as for the mold; `cad` compares the mold with model and
-//!   meshes in other ways.
+//! - `fit` of designed bodies: `body::files` joins model and design as for the mold; `cad` compares the mold with the mesh.
 //! - `fit` with collars and `collars`: the reference is made by `body::boundary` and `body::collar`,
 //!   as the mold was.
 //! - `groove` and `fit` with it: where the thread runs comes from the report; widths, depths and what a moved ridge presses
 //!   into are measured on the written casting.
-//! - `weight`: the density and its formula; volume and area are those of the written surfaces.
-//! - `layers`: height, outline and volume come from the report; the silicone is that of the written surface.
+//! - `layers`: height and outline come from the report; the silicone is that of the written surface.
 //! - `release`: girths are measured by `geometry::girth`, which chose the method, too.
 //! - `printing`: overhangs are measured by `geometry::overhang`, which wrote the report, too.
-//! - `copies`: settings and sheet are compared with what the code that wrote them makes of the report.
 
 mod cad;
 mod castings;
 mod channels;
 mod closed_mold;
 mod collars;
-mod copies;
 mod demolding;
 mod deviation;
 mod filling;
 mod fit;
 mod groove;
-mod holding;
-mod keying;
 mod layers;
-mod motion;
 mod origins;
 mod printing;
 mod release;
 mod surfaces;
 mod walls;
-mod weight;
 
 use std::path::Path;
 
 use mesh::io::IoError;
 use mesh::{SurfaceMesh, Vec3};
-use program::Progress;
 
 pub use closed_mold::ClosedMold;
-pub use holding::LEFT;
 
-use crate::files::attempt;
 use crate::files::report::MoldReport;
 use crate::plan::report as plan;
 
@@ -95,15 +82,18 @@ impl Line {
         Self { status, name: name.into(), found, needed: needed.into() }
     }
 
-    /// The core that does not stay in its place, if that is what fails here.
-    pub fn leaning(&self) -> Option<&str> {
-        self.name.strip_suffix(holding::STAYS).filter(|_| self.status == Status::Fail)
-    }
-
     /// A measure that must not exceed a limit.
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64, unit: &str) -> Self {
         let found = format!("{} {unit}", number(value));
         Self::new(name, value <= limit, found, &format!("at most {} {unit}", number(limit)))
+    }
+
+    /// The same check, of which a person should know if it does not hold.
+    pub fn or_warning(mut self) -> Self {
+        if self.status == Status::Fail {
+            self.status = Status::Warn;
+        }
+        self
     }
 
     /// Adds the place in the mold [mm] to a check that does not hold.
@@ -163,25 +153,12 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
         let message = "there is no such folder; --simulation takes that of `solver simulate`";
         return Err(IoError::content(simulation, message));
     }
-    let mut lines = match folder.join(plan::FILE).exists() {
-        true => verify_plan(folder, against)?,
-        false => {
-            let mut lines = verify_mold(folder, against, None)?;
-            lines.extend(inflated(folder, against.simulation)?);
-            lines
-        }
-    };
-    lines.extend(attempt::failed(folder)?.map(|asked| replaced(&asked)));
+    if folder.join(plan::FILE).exists() {
+        return verify_plan(folder, against);
+    }
+    let mut lines = verify_mold(folder, against, None)?;
+    lines.extend(inflated(folder, against.simulation)?);
     Ok(lines)
-}
-
-/// A mold that another was to replace is not what was asked for last.
-fn replaced(asked: &str) -> Line {
-    let needed = format!(
-        "the mold that was asked for last: make it, or remove {} to keep this one",
-        attempt::FILE
-    );
-    Line::new("mold: replaced", false, format!("older than a failed `{asked}`"), &needed)
 }
 
 /// All checks of the molds that the plan in `folder` lists.
@@ -198,7 +175,7 @@ fn verify_plan(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     }
     lines.extend(castings::checks(folder, &plan, against));
     // What is inflated is the whole body, whichever castings it is made of.
-    if let Some(entry) = plan.silicone().next() {
+    if let Some(entry) = plan.molds.first() {
         lines.extend(inflated(&folder.join(&entry.folder), against.simulation)?);
     }
     lines.push(Line::new(
@@ -226,10 +203,7 @@ fn verify_mold(
     let report = MoldReport::read(folder)?;
     let (mut lines, files) = closed_mold::read(folder, report);
     let Some(files) = files else { return Ok(lines) };
-    let progress = Progress::new(files.cast.triangles.len());
-    progress.step("checking the surfaces");
     lines.extend(surfaces::checks(&files));
-    lines.extend(copies::checks(&files, folder));
     if lines.iter().any(|line| line.status == Status::Fail) {
         lines.push(Line::new(
             "remaining checks",
@@ -240,9 +214,8 @@ fn verify_mold(
         return Ok(lines);
     }
     let parts = files.parts.clone();
-    progress.step("putting the parts together");
     let mold = ClosedMold::new(files);
-    lines.extend(shapes(&mold, &parts, folder, against, plan, progress));
+    lines.extend(shapes(&mold, &parts, folder, against, plan));
     Ok(lines)
 }
 
@@ -253,32 +226,21 @@ fn shapes(
     folder: &Path,
     against: Against,
     plan: Option<&plan::PlanReport>,
-    progress: Progress,
 ) -> Vec<Line> {
-    progress.step("comparing with the design");
+    log::debug!("comparing with the design");
     let mut lines = fit::checks(mold, folder, against);
     lines.extend(channels::checks(mold));
-    lines.extend(holding::checks(mold));
-    lines.extend(keying::checks(mold));
     lines.extend(layers::checks(mold));
-    progress.step("filling");
+    log::debug!("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
     lines.extend(groove::checks(mold));
     lines.extend(walls::checks(mold, folder, against));
-    lines.extend(weight::check(mold));
-    progress.step("pulling apart");
+    log::debug!("pulling apart");
     lines.extend(demolding::checks(mold));
     lines.extend(release::checks(mold, plan));
     lines.extend(printing::checks(mold, parts));
     lines
-}
-
-/// The checks of what holds the cores of a mold that is not yet written, with `surfaces` as for
-/// [`before_writing`].
-pub fn held(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Line> {
-    let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
-    holding::checks(&ClosedMold::new(files))
 }
 
 /// The checks of a mold that is not yet written. `surfaces` are those of the files in the
@@ -288,9 +250,8 @@ pub fn before_writing(
     surfaces: &[SurfaceMesh],
     against: Against,
     plan: &plan::PlanReport,
-    progress: Progress,
 ) -> Vec<Line> {
     let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
     let parts = files.parts.clone();
-    shapes(&ClosedMold::new(files), &parts, Path::new("."), against, Some(plan), progress)
+    shapes(&ClosedMold::new(files), &parts, Path::new("."), against, Some(plan))
 }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use mesh::io::{read_surface, read_tets};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, topology};
+use program::{InputFile, sha256_file};
 
 use super::{Against, deviation};
 use crate::body::boundary::Boundary;
 use crate::body::collar::{self, Collar, FittedTube};
 use crate::body::files::BodyFiles;
-use crate::body::source::{Input, NamedFile};
+use crate::body::source::Input;
 use crate::config::Casts;
 use crate::files::report::MoldReport;
 
@@ -30,7 +31,7 @@ impl Origins {
         let of = |named: &Path, given: Option<&Path>| {
             given.map_or_else(|| folder.join(named), Path::to_path_buf)
         };
-        let other = |named: &Option<NamedFile>, given| named.as_ref().map(|n| of(&n.path, given));
+        let other = |named: &Option<InputFile>, given| named.as_ref().map(|n| of(&n.path, given));
         Self {
             design: of(&input.path, against.design),
             model: other(&input.model, against.model),
@@ -41,11 +42,13 @@ impl Origins {
     /// Whether model and mesh as modelled are as they were.
     pub fn require_unchanged(&self, input: &Input) -> Result<(), String> {
         let pairs = [(&self.model, &input.model), (&self.modelled, &input.modelled)];
-        let named = |(path, named): (&Option<PathBuf>, &Option<NamedFile>)| match (path, named) {
-            (Some(path), Some(named)) => named.require(path),
-            _ => Ok(()),
-        };
-        pairs.into_iter().try_for_each(named)
+        for (path, named) in pairs {
+            let (Some(path), Some(named)) = (path, named) else { continue };
+            if sha256_file(path).map_err(|e| e.to_string())? != named.sha256 {
+                return Err(format!("{} has changed since the mold was made", path.display()));
+            }
+        }
+        Ok(())
     }
 
     /// The whole body that is to be cast, of the surface `casts`, with its collars and its groove, in the mold's millimetres.
@@ -97,7 +100,7 @@ impl Origins {
             self.require_unchanged(&report.input)?;
             match report.input.surface {
                 Casts::Mesh => read_surface(model).map_err(|e| e.to_string()),
-                Casts::Model | Casts::Carried => boundary_of(&self.design),
+                Casts::Model => boundary_of(&self.design),
             }
         };
         Some(read().map(|surface| deviation::placed(surface, report)))

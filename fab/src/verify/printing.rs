@@ -1,10 +1,10 @@
 //! The parts can be printed on the named printer.
 
-use library::{Printer, printers};
+use library::Printer;
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 
-use super::closed_mold::{ClosedMold, Files};
+use super::closed_mold::ClosedMold;
 use super::{Line, Status};
 use crate::files::report::Part;
 use crate::geometry::overhang::{Overhangs, needs_supports};
@@ -18,20 +18,14 @@ const SUMS: f64 = 1e-9;
 
 /// All checks of printing; `parts` are in the closed mold and are turned back.
 pub fn checks(mold: &ClosedMold, parts: &[SurfaceMesh]) -> Vec<Line> {
-    let Some(key) = &mold.report.casting.printer else {
+    let Some(printer) = mold.report.casting.printer() else {
         let needed = "casting.printer in mold.toml, for build volume and overhangs";
-        let mut line = Line::new("printer", true, "none named".into(), needed);
-        line.status = Status::Warn;
-        return vec![line];
-    };
-    let printer = match printers().find(key) {
-        Ok(printer) => printer,
-        Err(message) => return vec![Line::new("printer", false, message, "a known printer")],
+        return vec![Line::new("printer", false, "none named".into(), needed).or_warning()];
     };
     let body = SurfaceBvh::new(&mold.cast.solid.to_surface());
     let mut lines = Vec::new();
     for (part, surface) in mold.report.parts.iter().zip(parts) {
-        let to_mold = Files::turn(part);
+        let to_mold = part.turn();
         let vertices = surface.vertices.iter().map(|p| to_mold.transpose() * p).collect();
         let printed = SurfaceMesh { vertices, triangles: surface.triangles.clone() };
         lines.push(fits(printer, &part.name, &printed));
@@ -76,6 +70,7 @@ fn overhangs(printer: &Printer, part: &Part, below: &Overhangs) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use library::printers;
     use mesh::Vec3;
     use mesh::solid::Solid;
 

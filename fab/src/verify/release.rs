@@ -2,15 +2,13 @@
 //!
 //! When a core is pulled out, the inlet is stretched over it. The girth of the inlet is that of
 //! the core just inside of it, and the largest girth of the core across the pull has to pass.
-//! This also holds for every neck of the chamber and for what lies behind it. Soluble and molten
-//! cores can always be removed.
+//! This also holds for every neck of the chamber and for what lies behind it. Soluble cores can always be removed.
 
-use library::silicones;
 use mesh::Vec3;
 use mesh::solid::Solid;
 
+use super::Line;
 use super::closed_mold::{Body, ClosedMold};
-use super::{Line, Status};
 use crate::geometry::girth::{self, Passage};
 use crate::plan::report::PlanReport;
 
@@ -45,7 +43,7 @@ fn passes(mold: &ClosedMold, core: &Body, plan: Option<&PlanReport>) -> Line {
         _ => (ratio, format!("{ratio:.2} × the inlet's girth of {inlet:.1} mm")),
     };
     match plan.map(|plan| plan.method) {
-        Some(method) if method.core.vanishes => {
+        Some(method) if method.core.dissolves() => {
             Line::new(name, true, found, &format!("any, the core is {}", method.name()))
         }
         _ => stretched(mold, name, ratio, found),
@@ -61,27 +59,13 @@ fn inlet(inside: &Solid, up: &Vec3, seat: f64) -> Option<f64> {
 
 /// Whether silicone can be stretched so far; a warning if it is not known which.
 fn stretched(mold: &ClosedMold, name: String, ratio: f64, found: String) -> Line {
-    let key = mold.report.casting.silicone.as_deref();
-    let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
-    match facts.and_then(|facts| facts.elongation) {
-        Some(elongation) => {
-            let limit = 1.0 + SAFE * elongation / 100.0;
-            Line::new(
-                name,
-                ratio <= limit,
-                found,
-                &format!("at most {limit:.2}, half the elongation at break"),
-            )
-        }
-        None => {
-            let needed = "little; name a silicone whose elongation at break is known";
-            let mut line = Line::new(name, true, found, needed);
-            if ratio > 1.0 + 1e-3 {
-                line.status = Status::Warn;
-            }
-            line
-        }
-    }
+    let Some(elongation) = mold.report.casting.elongation() else {
+        let needed = "little; name a silicone whose elongation at break is known";
+        return Line::new(name, ratio <= 1.0 + 1e-3, found, needed).or_warning();
+    };
+    let limit = 1.0 + SAFE * elongation / 100.0;
+    let needed = format!("at most {limit:.2}, half the elongation at break");
+    Line::new(name, ratio <= limit, found, &needed)
 }
 
 #[cfg(test)]

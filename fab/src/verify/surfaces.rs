@@ -3,8 +3,8 @@
 use mesh::check::{self, CHECKS};
 use mesh::{SurfaceMesh, topology};
 
+use super::Line;
 use super::closed_mold::Files;
-use super::{Line, Status};
 use crate::files::report::MoldReport;
 
 /// Name of the body among the surfaces.
@@ -70,11 +70,8 @@ fn handles(name: &str, surface: &SurfaceMesh, reported: i32) -> Line {
     let found = genus(surface);
     let holds = found == f64::from(reported);
     let needed = format!("genus {reported}, as before rounding");
-    let mut line = Line::new(format!("{name}: genus"), holds, format!("genus {found}"), &needed);
-    if name != CAST && line.status == Status::Fail {
-        line.status = Status::Warn;
-    }
-    line
+    let line = Line::new(format!("{name}: genus"), holds, format!("genus {found}"), &needed);
+    if name == CAST { line } else { line.or_warning() }
 }
 
 /// The surfaces have the volumes that were reported when they were written.

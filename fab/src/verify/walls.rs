@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use library::{Printer, silicones};
+use library::Printer;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
 use mesh::{SurfaceMesh, TetMesh, Vec3, topology};
@@ -207,25 +207,18 @@ fn same_body(design: &Input, simulated: &OneOrList<InputFile>) -> Line {
 /// trusted there.
 fn elements(ratio: f64) -> Line {
     let found = format!("smallest volume ratio {ratio:.2e}");
-    let mut line = Line::new("inflated: elements", true, found, "more than 0: none inside out");
-    if ratio <= 0.0 {
-        line.status = Status::Warn;
-    }
-    line
+    let needed = "more than 0: none inside out";
+    Line::new("inflated: elements", ratio > 0.0, found, needed).or_warning()
 }
 
 /// The silicone is not stretched beyond what tears it.
 fn stretch(casting: &CastingConfig, largest: f64) -> Line {
     let name = "inflated: largest stretch";
-    let key = casting.silicone.as_deref();
-    let facts = key.and_then(|k| silicones().find(k).ok()).and_then(|s| s.casting.as_ref());
-    match facts.and_then(|facts| facts.elongation) {
+    match casting.elongation() {
         Some(elongation) => Line::at_most(name, largest, 1.0 + elongation / 100.0, ""),
         None => {
             let needed = "less than at break; name a silicone whose elongation is known";
-            let mut line = Line::new(name, true, format!("{largest:.2}"), needed);
-            line.status = Status::Warn;
-            line
+            Line::new(name, false, format!("{largest:.2}"), needed).or_warning()
         }
     }
 }

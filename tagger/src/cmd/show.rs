@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use mesh::io::MshFile;
-use mesh::io::vtu::{self, CellType, Field, Grid};
 use mesh::{Tags, TetMesh, Volumes, facet_key, io, measure, topology};
 
 /// Prints tag, id, facets, area, components and boundary loops; then the volumes.
@@ -14,9 +13,6 @@ use mesh::{Tags, TetMesh, Volumes, facet_key, io, measure, topology};
 pub struct Args {
     /// Tagged mesh (Gmsh .msh with physical groups of triangles).
     tagged: PathBuf,
-    /// Also write the boundary with its tag ids for `ParaView`.
-    #[arg(long)]
-    vtu: Option<PathBuf>,
 }
 
 struct Row {
@@ -31,13 +27,9 @@ struct Row {
 /// Runs `tagger show`.
 pub fn run(args: &Args) -> Result<()> {
     let MshFile { mesh, tags } = io::read_tets(&args.tagged)?;
-    let mut out = program::stdout();
+    let mut out = std::io::stdout().lock();
     out.write_all(table(&mesh, &tags).as_bytes())?;
     out.flush()?;
-    if let Some(path) = &args.vtu {
-        let boundary = topology::boundary(&mesh).facets;
-        vtu::write_vtu(path, &grid(&mesh, &boundary, &tags))?;
-    }
     Ok(())
 }
 
@@ -90,22 +82,4 @@ fn of_volumes(mesh: &TetMesh, Volumes { names, of }: &Volumes) -> String {
         format!("volume {name}: {count} tetrahedra, {:.3} mm³\n", 1e9 * size)
     };
     names.iter().enumerate().map(line).collect()
-}
-
-/// The boundary as triangles with the tag id, 0 for none.
-fn grid(mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags) -> Grid {
-    let (surface, _) = topology::submesh(&mesh.vertices, boundary);
-    let ids = boundary.iter().map(|&f| f64::from(tags.get(f).unwrap_or(0))).collect();
-    Grid {
-        points: surface.vertices,
-        cells: surface.triangles.into_iter().flatten().collect(),
-        cell_type: CellType::Tri3,
-        point_fields: vec![],
-        cell_fields: vec![Field {
-            name: "tag".into(),
-            unit: String::new(),
-            components: 1,
-            values: ids,
-        }],
-    }
 }

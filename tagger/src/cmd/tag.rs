@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
-use mesh::{Tags, io, measure};
+use mesh::{Tags, TetMesh, io, measure, topology};
 use program::Changes;
+use serde::Serialize;
 use serde_json::Value;
 
+use super::show;
 use crate::assign::{self, Assignment};
 use crate::config::Config;
 use crate::facets::Facets;
@@ -47,8 +49,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let facets = Facets::of(&mesh);
     let diagonal = measure::diagonal(&mesh.vertices);
-    let epsilon = match config.epsilon {
-        Some(epsilon) => epsilon.length(diagonal),
+    let epsilon = match config.epsilon(diagonal) {
+        Some(epsilon) => epsilon,
         None => envelope(&args.volume)?.map_or(LEAST * diagonal, |envelope| REACH * envelope),
     };
     let folder = args.patches.as_deref().or(args.config.parent()).unwrap_or(Path::new(""));
@@ -67,7 +69,7 @@ pub fn run(args: &Args) -> Result<()> {
     let assignment = assign::assign(&config, &mesh, &facets, sources).with_context(of_config)?;
     report(&config, &assignment, &facets);
     let tags = Tags { volumes, ..assignment.tags(&config, &facets) };
-    super::write_tagged(&args.output, &mesh, &tags)
+    write_tagged(&args.output, &mesh, &tags)
 }
 
 /// Says which faces are not quite those that were picked.
@@ -78,12 +80,13 @@ fn remark_on_faces(args: &Args, config: &Config, sources: &Sources) {
     let model = sources.folder.parent().unwrap_or(Path::new("."));
     let look = format!("look: cad2fem pick {} --tags {path} -o pick.html", model.display());
     for (name, doubt) in faces.doubts() {
-        if let Some(tag) = config.tags.iter().find(|tag| tag.patches().any(|own| own == name)) {
+        if let Some(tag) = config.tag.iter().find(|tag| tag.patches().iter().any(|own| own == name))
+        {
             warn!("{path}: {} may mean another face now: {doubt}; {look}", tag.name);
         }
     }
     let has_tag = |file: &str| {
-        let mut own = config.tags.iter().flat_map(|tag| tag.patches());
+        let mut own = config.tag.iter().flat_map(|tag| tag.patches());
         own.any(|own| program::fits(file, own))
     };
     if let Some(new) = faces.new_faces(has_tag) {
@@ -108,7 +111,7 @@ fn envelope(volume: &Path) -> Result<Option<f64>> {
 }
 
 fn report(config: &Config, assignment: &Assignment, facets: &Facets) {
-    for (index, (tag, tally)) in config.tags.iter().zip(&assignment.tallies).enumerate() {
+    for (index, (tag, tally)) in config.tag.iter().zip(&assignment.tallies).enumerate() {
         let on_boundary = assignment.owners.iter().filter(|&&o| o == Some(index)).count();
         let inside = assignment.inside.iter().filter(|&&(_, owner)| owner == index).count();
         let count = on_boundary + inside;
@@ -134,6 +137,40 @@ fn report(config: &Config, assignment: &Assignment, facets: &Facets) {
     let contested: usize = assignment.tallies.iter().map(|t| t.contested).sum();
     let left_over = assignment.left_over();
     info!("{contested} contested, {left_over} of {} facets left over", facets.len());
+}
+
+/// What `tags.json` says about each tag, in order of ids from 1.
+#[derive(Serialize)]
+struct Legend<'a> {
+    program: &'static str,
+    names: &'a [String],
+    ids: Vec<u32>,
+    /// Number of facets.
+    facets: Vec<usize>,
+    /// Area [m²].
+    areas: Vec<f64>,
+}
+
+/// Writes a tagged mesh, and beside it `tags.txt`, the table of `tagger show`, and `tags.json`.
+fn write_tagged(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<()> {
+    let ids: Vec<u32> = tags.names.iter().filter_map(|name| tags.id(name)).collect();
+    let facets: Vec<_> = ids.iter().map(|&id| tags.facets_of(id)).collect();
+    let area = |f: &Vec<_>| measure::area(&topology::submesh(&mesh.vertices, f).0);
+    let legend = Legend {
+        program: concat!("tagger ", env!("CARGO_PKG_VERSION")),
+        names: &tags.names,
+        ids,
+        facets: facets.iter().map(Vec::len).collect(),
+        areas: facets.iter().map(area).collect(),
+    };
+    let table = show::table(mesh, tags);
+    io::write_atomic(&path.with_file_name("tags.txt"), |out| out.write_all(table.as_bytes()))?;
+    io::write_atomic(&path.with_file_name("tags.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, &legend)?;
+        writeln!(out)
+    })?;
+    io::write_tets(path, mesh, tags)?;
+    Ok(())
 }
 
 #[cfg(test)]

@@ -5,24 +5,12 @@
 
 use anyhow::{Result, ensure};
 use mesh::{measure, topology};
-use schemars::JsonSchema;
 
-use super::{Entry, Selector, Sources, extent, parse};
+use super::{Selector, Sources, extent};
 use crate::facets::Facets;
 
-/// Row of [`super::SELECTORS`].
-pub const ENTRY: Entry = Entry {
-    key: "component",
-    meaning: "a number: 0 for the outer skin, 1, 2, ... for closed cavities, largest first",
-    build,
-    schema: usize::json_schema,
-};
-
-struct Component(usize);
-
-fn build(value: &toml::Value, _: &mut Sources) -> Result<Box<dyn Selector>> {
-    Ok(Box::new(Component(parse(value, &ENTRY)?)))
-}
+/// The component with this number.
+pub struct Component(pub usize);
 
 impl Selector for Component {
     fn select(&self, facets: &Facets, _: &Sources) -> Result<Vec<bool>> {

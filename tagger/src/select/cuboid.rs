@@ -1,35 +1,31 @@
 //! Facets inside an axis-aligned box.
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::Deserialize;
+use program::{KeyPath, Misfit, table};
 
-use super::{Entry, Selector, Sources, extent, parse};
+use super::{Selector, Sources, extent};
 use crate::facets::Facets;
 
-/// Row of [`super::SELECTORS`].
-pub const ENTRY: Entry = Entry {
-    key: "box",
-    meaning: "{ min = [x, y, z], max = [x, y, z] }, in metres, for facets inside it",
-    build,
-    schema: Cuboid::json_schema,
-};
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct Cuboid {
-    /// Lower corner [m].
-    min: [f64; 3],
-    /// Upper corner [m].
-    max: [f64; 3],
+table! {
+    /// A box along the axes.
+    #[derive(Clone, Debug)]
+    pub struct Cuboid {
+        /// Lower corner [m].
+        min: [f64; 3];
+        /// Upper corner [m].
+        max: [f64; 3];
+    }
 }
 
-fn build(value: &toml::Value, _: &mut Sources) -> Result<Box<dyn Selector>> {
-    let cuboid: Cuboid = parse(value, &ENTRY)?;
-    let ordered = (0..3).all(|i| cuboid.min[i] < cuboid.max[i]);
-    ensure!(ordered, "`box`: min {:?} is not below max {:?}", cuboid.min, cuboid.max);
-    Ok(Box::new(cuboid))
+/// The rule of a box, if there is one.
+pub fn ordered(at: &KeyPath, cuboid: &Option<Cuboid>) -> Result<(), Misfit> {
+    match cuboid {
+        Some(Cuboid { min, max }) if !(0..3).all(|i| min[i] < max[i]) => {
+            Err(at.clone().says(format!(": min {min:?} is not below max {max:?}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Selector for Cuboid {

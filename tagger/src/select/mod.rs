@@ -14,15 +14,16 @@ mod volume;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Context as _, Result, bail};
 use mesh::faces::Face;
 use mesh::{SurfaceMesh, Vec3, io};
-use program::{Picked, Recognized};
-use schemars::{Schema, SchemaGenerator};
-use serde::de::DeserializeOwned;
+use program::{KeyPath, Picked, Recognized};
 
 use crate::facets::Facets;
+pub use cuboid::{Cuboid, ordered};
 pub use patch::nearest_patches;
+pub use plane::Plane;
+pub use point::Point;
 
 /// A rule that picks boundary facets.
 pub trait Selector {
@@ -44,21 +45,63 @@ pub trait Selector {
     fn advice(&self, facets: &Facets, sources: &Sources) -> String;
 }
 
-/// A row of [`SELECTORS`].
-pub struct Entry {
-    /// Key in the tag file.
-    pub key: &'static str,
-    /// Form and meaning of its value.
-    pub meaning: &'static str,
-    /// Makes the selector from the value of the key.
-    pub build: fn(&toml::Value, &mut Sources) -> Result<Box<dyn Selector>>,
-    /// What the value may be.
-    pub schema: fn(&mut SchemaGenerator) -> Schema,
+/// The rule that a table asks for.
+pub enum Selection<'a> {
+    /// Facets on open surfaces, by the names of their files.
+    Patch(&'a [String]),
+    /// What is inside a closed surface.
+    Volume(&'a Path),
+    /// What is on or beyond a plane.
+    Plane(&'a Plane),
+    /// What is inside a box.
+    Box(&'a Cuboid),
+    /// A connected component.
+    Component(usize),
+    /// Facets around a point.
+    Point(&'a Point),
 }
 
-/// Every selector, in the order in which messages list them.
-pub const SELECTORS: &[Entry] =
-    &[patch::ENTRY, volume::ENTRY, plane::ENTRY, cuboid::ENTRY, component::ENTRY, point::ENTRY];
+impl<'a> Selection<'a> {
+    /// The only one of those that a table has.
+    pub fn only(given: impl IntoIterator<Item = Option<Self>>) -> Result<Self> {
+        let mut given = given.into_iter().flatten();
+        match (given.next(), given.next()) {
+            (Some(one), None) => Ok(one),
+            (None, _) => bail!(
+                "no selector; one of `patch`, `volume`, `plane`, `box`, `component`, `point` is needed, for a [[volume]] one \
+                 of `volume`, `plane`, `box`"
+            ),
+            (Some(one), Some(other)) => {
+                let [one, other] = [one, other].map(|selection| selection.key());
+                let what = format!("both `{one}` and `{other}`: there is exactly one selector");
+                bail!(KeyPath::word(other).told(what))
+            }
+        }
+    }
+
+    fn key(&self) -> &'static str {
+        match self {
+            Self::Patch(_) => "patch",
+            Self::Volume(_) => "volume",
+            Self::Plane(_) => "plane",
+            Self::Box(_) => "box",
+            Self::Component(_) => "component",
+            Self::Point(_) => "point",
+        }
+    }
+
+    /// Makes the selector.
+    pub fn build(self, sources: &mut Sources) -> Result<Box<dyn Selector + 'a>> {
+        Ok(match self {
+            Self::Patch(names) => Box::new(patch::Patch::new(names, sources)?),
+            Self::Volume(file) => Box::new(volume::Volume::new(&sources.folder.join(file))?),
+            Self::Plane(plane) => Box::new(plane.clone()),
+            Self::Box(cuboid) => Box::new(cuboid.clone()),
+            Self::Component(index) => Box::new(component::Component(index)),
+            Self::Point(point) => Box::new(point.clone()),
+        })
+    }
+}
 
 /// What selectors share: where files are, the open patches, and which of them
 /// is nearest to each facet.
@@ -97,7 +140,7 @@ impl Sources {
         let names = files.iter().map(|path| path.file_name().unwrap_or_default());
         let names = names.map(|name| name.to_string_lossy().into_owned());
         let now = names.zip(Face::of_patches(&patches)).collect();
-        self.recognized = Recognized::new(picked, now)?;
+        self.recognized = Recognized::new(picked, now);
         Ok(())
     }
 
@@ -107,26 +150,13 @@ impl Sources {
     }
 }
 
-/// Reads the value of a selector's key.
-fn parse<T: DeserializeOwned>(value: &toml::Value, entry: &Entry) -> Result<T> {
-    value
-        .clone()
-        .try_into()
-        .map_err(|e| anyhow!("`{}` must be {}: {}", entry.key, entry.meaning, e.message().trim()))
-}
-
-/// A file name in the tag file, from the folder of the selections.
-fn path_of(value: &toml::Value, entry: &Entry, sources: &Sources) -> Result<PathBuf> {
-    Ok(sources.folder.join(parse::<PathBuf>(value, entry)?))
-}
-
 /// Axis-aligned bounds of the centroids, for messages.
 fn extent(facets: &Facets) -> String {
     let (min, max) = mesh::measure::bounds(&facets.centroids);
-    format!("the boundary's centroids span {} to {} m", point(&min), point(&max))
+    format!("the boundary's centroids span {} to {} m", place(&min), place(&max))
 }
 
 /// A point, for messages [m].
-pub fn point(p: &Vec3) -> String {
+pub fn place(p: &Vec3) -> String {
     format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)
 }

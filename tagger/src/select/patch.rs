@@ -17,51 +17,32 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, Vec3, io, measure};
-use schemars::JsonSchema;
-use serde::Deserialize;
 
-use super::{Entry, Selector, Sources, extent, parse};
+use super::{Selector, Sources, extent};
 use crate::facets::Facets;
-
-/// Row of [`super::SELECTORS`].
-pub const ENTRY: Entry = Entry {
-    key: "patch",
-    meaning: "the file of an open surface (stl, obj, ply), for facets that lie on it, or a list of \
-              files; * in a name stands for anything",
-    build,
-    schema: Files::json_schema,
-};
 
 /// Distances that differ by less than this part of ε are a tie.
 const TIE: f64 = 1e-6;
 
-struct Patch {
+/// The facets on some of the patches.
+pub struct Patch {
     /// Indices into [`Sources::patches`].
     range: Range<usize>,
 }
 
-/// The value of the key.
-#[derive(Deserialize, JsonSchema)]
-#[serde(untagged)]
-enum Files {
-    One(String),
-    Several(Vec<String>),
-}
-
-fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>> {
-    let names = match parse::<Files>(value, &ENTRY)? {
-        Files::One(name) => vec![name],
-        Files::Several(names) => names,
-    };
-    let begin = sources.patches.len();
-    for name in &names {
-        for path in files(name, sources)? {
-            let surface = io::read_surface_in_metres(&path)?;
-            sources.patches.push((path, surface));
+impl Patch {
+    /// Reads the files with these names into the patches of all selectors.
+    pub fn new(names: &[String], sources: &mut Sources) -> Result<Self> {
+        let begin = sources.patches.len();
+        for name in names {
+            for path in files(name, sources)? {
+                let surface = io::read_surface_in_metres(&path)?;
+                sources.patches.push((path, surface));
+            }
         }
+        ensure!(sources.patches.len() > begin, "`patch`: an empty list selects nothing");
+        Ok(Self { range: begin..sources.patches.len() })
     }
-    ensure!(sources.patches.len() > begin, "`patch`: an empty list selects nothing");
-    Ok(Box::new(Patch { range: begin..sources.patches.len() }))
 }
 
 /// The files that a name means, in the order of their names.

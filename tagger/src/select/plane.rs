@@ -1,35 +1,25 @@
 //! Facets on or beyond a plane: n · (c − p) ≥ −ε.
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use mesh::Vec3;
-use schemars::JsonSchema;
-use serde::Deserialize;
+use program::{KeyPath, Misfit, table};
 
-use super::{Entry, Selector, Sources, extent, parse};
+use super::{Selector, Sources, extent};
 use crate::facets::Facets;
 
-/// Row of [`super::SELECTORS`].
-pub const ENTRY: Entry = Entry {
-    key: "plane",
-    meaning: "{ point = [x, y, z], normal = [x, y, z] }, in metres, for facets on or beyond it",
-    build,
-    schema: Plane::json_schema,
-};
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct Plane {
-    /// A point of the plane [m].
-    point: [f64; 3],
-    /// Direction of the selected side, of any length.
-    normal: [f64; 3],
+table! {
+    /// A plane and the side of it that is selected.
+    #[derive(Clone, Debug)]
+    pub struct Plane {
+        /// A point of the plane [m].
+        point: [f64; 3];
+        /// Direction of the selected side, of any length.
+        normal: [f64; 3], direction;
+    }
 }
 
-fn build(value: &toml::Value, _: &mut Sources) -> Result<Box<dyn Selector>> {
-    let plane: Plane = parse(value, &ENTRY)?;
-    let length = Vec3::from(plane.normal).norm();
-    ensure!(length.is_finite() && length > 0.0, "`plane`: the normal has length {length}");
-    Ok(Box::new(plane))
+fn direction(at: &KeyPath, normal: &[f64; 3]) -> Result<(), Misfit> {
+    table::direction(at, &Some(*normal))
 }
 
 impl Selector for Plane {

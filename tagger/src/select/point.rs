@@ -1,50 +1,25 @@
 //! Facets around a point that was picked, as far as the surface has no sharp edge.
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use mesh::bvh::SurfaceBvh;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Vec3};
-use schemars::JsonSchema;
-use serde::Deserialize;
+use program::table;
+use program::table::Range;
 
-use super::{Entry, Selector, Sources, extent, parse};
+use super::{Selector, Sources, extent};
 use crate::facets::Facets;
 
-/// Row of [`super::SELECTORS`].
-pub const ENTRY: Entry = Entry {
-    key: "point",
-    meaning: "{ at = [x, y, z], angle = 40 }, in metres and degrees, for the facet nearest to it and \
-              those around it up to edges that are sharper than the angle; angle = 180: the whole shell",
-    build,
-    schema: Point::json_schema,
-};
-
-/// Sharp edges of CAD are mostly of 90 degrees; facets of a curved face differ by less than 20.
-const ANGLE: f64 = 40.0;
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct Point {
-    /// Near the surface [m].
-    at: [f64; 3],
-    /// Between neighbours beyond which an edge is sharp [deg].
-    #[serde(default = "default_angle")]
-    angle: f64,
-}
-
-fn default_angle() -> f64 {
-    ANGLE
-}
-
-fn build(value: &toml::Value, _: &mut Sources) -> Result<Box<dyn Selector>> {
-    let point: Point = parse(value, &ENTRY)?;
-    ensure!(point.at.iter().all(|x| x.is_finite()), "`point`: at = {:?} is no place", point.at);
-    ensure!(
-        (0.0..=180.0).contains(&point.angle),
-        "`point`: angle = {} must be from 0 to 180 degrees",
-        point.angle
-    );
-    Ok(Box::new(point))
+table! {
+    /// A point near the surface, and how far around it is selected.
+    #[derive(Clone, Debug)]
+    pub struct Point {
+        /// Near the surface [m].
+        at: [f64; 3], Range::FINITE;
+        /// Between neighbours beyond which an edge is sharp [deg]; 180 for the whole shell. Sharp edges of CAD are mostly of
+        /// 90 degrees; facets of a curved face differ by less than 20.
+        angle: f64 = 40.0, Range::between(0.0, 180.0).unit("°");
+    }
 }
 
 impl Selector for Point {

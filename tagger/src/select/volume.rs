@@ -3,49 +3,42 @@
 //! The volume is what a CAD program or `cad2fem offset` makes from an open
 //! patch. Its orientation plays no part.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail};
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::{Vec3, io, topology};
-use schemars::JsonSchema;
 
-use super::{Entry, Selector, Sources, extent, path_of, point};
+use super::{Selector, Sources, extent, place};
 use crate::facets::Facets;
 
-/// Row of [`super::SELECTORS`].
-pub const ENTRY: Entry = Entry {
-    key: "volume",
-    meaning: "the file of a closed surface (stl, obj, ply), for facets inside it",
-    build,
-    schema: PathBuf::json_schema,
-};
-
-struct Volume {
+/// A closed surface.
+pub struct Volume {
     path: PathBuf,
     winding: WindingNumber,
     bvh: SurfaceBvh,
 }
 
-fn build(value: &toml::Value, sources: &mut Sources) -> Result<Box<dyn Selector>> {
-    let path = path_of(value, &ENTRY, sources)?;
-    let surface = io::read_surface_in_metres(&path)?;
-    let open = topology::boundary_edges(&surface.triangles);
-    if let Some([a, b]) = open.first() {
-        let name = path.display();
-        ensure!(
-            open.is_empty(),
-            "{name}: not closed: {} boundary edges, first {a}–{b} at {} m\n  \
-             a selection volume must enclose a volume; make one with: \
-             cad2fem offset {name} -o {}, or select by `patch`",
-            open.len(),
-            point(&surface.vertices[*a]),
-            path.with_extension("obj").display(),
-        );
+impl Volume {
+    /// Reads it.
+    pub fn new(path: &Path) -> Result<Self> {
+        let surface = io::read_surface_in_metres(path)?;
+        let open = topology::boundary_edges(&surface.triangles);
+        if let Some([a, b]) = open.first() {
+            let name = path.display();
+            bail!(
+                "{name}: not closed: {} boundary edges, first {a}–{b} at {} m\n  \
+                 a selection volume must enclose a volume; make one with: \
+                 cad2fem offset {name} -o {}, or select by `patch`",
+                open.len(),
+                place(&surface.vertices[*a]),
+                path.with_extension("obj").display(),
+            );
+        }
+        let (winding, bvh) = (WindingNumber::new(&surface), SurfaceBvh::new(&surface));
+        Ok(Self { path: path.to_path_buf(), winding, bvh })
     }
-    let (winding, bvh) = (WindingNumber::new(&surface), SurfaceBvh::new(&surface));
-    Ok(Box::new(Volume { path, winding, bvh }))
 }
 
 impl Selector for Volume {

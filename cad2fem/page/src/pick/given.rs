@@ -107,7 +107,7 @@ impl Given {
 
     fn of(file: File, body: &Body) -> Result<Self> {
         let mut given = Self { of: vec![NONE; body.faces.len()], ..Self::default() };
-        let recognized = Recognized::new(&file.faces, body.measured())?;
+        let recognized = Recognized::new(&file.faces, body.measured());
         let mut rims = Vec::new();
         for (i, table) in file.tag.into_iter().enumerate() {
             let at = || KeyPath::list("tag").number(i + 1);

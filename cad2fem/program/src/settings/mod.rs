@@ -95,7 +95,6 @@ impl Settings {
         for change in changes {
             settings.add(Origin::Change(change.clone()), change.text());
         }
-        settings.require_use()?;
         Ok(settings)
     }
 
@@ -300,27 +299,6 @@ impl Settings {
         Ok(tree)
     }
 
-    /// Refuses a file of which nothing is used: who includes it expects otherwise.
-    fn require_use(&self) -> Result<()> {
-        let tree = self.tree()?;
-        for (i, source) in self.sources.iter().enumerate() {
-            let Origin::File { path, .. } = &source.origin else { continue };
-            let again = self.sources[i + 1..].iter().any(|s| s.sha256 == source.sha256);
-            if i != self.own
-                && !again
-                && has_own(&source.text)
-                && !merge::uses(&tree, &source.range())
-            {
-                let (own, other) = (self.name_of(self.own), path.display());
-                bail!(
-                    "{own}: nothing of {other} is used, as {own} or a later file gives all of it \
-                     again: take it out there, or include both in a third file, {other} last"
-                );
-            }
-        }
-        Ok(())
-    }
-
     fn is_inline(&self, span: &Range<usize>) -> bool {
         let source = self.source_at(span.start);
         let text = source.and_then(|source| source.text.get(span.start - source.start..));
@@ -369,15 +347,6 @@ impl Settings {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct Placed(String);
-
-/// Keys of every file.
-const OWN_KEYS: [&str; 2] = ["puffer", "include"];
-
-/// Whether a text has keys besides those of every file.
-fn has_own(text: &str) -> bool {
-    let keys = |tree: &DeTable| tree.keys().any(|key| !OWN_KEYS.contains(&key.get_ref().as_ref()));
-    DeTable::parse(text).is_ok_and(|tree| keys(tree.get_ref()))
-}
 
 /// The files that a text includes; none of one that is no TOML, which is refused later.
 fn included(text: &str) -> Vec<PathBuf> {

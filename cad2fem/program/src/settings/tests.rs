@@ -199,8 +199,6 @@ fn includes_that_cannot_be_meant_are_refused() {
     let folder = Folder::new(&[
         ("a.toml", "include = 'b.toml'"),
         ("b.toml", "include = 'a.toml'"),
-        ("same.toml", "include = 'peak.toml'\n[parameters]\npeak = 1.0\n"),
-        ("peak.toml", "[parameters]\npeak = 5.0\n"),
         ("number.toml", "degree = 1\ninclude = 3\n"),
         ("wrong.toml", "include = 'there/wrong.toml'\n"),
         ("there/wrong.toml", "degree = 1\nmash = ''\n"),
@@ -217,8 +215,6 @@ fn includes_that_cannot_be_meant_are_refused() {
          as sim.toml"
     );
     assert!(folder.refuses("a.toml", &[]).contains("included by itself"));
-    let message = folder.refuses("same.toml", &[]);
-    assert!(message.starts_with("same.toml: nothing of peak.toml is used"), "{message}");
     let message = folder.refuses("bytes.toml", &[]);
     assert!(message.contains("environ: it has characters without meaning"), "{message}");
     assert!(!message.contains("secret"), "{message}");

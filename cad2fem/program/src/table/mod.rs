@@ -102,6 +102,12 @@ pub fn direction(at: &KeyPath, direction: &Option<[f64; 3]>) -> Result<(), Misfi
     }
 }
 
+/// The name of a key that is a word of Rust, too, such as `r#box`.
+#[doc(hidden)]
+pub fn plain(key: &str) -> &str {
+    key.trim_start_matches("r#")
+}
+
 /// Puts into the schema of a table what its type does not say of a key: its default, that in words, or that the key
 /// is needed, which has no default.
 #[doc(hidden)]
@@ -112,9 +118,7 @@ pub fn state(schema: &mut Schema, key: &str, default: Option<Value>, words: &[&s
         needed.as_array_mut().into_iter().for_each(|keys| keys.push(key.into()));
         return;
     };
-    let Some(key) = table["properties"][key.trim_start_matches("r#")].as_object_mut() else {
-        return;
-    };
+    let Some(key) = table["properties"][plain(key)].as_object_mut() else { return };
     let is_empty = default.as_array().is_some_and(Vec::is_empty);
     if let Some(words) = words.first() {
         key.insert(DEFAULT_IN_WORDS.into(), (*words).into());
@@ -232,7 +236,7 @@ macro_rules! table {
         impl $crate::table::Table for $name {
             fn check_ranges(&self, at: &$crate::KeyPath) -> Result<(), $crate::Misfit> {
                 $($(
-                    let key = at.clone().key(stringify!($key));
+                    let key = at.clone().key($crate::table::plain(stringify!($key)));
                     $crate::table::Rule::<$type>::check(&$rule, &key, &self.$key)?;
                 )?)+
                 Ok(())

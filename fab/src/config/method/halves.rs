@@ -1,21 +1,14 @@
 //! Two halves, each cast on a half core, and glued.
 
 use super::pull_out::pulled;
-use super::{Bodies, Castings, Core, JudgedBy, Made, Row};
+use super::{Bodies, Castings, Core, JudgedBy, Row};
 
 pub static ROW: Row = Row {
     name: "halves",
     bodies: Bodies::All,
     judged_by: JudgedBy::HalfCores,
-    is_automatic: true,
     castings: Castings::Halves,
-    core: Core {
-        made: Made::Printed,
-        stands_on_stub: false,
-        is_bored: false,
-        vanishes: false,
-        leaves: pulled,
-    },
+    core: Core { filament: None, stands_on_stub: false, leaves: pulled },
     steps: |chambers| if chambers == 0 { SOLID } else { STEPS },
 };
 

@@ -5,20 +5,28 @@ mod open_top;
 mod pull_out;
 mod solid;
 mod soluble;
-mod wax;
 
-use std::borrow::Cow;
 use std::ops::Deref;
-use std::sync::LazyLock;
 
-use program::schema::one_of_these;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// All methods, in the order in which they are preferred; what is for bodies without a chamber comes first there.
-static METHODS: &[&Row] =
-    &[&pull_out::ROW, &open_top::ROW, &soluble::ROW, &halves::ROW, &wax::ROW, &solid::ROW];
+/// How a chamber comes into a body, in the order in which methods are preferred; what is for bodies without a chamber
+/// comes first there.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// A rigid core, pulled out through the inlet.
+    PullOut,
+    /// Two castings: the chamber, open to a plane, and the sheet that closes it.
+    OpenTop,
+    /// A core printed of what water dissolves.
+    Soluble,
+    /// Two halves, each cast on a half core, and glued.
+    Halves,
+    /// None: the body has no chamber.
+    Solid,
+}
 
 /// What a method is.
 pub struct Row {
@@ -28,8 +36,6 @@ pub struct Row {
     pub bodies: Bodies,
     /// What decides whether it can be used.
     pub judged_by: JudgedBy,
-    /// Whether it is taken without being asked for, if it can be used.
-    pub is_automatic: bool,
     /// What is cast.
     pub castings: Castings,
     /// The cores of its molds.
@@ -77,30 +83,22 @@ pub enum Castings {
 
 /// The cores of a method.
 pub struct Core {
-    /// How they are made.
-    pub made: Made,
+    /// What they are printed of, if that is another filament than that of the shells.
+    pub filament: Option<Filament>,
     /// Whether they stand on stubs and have to stay where they are while silicone rises.
     pub stands_on_stub: bool,
-    /// Whether water is led through them.
-    pub is_bored: bool,
-    /// Whether they leave by themselves, whatever their shape.
-    pub vanishes: bool,
     /// How they leave the body.
     pub leaves: fn(&Leaving) -> String,
 }
 
-/// How cores are made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Made {
-    /// Printed of what shells are printed of.
-    Printed,
-    /// Printed of another filament.
-    Of(Filament),
-    /// Cast in molds of their own.
-    Cast,
+impl Core {
+    /// Whether they leave by themselves, whatever their shape: water that is led through them dissolves them.
+    pub fn dissolves(&self) -> bool {
+        self.filament.is_some()
+    }
 }
 
-/// A filament that cores are printed of.
+/// A filament that water dissolves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filament {
     /// What slicers call it.
@@ -123,39 +121,14 @@ pub struct Leaving<'a> {
     pub inlets: &'a str,
 }
 
-/// One of the methods.
-#[derive(Clone, Copy)]
-pub struct Method(&'static Row);
-
 impl Method {
     /// All methods, in the order in which they are preferred.
-    pub fn all() -> Vec<Self> {
-        METHODS.iter().copied().map(Self).collect()
-    }
-
-    /// The method with a name.
-    pub fn named(name: &str) -> Option<Self> {
-        METHODS.iter().copied().find(|row| row.name == name).map(Self)
-    }
+    pub const ALL: [Self; 5] =
+        [Self::PullOut, Self::OpenTop, Self::Soluble, Self::Halves, Self::Solid];
 
     /// The name in files.
     pub fn name(self) -> &'static str {
-        self.0.name
-    }
-}
-
-impl Core {
-    /// The filament that they are printed of, if it is another one than that of the shells.
-    pub fn filament(&self) -> Option<Filament> {
-        match self.made {
-            Made::Of(filament) => Some(filament),
-            Made::Printed | Made::Cast => None,
-        }
-    }
-
-    /// Whether they are cast.
-    pub fn is_cast(&self) -> bool {
-        self.made == Made::Cast
+        self.name
     }
 }
 
@@ -163,91 +136,18 @@ impl Deref for Method {
     type Target = Row;
 
     fn deref(&self) -> &Row {
-        self.0
-    }
-}
-
-impl PartialEq for Method {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-impl Eq for Method {}
-
-impl std::fmt::Display for Method {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name)
-    }
-}
-
-impl std::fmt::Debug for Method {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name)
-    }
-}
-
-/// The method that is asked for; none for `"auto"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MethodChoice(pub Option<Method>);
-
-/// The word for none.
-const AUTO: &str = "auto";
-
-impl Serialize for MethodChoice {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.map_or(AUTO, Method::name))
-    }
-}
-
-impl JsonSchema for MethodChoice {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> Cow<'static, str> {
-        "MethodChoice".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        one_of_these([AUTO].into_iter().chain(METHODS.iter().map(|row| row.name)))
-    }
-}
-
-impl<'de> Deserialize<'de> for MethodChoice {
-    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
-        static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| {
-            [AUTO].into_iter().chain(METHODS.iter().map(|row| row.name)).collect()
-        });
-        let name = Cow::<str>::deserialize(input)?;
-        match Method::named(&name) {
-            None if name != AUTO => Err(D::Error::unknown_variant(&name, &NAMES)),
-            found => Ok(Self(found)),
+        match self {
+            Self::PullOut => &pull_out::ROW,
+            Self::OpenTop => &open_top::ROW,
+            Self::Soluble => &soluble::ROW,
+            Self::Halves => &halves::ROW,
+            Self::Solid => &solid::ROW,
         }
     }
 }
 
-impl Serialize for Method {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name)
-    }
-}
-
-impl JsonSchema for Method {
-    fn schema_name() -> Cow<'static, str> {
-        "Method".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        one_of_these(METHODS.iter().map(|row| row.name))
-    }
-}
-
-impl<'de> Deserialize<'de> for Method {
-    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
-        static NAMES: LazyLock<Vec<&str>> =
-            LazyLock::new(|| METHODS.iter().map(|row| row.name).collect());
-        let name = Cow::<str>::deserialize(input)?;
-        Self::named(&name).ok_or_else(|| D::Error::unknown_variant(&name, &NAMES))
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
     }
 }

@@ -1,21 +1,14 @@
 //! Two castings: the chamber, open to a plane, and the sheet that closes it.
 
 use super::pull_out::pulled;
-use super::{Bodies, Castings, Core, JudgedBy, Made, Row};
+use super::{Bodies, Castings, Core, JudgedBy, Row};
 
 pub static ROW: Row = Row {
     name: "open-top",
     bodies: Bodies::WithChambers,
     judged_by: JudgedBy::FlatWall,
-    is_automatic: true,
     castings: Castings::ChamberAndSheet,
-    core: Core {
-        made: Made::Printed,
-        stands_on_stub: false,
-        is_bored: false,
-        vanishes: false,
-        leaves: pulled,
-    },
+    core: Core { filament: None, stands_on_stub: false, leaves: pulled },
     steps: |_| STEPS,
 };
 

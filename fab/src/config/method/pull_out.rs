@@ -1,20 +1,13 @@
 //! A rigid core, pulled out through the inlet.
 
-use super::{Bodies, Castings, Core, JudgedBy, Leaving, Made, Row};
+use super::{Bodies, Castings, Core, JudgedBy, Leaving, Row};
 
 pub static ROW: Row = Row {
     name: "pull-out",
     bodies: Bodies::WithChambers,
     judged_by: JudgedBy::Girth,
-    is_automatic: true,
     castings: Castings::Body,
-    core: Core {
-        made: Made::Printed,
-        stands_on_stub: true,
-        is_bored: false,
-        vanishes: false,
-        leaves: pulled,
-    },
+    core: Core { filament: None, stands_on_stub: true, leaves: pulled },
     steps: |_| STEPS,
 };
 

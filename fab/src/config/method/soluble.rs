@@ -1,20 +1,13 @@
 //! A core printed of what water dissolves.
 
-use super::{Bodies, Castings, Core, Filament, JudgedBy, Leaving, Made, Row};
+use super::{Bodies, Castings, Core, Filament, JudgedBy, Leaving, Row};
 
 pub static ROW: Row = Row {
     name: "soluble",
     bodies: Bodies::WithChambers,
     judged_by: JudgedBy::Inlets,
-    is_automatic: true,
     castings: Castings::Body,
-    core: Core {
-        made: Made::Of(POLYVINYL_ALCOHOL),
-        stands_on_stub: true,
-        is_bored: true,
-        vanishes: true,
-        leaves: dissolved,
-    },
+    core: Core { filament: Some(POLYVINYL_ALCOHOL), stands_on_stub: true, leaves: dissolved },
     steps: |_| STEPS,
 };
 

@@ -7,9 +7,10 @@ mod steps;
 
 use std::path::Path;
 
-use library::{Chemistry, Printer, PrinterKind, Silicone, kilopascals, printers, silicones};
-use mesh::io::{IoError, write_atomic};
-use serde::{Deserialize, Serialize};
+use anyhow::Result;
+use library::{Chemistry, Printer, PrinterKind, Silicone, kilopascals};
+use program::write_json;
+use serde::Serialize;
 
 use crate::body::weight::Weight;
 use crate::files::report::MoldReport;
@@ -19,7 +20,7 @@ use crate::geometry::overhang::needs_supports;
 pub const FILE: &str = "cast.json";
 
 /// Everything a person needs to cast a body.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sheet {
     /// Program and version.
     pub program: String,
@@ -56,7 +57,7 @@ pub struct Sheet {
 }
 
 /// A silicone by weight and time.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pour {
     /// Name on the bottle.
     pub name: String,
@@ -79,7 +80,7 @@ pub struct Pour {
 }
 
 /// A part to print.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Printed {
     /// The name.
     pub name: String,
@@ -94,7 +95,7 @@ pub struct Printed {
 }
 
 /// Something to have.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Item {
     /// How many.
     pub count: usize,
@@ -107,12 +108,9 @@ const MM3: f64 = 1e3;
 
 impl Sheet {
     /// The sheet of a mold.
-    pub fn new(report: &MoldReport) -> Result<Self, String> {
+    pub fn new(report: &MoldReport) -> Self {
         let casting = &report.casting;
-        // Wax is poured into the mold of a core.
-        let named = casting.silicone.as_deref().filter(|_| !steps::is_wax(report));
-        let silicone = named.map(|key| silicones().find(key)).transpose()?;
-        let printer = casting.printer.as_deref().map(|key| printers().find(key)).transpose()?;
+        let (silicone, printer) = (casting.silicone(), casting.printer());
         let (plastic, density) = printer.map_or(PrinterKind::Filament, |p| p.kind).plastic();
         let mold_ml = report.cast.silicone_ml;
         let mix_ml = mold_ml * (1.0 + casting.waste);
@@ -155,22 +153,12 @@ impl Sheet {
         if steps::is_half(report) && !report.chambers.is_empty() {
             sheet.finish = steps::finish(sheet.leak_test_kpa, report);
         }
-        Ok(sheet)
-    }
-
-    /// What `fab mold` wrote into `folder`.
-    pub fn read(folder: &Path) -> Result<Self, IoError> {
-        let path = folder.join(FILE);
-        let text = mesh::io::read_own_text(&path)?;
-        serde_json::from_str(&text).map_err(|e| IoError::content(&path, e.to_string()))
+        sheet
     }
 
     /// Writes it into `folder`.
-    pub fn write(&self, folder: &Path) -> Result<(), IoError> {
-        write_atomic(&folder.join(FILE), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        write_json(&folder.join(FILE), self)
     }
 
     /// What to pour, in rows of a word and a value.
@@ -266,7 +254,6 @@ fn warnings(
     let mut warnings: Vec<String> =
         report.findings.iter().map(|note| format!("{}: {}", note.rule, note.message)).collect();
     match silicone {
-        None if steps::is_wax(report) => return warnings,
         None => warnings.push(
             "No silicone is named: no masses and times. Set `casting.silicone` in mold.toml."
                 .into(),

@@ -21,11 +21,6 @@ const BOLTS: [(f64, &str); 4] = [(1.45, "M2.5"), (1.95, "M3"), (2.45, "M4"), (3.
 /// Bolts are sold in lengths that differ by this [mm]; a nut needs as much again.
 const LENGTHS: f64 = 5.0;
 
-/// Whether it is wax that is poured, for a core.
-pub fn is_wax(report: &MoldReport) -> bool {
-    report.input.part == CastPart::Core
-}
-
 /// Whether the casting is only a part of the body.
 pub fn is_half(report: &MoldReport) -> bool {
     matches!(report.input.part, CastPart::Above(_) | CastPart::Below(_))
@@ -40,22 +35,19 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
         let [width, depth] = layer.size();
         add(1, format!("{}, cut by `{}`: {width:.1} × {depth:.1} mm", layer.tag, layer.file()));
     }
-    for thread in report.threads.iter().filter(|_| !is_wax(report)) {
+    for thread in &report.threads {
         add(1, thread.item());
     }
-    if let Some(filament) = report.method.core.filament() {
+    if let Some(filament) = report.method.core.filament {
         add(1, format!("{}, for the core", filament.item));
     }
     match &sheet.silicone {
-        _ if is_wax(report) => add(1, format!("{:.0} mL of wax", sheet.mix_ml)),
         Some(Pour { name, mass_g: Some(mass), .. }) => add(1, format!("{mass:.0} g of {name}")),
         Some(Pour { name, .. }) => add(1, format!("{:.0} mL of {name}", sheet.mix_ml)),
         None => add(1, format!("{:.0} mL of silicone", sheet.mix_ml)),
     }
-    if !is_wax(report) {
-        add(1, "spray of release agent for silicone".into());
-        add(1, "scale that shows 0.1 g, two cups, a stick, gloves".into());
-    }
+    add(1, "spray of release agent for silicone".into());
+    add(1, "scale that shows 0.1 g, two cups, a stick, gloves".into());
     let bolts: Vec<String> = with(report, Purpose::Bolt).map(bolt).collect();
     let lengths: BTreeSet<&String> = bolts.iter().collect();
     for name in lengths {
@@ -69,7 +61,7 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
         add(report.collars.len(), collar.tube.clone());
     }
     let inlets = with(report, Purpose::Socket).count();
-    if inlets > 0 && report.collars.is_empty() && !is_wax(report) {
+    if inlets > 0 && report.collars.is_empty() {
         add(inlets, "tube that fits the inlet, and silicone glue".into());
     }
     items
@@ -96,15 +88,12 @@ pub fn steps(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
     let cores = names(report, Role::Core);
     let mut steps = vec![print(report)];
     steps.extend((!report.open).then(|| try_out(report, &cores)));
-    if let Some(filament) = report.method.core.filament().filter(|_| !cores.is_empty()) {
+    if let Some(filament) = report.method.core.filament.filter(|_| !cores.is_empty()) {
         steps.push(format!("Print {} of {}.", and(&cores), filament.words));
     }
     steps.push(close(report, &shells, &cores));
     steps.extend(pour(sheet, report));
     steps.extend(open(sheet, report, &shells, &cores));
-    if is_wax(report) {
-        return steps;
-    }
     if !report.open {
         steps.push("Cut off what stood in the sprue and the vents.".into());
     }
@@ -259,9 +248,6 @@ fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
         let fix = if with(report, Purpose::Bolt).next().is_some() { "bolt" } else { "clamp" };
         words += &format!(", add {}, and {fix} them", and(others));
     }
-    if is_wax(report) {
-        return words + ".";
-    }
     spray + &words + "."
 }
 
@@ -286,13 +272,6 @@ fn insert(collar: &FittedTube, report: &MoldReport) -> String {
 
 /// Mixing, pouring and curing.
 fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
-    if is_wax(report) {
-        return vec![
-            format!("Melt {:.0} mL of wax, no hotter than it needs to flow.", sheet.mix_ml),
-            "Warm the mold by hand, pour, and top up while the wax shrinks.".into(),
-            "Let it become hard all through.".into(),
-        ];
-    }
     let vents = with(report, Purpose::Vent).count();
     let pour = match vents {
         _ if !report.layers.is_empty() => lay_in(sheet, report),
@@ -361,7 +340,7 @@ fn open(sheet: &Sheet, report: &MoldReport, shells: &[&str], cores: &[&str]) -> 
         _ => ("them", "their inlets"),
     };
     let leaving = Leaving { cores: &and(cores), them, inlets };
-    let out = (!cores.is_empty() && !is_wax(report)).then(|| (report.method.core.leaves)(&leaving));
+    let out = (!cores.is_empty()).then(|| (report.method.core.leaves)(&leaving));
     match close_holes(sheet, report) {
         Some(close) => [off, close].into_iter().chain(out).collect(),
         None => vec![[Some(off), out].into_iter().flatten().collect::<Vec<_>>().join(" ")],

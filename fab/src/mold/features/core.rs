@@ -4,6 +4,7 @@
 //! shoulder, with which the core rests on the floor around the socket and seals
 //! it. A flat on one side keeps the core from turning.
 
+use anyhow::{Result, bail};
 use mesh::Vec3;
 use mesh::solid::Solid;
 
@@ -32,30 +33,10 @@ pub struct Print {
     clearance: f64,
 }
 
-/// Why an inlet cannot hold a stub.
-#[derive(Debug, thiserror::Error, PartialEq)]
-pub enum PrintError {
-    /// The stub would cut into the part wherever it is rooted.
-    #[error(
-        "a stub in the inlet at ({:.5}, {:.5}) m cuts into the part: the chamber narrows behind its rim; \
-         increase core.shoulder",
-        centre.x, centre.y
-    )]
-    Blocked {
-        /// Centre of the inlet in the mold's frame [m].
-        centre: Vec3,
-    },
-}
-
 impl Print {
     /// A stub from an inlet, whose radius is at least [`Config::least_inlet`], down to just above `floor` [m], rooted in
     /// the core without touching `cast`.
-    pub fn new(
-        inlet: &Opening,
-        floor: f64,
-        cast: &Solid,
-        config: &Config,
-    ) -> Result<Self, PrintError> {
+    pub fn new(inlet: &Opening, floor: f64, cast: &Solid, config: &Config) -> Result<Self> {
         let Opening { centre, radius } = *inlet;
         let clearance = config.stub_clearance();
         let narrow = config.stub_radius(radius);
@@ -77,7 +58,12 @@ impl Print {
                 return Ok(print);
             }
         }
-        Err(PrintError::Blocked { centre })
+        bail!(
+            "a stub in the inlet at ({:.5}, {:.5}) m of the mold cuts into the part: the chamber narrows behind its rim; increase \
+             core.shoulder",
+            centre.x,
+            centre.y
+        );
     }
 
     /// The stub as a solid.
@@ -151,6 +137,32 @@ pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use nalgebra::Matrix3x4;
+
+    /// The thinnest stub that is said to fit one way only meets its socket where it is turned by 30°, wherever its play lets
+    /// it lie.
+    #[test]
+    fn the_thinnest_stub_that_keeps_from_turning_does() {
+        let config = Config::default();
+        let away = Solid::cube(&Vec3::repeat(1.0), &Vec3::repeat(2.0));
+        let print = |inlet: f64| {
+            let inlet = Opening { centre: Vec3::zeros(), radius: inlet };
+            Print::new(&inlet, -8e-3, &away, &config).unwrap()
+        };
+        let mut prints = (1200..3000).map(|k| print(1e-6 * f64::from(k)));
+        let thinnest = prints.find(Print::keeps_from_turning).unwrap();
+        let outside = Solid::cube(&Vec3::new(-9e-3, -9e-3, -8e-3), &Vec3::new(9e-3, 9e-3, 0.0));
+        let floor = outside.difference(&thinnest.socket_solid());
+        let (sin, cos) = TURN.sin_cos();
+        let turned = [Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0), Vec3::z()];
+        for k in 0..6 {
+            let (y, x) = (TURN * 2.0 * f64::from(k)).sin_cos();
+            let aside = Vec3::new(x, y, 0.0) * (0.95 * config.stub_clearance());
+            let place = Matrix3x4::from_columns(&[turned[0], turned[1], turned[2], aside]);
+            let shared = thinnest.stub_solid().transform(&place).intersection(&floor);
+            assert!(shared.volume() > 1e-11, "{k}: {} m³", shared.volume());
+        }
+    }
 
     #[test]
     fn a_bore_ends_below_the_top_of_its_core() {

@@ -68,28 +68,6 @@ mod tests {
     }
 
     #[test]
-    fn every_letter_is_one_body_of_its_own_shape() {
-        let face = Face {
-            middle: Vec3::zeros(),
-            along: Vec3::x(),
-            up: Vec3::z(),
-            size: [40e-3, 7e-3],
-            down: -Vec3::z(),
-        };
-        let mut volumes = Vec::new();
-        for symbol in 'A'..='Z' {
-            let solid = fitting(&symbol.to_string(), &face);
-            assert_eq!(solid.decompose().len(), 1, "{symbol}");
-            volumes.push((solid.volume(), symbol));
-        }
-        volumes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        assert!(volumes[0].0 > 0.0);
-        for pair in volumes.windows(2) {
-            assert!(pair[0].0 < pair[1].0, "{} has the volume of {}", pair[0].1, pair[1].1);
-        }
-    }
-
-    #[test]
     fn the_thinnest_strokes_of_the_lowest_letters_can_be_printed() {
         // the bar of a hyphen is the thinnest
         let (polygons, _) = outlines("-", Weight::Bold);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mesh::io::IoError;
-use mesh::{SurfaceMesh, Vec3, topology};
+use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use render::annotate::Key;
 use render::camera::Projection;
@@ -11,13 +11,13 @@ use render::color::{self, Scale};
 use render::cut::cut;
 use render::panel::Look;
 use render::raster::Lines;
-use render::shape::{Shape, Triangle, shade};
 use render::sheet::{Panel, Sheet, draw_sheet};
 use render::view::View;
 
-use super::{Casting, Plan};
+use super::picture::shape;
 use crate::geometry::MM;
 use crate::geometry::frame::Frame;
+use crate::plan::{Casting, Plan};
 
 /// Name of the picture in the top folder.
 pub const FILE: &str = "undercut.png";
@@ -64,28 +64,15 @@ fn panels(casting: &Casting) -> [Panel; 2] {
     let over = Matrix3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0));
     let sides = [("along its pull", Matrix3::identity()), ("against it", over)];
     sides.map(|(side, turn)| {
-        let shape = shape(&casting.filled, &casting.undercut, turn * frame.rotation);
+        let turn = turn * frame.rotation;
+        let vertices = casting.filled.vertices.iter().map(|p| turn * p * MM).collect();
+        let surface = SurfaceMesh { vertices, triangles: casting.filled.triangles.clone() };
+        let depth = |t: usize| casting.undercut[t] * MM;
+        let shape = shape(&surface, depth, color::material());
         Panel {
             pieces: vec![cut(&shape, None)],
             caption: format!("{} {side}: at worst {worst}", casting.name),
             labels: Vec::new(),
         }
     })
-}
-
-/// A surface [m], turned, with a value at each triangle [m], in millimetres.
-fn shape(surface: &SurfaceMesh, values: &[f64], turn: Matrix3<f64>) -> Shape {
-    let points: Vec<Vec3> = surface.vertices.iter().map(|p| turn * p * MM).collect();
-    let triangle = |(&points, value): (&[usize; 3], &f64)| Triangle {
-        points,
-        values: [value * MM; 3],
-        color: color::material(),
-        edges: 0,
-    };
-    let triangles: Vec<Triangle> = surface.triangles.iter().zip(values).map(triangle).collect();
-    Shape {
-        facets: shade(&points, &triangles),
-        cells: None,
-        closed: topology::boundary_edges(&surface.triangles).is_empty(),
-    }
 }
