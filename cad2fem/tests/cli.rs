@@ -274,36 +274,6 @@ fn sizes_that_cannot_be_meant_are_remarked_on() {
 }
 
 #[test]
-fn info_knows_the_unit_of_the_parts_of_a_mold() {
-    let dir = Workdir::new();
-    fs::create_dir_all(dir.path("mold/reference")).unwrap();
-    for name in ["core.stl", "mold/core.stl", "mold/reference/cast.stl"] {
-        write_surface(&dir.path(name), &cube(1.5)).unwrap();
-    }
-    dir.write(
-        "mold/mold.json",
-        "{\"units\": \"mm\", \"parts\": [{\"file\": \"core.stl\"}], \
-         \"cast\": {\"file\": \"reference/cast.stl\"}, \"outside\": \"reference/outside.stl\"}",
-    );
-    let volume = |arguments: &[&str]| {
-        let run = dir.run(&[&["info", "--json"], arguments].concat());
-        run.succeeds();
-        let info: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
-        info["volume"].as_f64().unwrap()
-    };
-    // 27 mm³, of which nothing but mold.json says that they are no cubic metres
-    for arguments in
-        [&["mold/core.stl"][..], &["mold/reference/cast.stl"], &["core.stl", "--unit", "mm"]]
-    {
-        let found = volume(arguments);
-        assert!((found / 27e-9 - 1.0).abs() < 1e-9, "{arguments:?}: {found} m³");
-    }
-    assert!((volume(&["core.stl"]) / 27.0 - 1.0).abs() < 1e-9);
-    let run = dir.run(&["info", "mold/core.stl"]);
-    assert!(run.stdout.starts_with("mold/core.stl, lengths in mm\n"), "{}", run.stdout);
-}
-
-#[test]
 fn a_grid_that_cuts_corners_is_remarked_on_with_one_that_does_not() {
     let dir = Workdir::new();
     let made = |grid: f64| {

@@ -39,10 +39,7 @@ pub fn triangle_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
 
 /// Area of a surface [m²].
 pub fn area(surface: &SurfaceMesh) -> f64 {
-    (0..surface.triangles.len())
-        .map(|t| surface.corners(t))
-        .map(|[a, b, c]| triangle_area(a, b, c))
-        .sum()
+    (0..surface.triangles.len()).map(|t| surface.area(t)).sum()
 }
 
 /// Signed volume inside a closed surface [m³], positive if its triangles are
@@ -79,7 +76,7 @@ pub fn mean_edge(vertices: &[Vec3], triangles: &[[usize; 3]]) -> f64 {
 
 /// Volume of a tetrahedral mesh [m³].
 pub fn volume(mesh: &TetMesh) -> f64 {
-    (0..mesh.tets.len()).map(|t| mesh.corners(t)).map(|[a, b, c, d]| tet_volume(a, b, c, d)).sum()
+    (0..mesh.tets.len()).map(|t| mesh.volume(t)).sum()
 }
 
 /// Lowest and highest corner of the axis-aligned bounding box [m]; (+∞, −∞) for

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use crate::SurfaceMesh;
 use crate::check::self_intersections;
-use crate::measure::{longest_edge, triangle_area};
+use crate::measure::longest_edge;
 use crate::topology::directed_edges;
 
 /// Rounds, at most: what is left of a needle may be one.
@@ -41,10 +41,9 @@ fn offending(surface: &SurfaceMesh, thin: f64) -> Vec<usize> {
 
 /// Height of a triangle over its longest edge.
 fn thickness(surface: &SurfaceMesh, t: usize) -> f64 {
-    let [a, b, c] = surface.corners(t);
-    match longest_edge([a, b, c]) {
+    match longest_edge(surface.corners(t)) {
         0.0 => 0.0,
-        longest => 2.0 * triangle_area(a, b, c) / longest,
+        longest => 2.0 * surface.area(t) / longest,
     }
 }
 

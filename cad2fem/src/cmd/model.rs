@@ -15,8 +15,7 @@ use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
 /// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, of CAD `DIR/volumes/<volume>.stl`,
-/// `DIR/model.json`, `DIR/thin.png` of what is thinner than the finest cell, and the same in
-/// `DIR/<variant>/` for every variant; lengths in metres
+/// `DIR/model.json`, and the same in `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Model: .toml (implicit), .geo (gmsh script), .step, .brep or .iges

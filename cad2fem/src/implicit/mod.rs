@@ -21,7 +21,6 @@ mod complex;
 mod field;
 mod lattice;
 mod model;
-mod picture;
 mod range;
 mod refine;
 mod region;
@@ -36,7 +35,6 @@ mod value;
 
 pub use field::Field;
 pub use model::{Cuboid, Cut, Model, ModelFile, Op, Primitive, Region};
-pub use picture::draw_thin;
 pub use region::assign;
 pub use shape::{Rotation, Shape};
 pub use skin::{Kind, Part, Skin, Thin};

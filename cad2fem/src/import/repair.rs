@@ -14,7 +14,7 @@ use anyhow::{Context, Result, bail};
 use mesh::bvh::{SurfaceBvh, closest_on_triangle};
 use mesh::check::{self, orient_by_nesting, self_intersections};
 use mesh::inside::WindingNumber;
-use mesh::measure::{diagonal, enclosed_volume, hausdorff, triangle_normal};
+use mesh::measure::{diagonal, enclosed_volume, hausdorff};
 use mesh::needles::take_out;
 use mesh::solid::Solid;
 use mesh::topology::{
@@ -344,19 +344,15 @@ fn oriented(raw: &Patched) -> Patched {
 /// For each triangle of `surface` the patch of the nearest of `given` that faces the same way; if
 /// none within `reach` does, of the nearest whichever way it faces.
 fn nearest(given: &Patched, surface: &SurfaceMesh, reach: f64) -> Vec<u32> {
-    let normal = |s: &SurfaceMesh, t: usize| {
-        let [a, b, c] = s.corners(t);
-        triangle_normal(a, b, c)
-    };
     let bvh = SurfaceBvh::new(&given.surface);
     let distance = |p: &Vec3, corners: &[Vec3; 3]| (closest_on_triangle(p, corners) - p).norm();
     let owner = |t: usize| {
-        let (centre, own) = (surface.centroid(t), normal(surface, t));
+        let (centre, own) = (surface.centroid(t), surface.normal(t));
         let around = Vec3::repeat(2.0 * reach);
         let alike = bvh
             .overlaps(&(centre - around), &(centre + around))
             .into_iter()
-            .filter(|&other| normal(&given.surface, other).dot(&own) > 0.5)
+            .filter(|&other| given.surface.normal(other).dot(&own) > 0.5)
             .map(|other| (distance(&centre, &given.surface.corners(other)), other))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         given.patch[alike.map_or_else(|| bvh.closest(&centre).triangle, |(_, other)| other)]

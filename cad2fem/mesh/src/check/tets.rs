@@ -1,7 +1,7 @@
 //! Rules for tetrahedral meshes.
 
 use super::{Finding, at};
-use crate::measure::{diagonal, tet_volume};
+use crate::measure::diagonal;
 use crate::topology::TET_FACETS;
 use crate::{TetMesh, facet_key};
 
@@ -48,18 +48,14 @@ fn indices(mesh: &TetMesh) -> Option<Finding> {
 }
 
 fn volumes(mesh: &TetMesh) -> Option<Finding> {
-    let volume = |t: usize| {
-        let [a, b, c, d] = mesh.corners(t);
-        tet_volume(a, b, c, d)
-    };
-    let bad: Vec<usize> = (0..mesh.tets.len()).filter(|&t| volume(t) <= 0.0).collect();
+    let bad: Vec<usize> = (0..mesh.tets.len()).filter(|&t| mesh.volume(t) <= 0.0).collect();
     let (&t, count) = (bad.first()?, bad.len());
     let centroid = mesh.corners(t).iter().sum::<crate::Vec3>() / 4.0;
     let message = format!(
         "{count} of {} tetrahedra have no positive volume, first tetrahedron {t} with {:.3e} m³ \
          at {}",
         mesh.tets.len(),
-        volume(t),
+        mesh.volume(t),
         at(&centroid)
     );
     Some(Finding { rule: "volume", message, count })

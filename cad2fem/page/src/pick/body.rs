@@ -6,7 +6,6 @@ use std::path::{Component, Path};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use mesh::io::read_surface;
-use mesh::measure::triangle_normal;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Vec3, triangle_key};
 use serde_json::{Value, json};
@@ -278,10 +277,7 @@ fn borders(body: &Body, count: usize, tangent: &Option<BTreeSet<[usize; 2]>>) ->
     for (i, face) in body.faces.iter().enumerate().filter(|(_, face)| !face.inside) {
         of_triangle[face.triangles.clone()].fill(i);
     }
-    let normal = |t: usize| {
-        let [a, b, c] = body.surface.corners(t);
-        triangle_normal(a, b, c)
-    };
+    let normal = |t: usize| body.surface.normal(t);
     // length, and length times angle
     let mut sums: BTreeMap<[usize; 2], [f64; 2]> = BTreeMap::new();
     for ([u, v], pair) in edge_facets(triangles) {
@@ -331,8 +327,7 @@ pub(crate) mod tests {
         write_surface(&path("model.stl"), &surface).unwrap();
         fs::create_dir(path("patches")).unwrap();
         let key = |t: usize| {
-            let [a, b, c] = surface.corners(t);
-            let n = triangle_normal(a, b, c);
+            let n = surface.normal(t);
             let on_outside = n.dot(&(surface.centroid(t) - Vec3::new(0.02, 0.01, 0.005))) > 0.0;
             (!on_outside, n.map(|x| x.round() as i64).as_slice().to_vec())
         };
