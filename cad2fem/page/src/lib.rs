@@ -43,9 +43,9 @@ pub mod wall;
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
-use mesh::io::{read_text, write_atomic};
-use serde_json::{Value, json};
+use anyhow::Result;
+use mesh::io::write_atomic;
+use serde_json::json;
 
 use store::Store;
 use survey::Survey;
@@ -87,10 +87,4 @@ pub fn write(folder: &Path, output: &Path, title: &str, shown: Shown) -> Result<
     let page = document::assemble(title, &survey, shown, &data, &store, output)?;
     write_atomic(output, |out| out.write_all(page.as_bytes()))?;
     Ok(Summary { parts, bytes: page.len() })
-}
-
-/// Reads a file of JSON.
-pub(crate) fn read_json(path: &Path) -> Result<Value> {
-    let text = read_text(path)?;
-    serde_json::from_str(&text).with_context(|| path.display().to_string())
 }

@@ -327,22 +327,4 @@ mod tests {
             );
         }
     }
-
-    #[test]
-    fn anchors_use_the_width() {
-        let style = Style { height: 14.0, color: [0.0; 3], weight: Weight::Regular };
-        let first_dark = |anchor| {
-            let mut image = Image::new(200, 30, [1.0; 3]);
-            draw(&mut image, "max 12.5 mm", [100.0, 20.0], anchor, &style);
-            (0..200).find(|x| (0..30).any(|y| image.pixels[y * 200 + x][0] < 0.5))
-        };
-        let (polygons, _) = outlines("max 12.5 mm", style.weight);
-        let bearing = polygons.iter().flatten().map(|p| p[0]).fold(f64::INFINITY, f64::min);
-        let ink = 100.0 + bearing * style.height;
-        let width = width("max 12.5 mm", &style);
-        let left = |shift: f64| Some((ink - shift * width).round() as usize);
-        assert_eq!(first_dark(Anchor::Left), left(0.0));
-        assert_eq!(first_dark(Anchor::Center), left(0.5));
-        assert_eq!(first_dark(Anchor::Right), left(1.0));
-    }
 }

@@ -8,8 +8,8 @@ use mesh::io::remove_litter;
 use program::{Change, FolderLock, Unusable};
 
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
-use crate::mesher::gmsh::Kind;
-use crate::model::cad::{self, CadOptions, parse_number};
+use crate::mesher::gmsh::{CadOptions, Kind};
+use crate::model::cad::{self, parse_number};
 use crate::model::{Facts, LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;

@@ -134,12 +134,11 @@ fn warn_of_kept_triangles(surface: &SurfaceMesh, request: &Request) {
 
 /// Several surfaces as one, in which vertices at the same place are one.
 fn joined(surfaces: Vec<SurfaceMesh>) -> SurfaceMesh {
-    let mut surfaces = surfaces.into_iter();
-    let Some(mut all) = surfaces.next() else { return SurfaceMesh::default() };
-    for surface in surfaces {
+    let add = |mut all: SurfaceMesh, surface: SurfaceMesh| {
         append(&mut all, &surface);
-    }
-    all
+        all
+    };
+    surfaces.into_iter().reduce(add).unwrap_or_default()
 }
 
 impl Args {

@@ -1,23 +1,19 @@
-//! Validity rules for meshes, one per file.
+//! Validity rules for meshes.
 //!
 //! A rule reports what is wrong with numbers and with the place of the first
 //! offender, so that it can be looked up in a viewer.
 
-mod closed;
 mod coincident;
-mod degenerate;
-mod finite;
-mod intersecting;
-mod manifold;
 mod nesting;
-mod oriented;
+mod surface;
 mod tets;
 
 pub use coincident::coincident;
-pub use intersecting::self_intersections;
 pub use nesting::orient_by_nesting;
+pub use surface::self_intersections;
 pub use tets::check_tets;
 
+use crate::measure::diagonal;
 use crate::{SurfaceMesh, Vec3};
 
 /// A broken rule.
@@ -29,6 +25,12 @@ pub struct Finding {
     pub message: String,
     /// Number of offenders.
     pub count: usize,
+}
+
+impl Finding {
+    fn new(rule: &'static str, count: usize, message: String) -> Self {
+        Self { rule, message, count }
+    }
 }
 
 /// A rule for surfaces.
@@ -43,26 +45,26 @@ pub struct Check {
 /// The rules for surfaces, in the order in which they run.
 pub const CHECKS: &[Check] = &[
     Check {
-        name: finite::NAME,
+        name: "finite",
         demands: "triangles, finite coordinates and indices in range",
-        find: finite::find,
+        find: surface::finite,
     },
-    Check { name: degenerate::NAME, demands: "every triangle has area", find: degenerate::find },
-    Check { name: closed::NAME, demands: "no edge with a single triangle", find: closed::find },
+    Check { name: "degenerate", demands: "every triangle has area", find: surface::degenerate },
+    Check { name: "closed", demands: "no edge with a single triangle", find: surface::closed },
     Check {
-        name: manifold::NAME,
+        name: "manifold",
         demands: "at most two triangles at an edge, one fan at a vertex",
-        find: manifold::find,
+        find: surface::manifold,
     },
     Check {
-        name: oriented::NAME,
+        name: "oriented",
         demands: "neighbours wind alike, and closed surfaces enclose positive volume",
-        find: oriented::find,
+        find: surface::oriented,
     },
     Check {
-        name: intersecting::NAME,
+        name: "intersecting",
         demands: "triangles meet in shared vertices and edges only",
-        find: intersecting::find,
+        find: surface::intersecting,
     },
 ];
 
@@ -81,12 +83,44 @@ pub fn run(surface: &SurfaceMesh, rules: &[&str]) -> Vec<Finding> {
     for rule in rules {
         assert!(CHECKS.iter().any(|check| check.name == *rule), "unknown rule {rule:?}");
     }
-    let unusable = finite::find(surface);
+    let unusable = surface::finite(surface);
     if !unusable.is_empty() {
         return unusable;
     }
     let chosen = CHECKS.iter().filter(|check| rules.contains(&check.name));
     chosen.flat_map(|check| (check.find)(surface)).collect()
+}
+
+/// What is wrong with coordinates: they are not finite, or so far apart that what they bound, a `surface` or a
+/// `mesh`, has no volume that is a number.
+fn not_finite(vertices: &[Vec3], what: &str) -> Option<Finding> {
+    let bad = |v: &usize| vertices[*v].iter().any(|x| !x.is_finite());
+    let bad: Vec<usize> = (0..vertices.len()).filter(bad).collect();
+    if let Some(&v) = bad.first() {
+        let (count, place) = (bad.len(), at(&vertices[v]));
+        let message = format!("{count} vertices are not finite, first vertex {v} at {place}");
+        return Some(Finding::new("finite", count, message));
+    }
+    let size = diagonal(vertices);
+    let message = || format!("the {what} is {size:.1e} m across: its volume has no number");
+    (!size.powi(3).is_finite()).then(|| Finding::new("finite", 1, message()))
+}
+
+/// Cells, `names` are those of several and of one, with vertices beyond the `n` that there are.
+fn lost<const N: usize>(
+    rule: &'static str,
+    cells: &[[usize; N]],
+    n: usize,
+    [cells_are, cell_is]: [&str; 2],
+) -> Option<Finding> {
+    let bad = |t: &usize| cells[*t].iter().any(|&v| v >= n);
+    let bad: Vec<usize> = (0..cells.len()).filter(bad).collect();
+    let (&t, count) = (bad.first()?, bad.len());
+    let message = format!(
+        "{count} {cells_are} have vertices that do not exist, first {cell_is} {t} with {:?} of {n} vertices",
+        cells[t]
+    );
+    Some(Finding::new(rule, count, message))
 }
 
 /// A place as rules print it.

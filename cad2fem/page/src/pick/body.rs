@@ -11,7 +11,7 @@ use mesh::{SurfaceMesh, Vec3, triangle_key};
 use serde_json::{Value, json};
 
 use super::MM;
-use crate::read_json;
+use crate::reported::read;
 use crate::store::Store;
 
 /// Faces of triangles meet smoothly if these enclose less on average [deg]: half of the angle at
@@ -78,7 +78,7 @@ impl Body {
              has written",
             folder.display()
         );
-        let report = read_json(&report)?;
+        let report: Value = read(&report)?;
         let model = read_surface(&folder.join("model.stl"))?;
         let mut of_place = HashMap::with_capacity(model.triangles.len());
         for t in 0..model.triangles.len() {
@@ -362,7 +362,7 @@ pub(crate) mod tests {
     fn cad_says_what_is_smooth_and_what_faces_are() {
         let folder = hollow();
         let file = folder.path().join("model.json");
-        let mut report = read_json(&file).unwrap();
+        let mut report: Value = read(&file).unwrap();
         report["regions"][3]["kind"] = json!("cylinder");
         report["tangent"] = json!([["f2", "f0"], ["f0", "nobody"]]);
         fs::write(&file, report.to_string()).unwrap();
