@@ -142,8 +142,6 @@ mod solver_cli;
 mod solver_tools;
 #[path = "fast/spoiled_folder.rs"]
 mod spoiled_folder;
-#[path = "fast/standard.rs"]
-mod standard;
 #[path = "fast/sweep.rs"]
 mod sweep;
 #[path = "fast/symmetric_contact.rs"]
