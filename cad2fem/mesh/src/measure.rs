@@ -1,5 +1,7 @@
 //! Lengths, areas, volumes and the quality of elements.
 
+use std::fmt;
+
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -167,6 +169,24 @@ pub struct Quality {
     pub edge_mean: f64,
     /// Longest edge [m].
     pub edge_max: f64,
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "radius ratio min {:.3}  p1 {:.3}  mean {:.3}; dihedral {:.1}..{:.1} deg; edges \
+             {:.2} / {:.2} / {:.2} mm",
+            self.radius_ratio_min,
+            self.radius_ratio_p1,
+            self.radius_ratio_mean,
+            self.min_dihedral,
+            self.max_dihedral,
+            self.edge_min * 1e3,
+            self.edge_mean * 1e3,
+            self.edge_max * 1e3
+        )
+    }
 }
 
 /// Quality of a mesh; all zero if it has no tetrahedra.

@@ -6,23 +6,6 @@
 //! script at all.
 //!
 //! Only files are read, those that users see: this crate knows no solver and no molds.
-//!
-//! - [`store`]: arrays of numbers, compressed
-//! - [`reported`]: what is shown of reports
-//! - [`survey`]: what a folder holds
-//! - [`solid`]: a mesh and its boundary, for the page
-//! - [`threads`]: threads on and in a body
-//! - [`run`]: the states of a simulation
-//! - [`design`]: the history of an optimisation and its shapes
-//! - [`mold`]: a mold and how it comes apart
-//! - [`wall`]: thinnest walls of bodies
-//! - [`pick`]: the page on which faces of a body get names
-//! - [`prose`]: text that is safe to put into a page
-//! - [`facts`]: tables of what reports say
-//! - [`validation`]: simulations beside measurements
-//! - [`contents`]: files that a reader may want
-//! - [`script`]: what runs in the browser, of several modules
-//! - [`document`]: the page from its parts
 
 pub mod contents;
 pub mod design;

@@ -196,19 +196,7 @@ impl Info {
             None => writeln!(out, ", open: no volume")?,
         }
         if let Some(q) = &self.quality {
-            writeln!(
-                out,
-                "  radius ratio min {:.3}  p1 {:.3}  mean {:.3}\n  dihedral angles {:.1} .. {:.1} deg\n  \
-                 edges {:.3} / {:.3} / {:.3} mm (shortest, mean, longest)",
-                q.radius_ratio_min,
-                q.radius_ratio_p1,
-                q.radius_ratio_mean,
-                q.min_dihedral,
-                q.max_dihedral,
-                q.edge_min * 1e3,
-                q.edge_mean * 1e3,
-                q.edge_max * 1e3
-            )?;
+            writeln!(out, "  {q} (shortest, mean, longest)")?;
         }
         for tag in &self.tags {
             writeln!(

@@ -12,7 +12,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::bvh::{SurfaceBvh, closest_on_triangle};
-use mesh::check::{self, orient_by_nesting, self_intersections};
+use mesh::check::{self, orient_by_nesting};
+use mesh::crossings::self_intersecting_pairs;
 use mesh::inside::WindingNumber;
 use mesh::measure::{diagonal, enclosed_volume, hausdorff};
 use mesh::needles::take_out;
@@ -235,7 +236,7 @@ impl Repair {
 fn places(raw: &Patched, patches: &Patches) -> String {
     let edges = edge_facets(&raw.surface.triangles);
     let open = edges.values().filter(|beside| beside.len() != 2).flatten().copied();
-    let crossing = self_intersections(&raw.surface).into_iter().flat_map(|(s, t)| [s, t]);
+    let crossing = self_intersecting_pairs(&raw.surface).into_iter().flat_map(|(s, t)| [s, t]);
     let found: BTreeSet<u32> = open.chain(crossing).map(|t| raw.patch[t]).collect();
     let all: BTreeSet<&u32> = raw.patch.iter().collect();
     if all.len() < 2 || found.is_empty() {

@@ -51,8 +51,6 @@ fn surfaces_that_bound_nothing_are_refused_by_name() {
     let mut infinite = good.clone();
     infinite.vertices[0].x = f64::NAN;
     assert!(refusal(&infinite).to_string().contains("Non-Finite"));
-    let labels = Solid::from_labelled_surface(&good, &[1, 2]).err().unwrap();
-    assert_eq!(labels, SolidError::Labels { labels: 2, triangles: 12 });
 }
 
 #[test]
