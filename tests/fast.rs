@@ -128,8 +128,6 @@ mod solver_bad_input;
 mod solver_cli;
 #[path = "fast/solver_tools.rs"]
 mod solver_tools;
-#[path = "fast/standard.rs"]
-mod standard;
 #[path = "fast/sweep.rs"]
 mod sweep;
 #[path = "fast/symmetric_contact.rs"]

@@ -4,11 +4,10 @@
 
 use std::fs::{self, File};
 use std::path::Path;
-use std::process::{Command, Output};
 
+use crate::support::{Run, Workdir};
 use mesh::Vec3;
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
-use tempfile::TempDir;
 
 /// A tetrahedron that rises by `lift`.
 fn step(folder: &Path, name: &str, lift: f64) {
@@ -26,38 +25,32 @@ fn step(folder: &Path, name: &str, lift: f64) {
     write_vtu(&folder.join(name), &grid).unwrap();
 }
 
-/// A run of three steps.
-fn run() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let run = folder.path().join("run");
+/// A run of three steps in a folder.
+fn made() -> Workdir {
+    let dir = Workdir::new();
+    let run = dir.path("run");
     fs::create_dir(&run).unwrap();
     for (i, lift) in [0.0, 1.0, 2.0].into_iter().enumerate() {
         step(&run, &format!("step_{i:03}.vtu"), lift);
     }
     let steps: Vec<String> = [0.0, 0.5, 1.0].iter().map(|l| format!("{{\"load\": {l}}}")).collect();
     let report = format!("{{\"config\": {{\"time\": null}}, \"steps\": [{}]}}", steps.join(", "));
-    fs::write(run.join("report.json"), report).unwrap();
-    folder
+    dir.write("run/report.json", &report);
+    dir
 }
 
-fn film(folder: &TempDir, args: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cad2fem"))
-        .arg("film")
-        .args(args.split_whitespace())
-        .current_dir(folder.path())
-        .output()
-        .unwrap()
+fn film(dir: &Workdir, args: &str) -> Run {
+    dir.run(&["film"].into_iter().chain(args.split_whitespace()).collect::<Vec<_>>())
 }
 
 #[test]
 fn every_step_is_a_frame_with_one_camera_and_scale() {
-    let folder = run();
+    let dir = made();
     let args = "run -o a.gif --size 300x300 --view front --color displacement --no-ground --fps 20";
-    let output = film(&folder, args);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    film(&dir, args).succeeds();
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
-    let mut decoder = options.read_info(File::open(folder.path().join("a.gif")).unwrap()).unwrap();
+    let mut decoder = options.read_info(File::open(dir.path("a.gif")).unwrap()).unwrap();
     assert_eq!([decoder.width(), decoder.height()], [300, 300]);
     assert_eq!(decoder.repeat(), gif::Repeat::Infinite);
     let (mut delays, mut middles, mut blue) = (vec![], vec![], vec![]);
@@ -81,7 +74,7 @@ fn every_step_is_a_frame_with_one_camera_and_scale() {
 
 #[test]
 fn what_is_no_run_is_refused() {
-    let folder = run();
+    let dir = made();
     for (args, words) in [
         ("run -o a.webm", "written as GIF"),
         ("run/step_000.vtu -o a.gif", "a film needs 2 at least"),
@@ -89,10 +82,7 @@ fn what_is_no_run_is_refused() {
         ("nothing -o a.gif", "nothing: no such file or folder"),
         ("run -o a.gif --color stress", "stress"),
     ] {
-        let output = film(&folder, args);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{args}: {said}");
-        assert!(said.contains(words), "{args}: {said}");
-        assert!(!folder.path().join("a.gif").exists());
+        film(&dir, args).fails(2, words);
+        assert!(!dir.path("a.gif").exists());
     }
 }

@@ -42,6 +42,12 @@ fn result(dir: &Workdir) -> (SurfaceMesh, f64, Vec<String>) {
     (surface, volume, names)
 }
 
+/// Runs a script of Python in the folder.
+fn run_script(dir: &Workdir, python: &str, script: &str) {
+    let made = Command::new(python).args(["-c", script]).current_dir(dir.path(".")).output();
+    assert!(made.as_ref().unwrap().status.success(), "{made:?}");
+}
+
 #[test]
 fn the_unit_is_guessed_and_said_or_asked_for() {
     let dir = Workdir::new();
@@ -198,8 +204,7 @@ fn a_torn_surface_is_welded_and_a_broken_one_is_remade() {
     let lost = enclosed_volume(&pierced) - volume;
     let allowed = area(&surface) * 1e6 * 1e-3 * 69.3;
     assert!(lost.abs() < allowed, "{lost} mm3, {allowed} allowed");
-    let report = fs::read_to_string(dir.path("out/model.json")).unwrap();
-    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let report = dir.json("out/model.json");
     assert_eq!(report["import"]["files"][0]["unit_is"], "guessed");
     let changes = report["import"]["changes"].to_string();
     assert!(changes.contains("3 holes filled") && changes.contains("remade"), "{changes}");
@@ -244,8 +249,7 @@ fn marked(step: &str) -> String {
 fn cad_files_keep_units_names_and_colours_of_faces() {
     let Some(python) = python_with("gmsh") else { return };
     let dir = Workdir::new();
-    let made = Command::new(&python).args(["-c", BOX]).current_dir(dir.path(".")).output().unwrap();
-    assert!(made.status.success(), "{made:?}");
+    run_script(&dir, &python, BOX);
     let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
     for (file, said) in [
         ("box.step", "the file states its unit"),
@@ -314,15 +318,9 @@ fn longest_edges(surface: &SurfaceMesh, part: f64) -> f64 {
 fn triangles_follow_curved_faces_of_cad_and_are_long_on_flat_ones() {
     let Some(python) = python_with("gmsh") else { return };
     let dir = Workdir::new();
-    let made =
-        Command::new(&python).args(["-c", ROUND]).current_dir(dir.path(".")).output().unwrap();
-    assert!(made.status.success(), "{made:?}");
+    run_script(&dir, &python, ROUND);
     let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
-    let stated = || {
-        let report = fs::read_to_string(dir.path("out/model.json")).unwrap();
-        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-        report["chord_error"].as_f64().unwrap() * 1e3
-    };
+    let stated = || dir.json("out/model.json")["chord_error"].as_f64().unwrap() * 1e3;
     // how far the middles of the ball's triangles and of their edges are from it [mm], and how many there are
     let ball = |chord: &[&str]| {
         run(&[&["import", "ball.step", "-o", "out"], chord].concat())
@@ -375,8 +373,7 @@ for name, x in (('inside', 5), ('open', -5)):
 fn of_two_solids_the_air_is_found_or_asked_for() {
     let Some(python) = python_with("gmsh") else { return };
     let dir = Workdir::new();
-    let made = Command::new(&python).args(["-c", TWO]).current_dir(dir.path(".")).output().unwrap();
-    assert!(made.status.success(), "{made:?}");
+    run_script(&dir, &python, TWO);
     // solids get names as a CAD program gives them
     let step = fs::read_to_string(dir.path("open.step")).unwrap();
     // and the face in which the air opens, too
@@ -421,9 +418,7 @@ fn printed_files_state_their_unit() {
     let dir = Workdir::new();
     let Some(python) = python_with("trimesh") else { return };
     let write = "import trimesh; trimesh.creation.box((30, 20, 10)).export('box.3mf')";
-    let made =
-        Command::new(&python).args(["-c", write]).current_dir(dir.path(".")).output().unwrap();
-    assert!(made.status.success(), "{made:?}");
+    run_script(&dir, &python, write);
     dir.run(&["import", "box.3mf", "-o", "out"]).says("the file states its unit");
     assert!((result(&dir).1 / 6000.0 - 1.0).abs() < 1e-6);
     dir.run(&["import", "box.3mf", "-o", "out", "--unit", "m"]).fails(2, "leave out --unit");

@@ -98,8 +98,7 @@ fn gmsh_takes_the_chamber_from_cad_to_tets() {
 
 /// The mesher of a mesh, and how far its boundary is from the surface [envelope].
 fn made(dir: &Workdir) -> (String, f64) {
-    let report = fs::read_to_string(dir.path("out.report.json")).unwrap();
-    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let report = dir.json("out.report.json");
     let mesher = report["mesher"].as_str().unwrap().split(' ').next().unwrap().to_owned();
     (mesher, report["hausdorff_from_input"].as_f64().unwrap())
 }
@@ -259,8 +258,7 @@ fn several_files_and_a_selection_go_to_the_mesher_together() {
         x.iter().any(|x| *x < -5e-5) && x.iter().any(|x| *x > 5e-5)
     };
     assert_eq!((0..tets.tets.len()).filter(cut).count(), 0);
-    let report: serde_json::Value =
-        serde_json::from_slice(&fs::read(dir.path("out.report.json")).unwrap()).unwrap();
+    let report = dir.json("out.report.json");
     assert_eq!(report["shells"], 2);
     assert_eq!(report["input"][1]["path"], "chamber.stl");
     // one of them alone is no body

@@ -4,15 +4,11 @@
 
 use std::fs::{self, File};
 use std::io::BufReader;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
+use crate::support::{Run, Workdir};
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, io};
-use tempfile::TempDir;
-
-struct Folder(TempDir);
 
 /// A picture that was written: 8-bit sRGB.
 struct Picture {
@@ -21,50 +17,25 @@ struct Picture {
     bytes: Vec<u8>,
 }
 
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
+fn run(dir: &Workdir, args: &str, threads: &str) -> Run {
+    let words = ["picture"].into_iter().chain(args.split_whitespace()).chain(["-o", "out.png"]);
+    dir.run_with("RAYON_NUM_THREADS", threads, &words.collect::<Vec<_>>())
+}
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
+fn draw(dir: &Workdir, args: &str) -> Picture {
+    run(dir, args, "2").succeeds();
+    let decoder = png::Decoder::new(BufReader::new(File::open(dir.path("out.png")).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    Picture { width: info.width as usize, height: info.height as usize, bytes }
+}
 
-    fn run(&self, args: &str) -> Output {
-        self.run_on(args, 2)
-    }
-
-    fn run_on(&self, args: &str, threads: usize) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_cad2fem"))
-            .arg("picture")
-            .args(args.split_whitespace())
-            .args(["-o", "out.png"])
-            .env("RAYON_NUM_THREADS", threads.to_string())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
-    fn draw(&self, args: &str) -> Picture {
-        let output = self.run(args);
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{args}: {message}");
-        let decoder = png::Decoder::new(BufReader::new(File::open(self.path("out.png")).unwrap()));
-        let mut reader = decoder.read_info().unwrap();
-        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut bytes).unwrap();
-        Picture { width: info.width as usize, height: info.height as usize, bytes }
-    }
-
-    fn fails(&self, args: &str, expected: &[&str]) {
-        let output = self.run(args);
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{args}: {message}");
-        for e in expected {
-            assert!(message.contains(e), "{args}: {e:?} is not in: {message}");
-        }
-        assert!(!self.path("out.png").exists(), "{args}: a picture was left behind");
-    }
+#[track_caller]
+fn fails(dir: &Workdir, args: &str, expected: &[&str]) {
+    let run = run(dir, args, "2");
+    expected.iter().for_each(|words| run.fails(2, words));
+    assert!(!dir.path("out.png").exists(), "{args}: a picture was left behind");
 }
 
 impl Picture {
@@ -135,21 +106,21 @@ const PLAIN: &str = "--orthographic --no-ground --smooth --size 400x300";
 
 #[test]
 fn silhouettes_have_the_right_area() {
-    let folder = Folder::new();
+    let dir = Workdir::new();
     let sphere = Solid::sphere(&Vec3::zeros(), 1.0, 128).to_surface();
-    io::write_surface(&folder.path("sphere.stl"), &sphere).unwrap();
-    io::write_surface(&folder.path("cube.obj"), &cube()).unwrap();
+    io::write_surface(&dir.path("sphere.stl"), &sphere).unwrap();
+    io::write_surface(&dir.path("cube.obj"), &cube()).unwrap();
     // 6 % of the height stays free on both sides
     let side = 0.88 * 300.0;
-    let circle = folder.draw(&format!("sphere.stl {PLAIN}")).drawn() as f64;
+    let circle = draw(&dir, &format!("sphere.stl {PLAIN}")).drawn() as f64;
     let expected = std::f64::consts::FRAC_PI_4 * side * side;
     // the rim covers pixels in part: less than half a pixel along the circumference
     assert!((circle - expected).abs() < 0.5 * std::f64::consts::PI * side, "{circle} {expected}");
-    let square = folder.draw(&format!("cube.obj --view front {PLAIN}")).drawn() as f64;
+    let square = draw(&dir, &format!("cube.obj --view front {PLAIN}")).drawn() as f64;
     assert!((square - side * side).abs() < 0.5 * 4.0 * side, "{square} {}", side * side);
     // seen along its diagonal, a cube is a regular hexagon standing on a corner
     let view = "--view 45,35.264389682754654";
-    let hexagon = folder.draw(&format!("cube.obj {view} {PLAIN}")).drawn() as f64;
+    let hexagon = draw(&dir, &format!("cube.obj {view} {PLAIN}")).drawn() as f64;
     let expected = 1.5 * 3.0_f64.sqrt() * (0.5 * side).powi(2);
     // a slanting rim touches up to √2 as many pixels as it is long
     assert!((hexagon - expected).abs() < 0.71 * 3.0 * side, "{hexagon} {expected}");
@@ -157,59 +128,59 @@ fn silhouettes_have_the_right_area() {
 
 #[test]
 fn cut_surface_shows_its_face_and_cut_mesh_its_section() {
-    let folder = Folder::new();
-    io::write_surface(&folder.path("cube.stl"), &cube()).unwrap();
+    let dir = Workdir::new();
+    io::write_surface(&dir.path("cube.stl"), &cube()).unwrap();
     let (mesh, _) = cube_of_tets();
-    io::write_tets(&folder.path("cube.msh"), &mesh, &Tags::default()).unwrap();
-    let whole = folder.draw(&format!("cube.stl --view front {PLAIN}"));
+    io::write_tets(&dir.path("cube.msh"), &mesh, &Tags::default()).unwrap();
+    let whole = draw(&dir, &format!("cube.stl --view front {PLAIN}"));
     for name in ["cube.stl", "cube.msh"] {
-        let cut = folder.draw(&format!("{name} --view front --cut y=0.5 {PLAIN}"));
+        let cut = draw(&dir, &format!("{name} --view front --cut y=0.5 {PLAIN}"));
         // the same square is seen, of another colour, and evenly: the face is flat
         assert!(cut.drawn().abs_diff(whole.drawn()) < 300, "{name}");
         assert!(distance(cut.center(), whole.center()) > 20, "{name}");
         assert!(distance(cut.center(), cut.at(150, 100)) < 12, "{name}");
     }
     let nothing = format!("cube.stl --cut 0,-1,0,-2 {PLAIN}");
-    fs::remove_file(folder.path("out.png")).unwrap();
-    folder.fails(&nothing, &["the cut removes everything"]);
+    fs::remove_file(dir.path("out.png")).unwrap();
+    fails(&dir, &nothing, &["the cut removes everything"]);
 }
 
 #[test]
 fn open_surface_shows_its_inside_in_another_colour() {
-    let folder = Folder::new();
+    let dir = Workdir::new();
     let mut open = cube();
     let lid = |t: &[usize; 3]| t.iter().all(|&v| open.vertices[v].y < 0.5);
     open.triangles = open.triangles.iter().copied().filter(|t| !lid(t)).collect();
-    io::write_surface(&folder.path("open.obj"), &open).unwrap();
-    let [r, g, _] = folder.draw(&format!("open.obj --view front {PLAIN}")).center();
-    let [back_r, back_g, _] = folder.draw(&format!("open.obj --view back {PLAIN}")).center();
+    io::write_surface(&dir.path("open.obj"), &open).unwrap();
+    let [r, g, _] = draw(&dir, &format!("open.obj --view front {PLAIN}")).center();
+    let [back_r, back_g, _] = draw(&dir, &format!("open.obj --view back {PLAIN}")).center();
     assert!(r > g && back_g > back_r, "inside is warm, outside is green");
 }
 
 #[test]
 fn tags_have_their_colours_and_names() {
-    let folder = Folder::new();
+    let dir = Workdir::new();
     let (mesh, tags) = cube_of_tets();
-    io::write_tets(&folder.path("cube.msh"), &mesh, &tags).unwrap();
-    let [r, g, b] = folder.draw(&format!("cube.msh --view bottom {PLAIN}")).center();
+    io::write_tets(&dir.path("cube.msh"), &mesh, &tags).unwrap();
+    let [r, g, b] = draw(&dir, &format!("cube.msh --view bottom {PLAIN}")).center();
     assert!(b > g && g > r, "the tagged floor has the first colour, blue: {r} {g} {b}");
-    let [r, g, b] = folder.draw(&format!("cube.msh --view top {PLAIN}")).center();
+    let [r, g, b] = draw(&dir, &format!("cube.msh --view top {PLAIN}")).center();
     assert!((r - b).abs() < 12 && (r - g).abs() < 12, "the rest is grey: {r} {g} {b}");
 }
 
 #[test]
 fn results_are_deformed_and_coloured_by_value() {
-    let folder = Folder::new();
-    write_vtu(&folder.path("cube.vtu"), &result()).unwrap();
-    let rest = folder.draw(&format!("cube.vtu --view front --deform none {PLAIN}"));
+    let dir = Workdir::new();
+    write_vtu(&dir.path("cube.vtu"), &result()).unwrap();
+    let rest = draw(&dir, &format!("cube.vtu --view front --deform none {PLAIN}"));
     // rest: a square; deformed: a parallelogram twice as high as wide, of the same width
     assert!(rest.drawn() > 60_000);
-    let bent = folder.draw(&format!("cube.vtu --view front {PLAIN}"));
+    let bent = draw(&dir, &format!("cube.vtu --view front {PLAIN}"));
     let half = 0.5 * (0.88_f64 * 300.0).powi(2) / 2.0;
     assert!((bent.drawn() as f64 - half).abs() < 600.0, "{} {half}", bent.drawn());
 
     let args = format!("cube.vtu --view front --deform none --color displacement.z {PLAIN}");
-    let picture = folder.draw(&args);
+    let picture = draw(&dir, &args);
     // viridis from dark blue at x = 0 to yellow at x = 1; the scale is at the right border
     let places: Vec<usize> =
         (0..400).filter(|&x| distance(picture.at(x, 150), picture.at(0, 150)) > 2).collect();
@@ -219,55 +190,53 @@ fn results_are_deformed_and_coloured_by_value() {
     let [r, _, b] = picture.at(places[right] - 8, 150);
     assert!(r > b + 60, "yellow at the right: {r} {b}");
 
-    folder.draw(&format!("cube.vtu --color pressure --edges {PLAIN}"));
-    folder.draw(&format!("cube.vtu --color displacement --cut x=0.4 --range 0,2 {PLAIN}"));
+    draw(&dir, &format!("cube.vtu --color pressure --edges {PLAIN}"));
+    draw(&dir, &format!("cube.vtu --color displacement --cut x=0.4 --range 0,2 {PLAIN}"));
 }
 
 #[test]
 fn same_picture_on_any_number_of_threads() {
-    let folder = Folder::new();
-    write_vtu(&folder.path("cube.vtu"), &result()).unwrap();
+    let dir = Workdir::new();
+    write_vtu(&dir.path("cube.vtu"), &result()).unwrap();
     let picture = |threads| {
-        let output =
-            folder.run_on("cube.vtu cube.vtu --color displacement --size 320x200", threads);
-        assert!(output.status.success());
-        fs::read(folder.path("out.png")).unwrap()
+        run(&dir, "cube.vtu cube.vtu --color displacement --size 320x200", threads).succeeds();
+        fs::read(dir.path("out.png")).unwrap()
     };
-    let one = picture(1);
-    assert!(one == picture(2) && one == picture(3));
+    let one = picture("1");
+    assert!(one == picture("2") && one == picture("3"));
 }
 
 #[test]
 fn files_go_side_by_side_or_together() {
-    let folder = Folder::new();
-    io::write_surface(&folder.path("a.obj"), &cube()).unwrap();
+    let dir = Workdir::new();
+    io::write_surface(&dir.path("a.obj"), &cube()).unwrap();
     let mut far = cube();
     far.vertices.iter_mut().for_each(|v| v.x += 3.0);
-    io::write_surface(&folder.path("b.obj"), &far).unwrap();
+    io::write_surface(&dir.path("b.obj"), &far).unwrap();
     let wide = "--orthographic --no-ground --smooth --size 600x300 --view front";
-    let one = folder.draw(&format!("a.obj b.obj --together {wide}"));
+    let one = draw(&dir, &format!("a.obj b.obj --together {wide}"));
     // two unit cubes with two between them: half of the width is empty, the colours differ
     assert!(distance(one.center(), one.at(0, 150)) <= 2);
     assert!(distance(one.at(80, 150), one.at(520, 150)) > 30);
-    let apart = folder.draw(&format!("a.obj b.obj --together --spread 1 {wide}"));
+    let apart = draw(&dir, &format!("a.obj b.obj --together --spread 1 {wide}"));
     assert!(apart.drawn() < one.drawn() / 2, "farther apart, so drawn smaller");
-    let panels = folder.draw(&format!("a.obj b.obj --captions left,right {wide}"));
+    let panels = draw(&dir, &format!("a.obj b.obj --captions left,right {wide}"));
     assert_eq!((panels.width, panels.height), (600, 300));
 }
 
 /// A chamber within a skin is not seen from outside: it stands beside it, whatever the order of the files.
 #[test]
 fn walls_of_chambers_are_moved_out_of_what_hides_them() {
-    let folder = Folder::new();
-    io::write_surface(&folder.path("skin.obj"), &cube()).unwrap();
+    let dir = Workdir::new();
+    io::write_surface(&dir.path("skin.obj"), &cube()).unwrap();
     let mut wall = cube();
     wall.vertices.iter_mut().for_each(|v| *v = 0.3 * *v + Vec3::repeat(0.35));
     wall.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    io::write_surface(&folder.path("wall.obj"), &wall).unwrap();
+    io::write_surface(&dir.path("wall.obj"), &wall).unwrap();
     let plain = "--together --no-ground --smooth --size 400x300 --view front";
     // the second colour of the palette is orange, the first blue
     let orange = |args: &str| {
-        let picture = folder.draw(args);
+        let picture = draw(&dir, args);
         let all = (0..300).flat_map(|y| (0..400).map(move |x| (x, y)));
         all.filter(|&(x, y)| picture.at(x, y)[0] > picture.at(x, y)[2] + 40).count()
     };
@@ -280,44 +249,43 @@ fn walls_of_chambers_are_moved_out_of_what_hides_them() {
 
 #[test]
 fn a_model_has_a_colour_a_label_and_a_legend_for_each_region() {
-    let folder = Folder::new();
+    let dir = Workdir::new();
     let body = cube();
-    fs::create_dir_all(folder.path("model/patches")).unwrap();
+    fs::create_dir_all(dir.path("model/patches")).unwrap();
     let ends = [body.triangles[..6].to_vec(), body.triangles[6..].to_vec()];
     for (name, triangles) in ["lid", "rest"].iter().zip(ends) {
         let patch = SurfaceMesh { triangles, ..body.clone() };
-        io::write_surface(&folder.path(&format!("model/patches/{name}.stl")), &patch).unwrap();
+        io::write_surface(&dir.path(&format!("model/patches/{name}.stl")), &patch).unwrap();
     }
-    folder.fails("model", &["model.json", "cad2fem model"]);
+    fails(&dir, "model", &["model.json", "cad2fem model"]);
     let report = r#"{ "regions": [{ "name": "lid" }, { "name": "rest" }] }"#;
-    fs::write(folder.path("model/model.json"), report).unwrap();
-    let model = folder.draw("model --size 400x300");
+    fs::write(dir.path("model/model.json"), report).unwrap();
+    let model = draw(&dir, "model --size 400x300");
     let files = "model/patches/lid.stl model/patches/rest.stl --together --label --size 400x300";
-    assert!(model.bytes == folder.draw(files).bytes);
-    assert!(model.bytes != folder.draw(&files.replace(" --label", "")).bytes);
-    let apart = folder.draw("model --spread 1 --size 400x300");
-    assert!(apart.bytes == folder.draw(&format!("{files} --spread 1")).bytes);
-    fs::remove_file(folder.path("out.png")).unwrap();
-    folder.fails("model/patches/lid.stl --label", &["--label are for --together"]);
+    assert!(model.bytes == draw(&dir, files).bytes);
+    assert!(model.bytes != draw(&dir, &files.replace(" --label", "")).bytes);
+    let apart = draw(&dir, "model --spread 1 --size 400x300");
+    assert!(apart.bytes == draw(&dir, &format!("{files} --spread 1")).bytes);
+    fs::remove_file(dir.path("out.png")).unwrap();
+    fails(&dir, "model/patches/lid.stl --label", &["--label are for --together"]);
 }
 
 #[test]
 fn errors_say_what_would_work() {
-    let folder = Folder::new();
-    io::write_surface(&folder.path("cube.stl"), &cube()).unwrap();
-    write_vtu(&folder.path("cube.vtu"), &result()).unwrap();
+    let dir = Workdir::new();
+    io::write_surface(&dir.path("cube.stl"), &cube()).unwrap();
+    write_vtu(&dir.path("cube.vtu"), &result()).unwrap();
     let fields = "at points: displacement; in cells: pressure";
-    folder.fails("cube.vtu --color velocity", &["velocity", fields, "cube.vtu"]);
-    folder.fails("cube.vtu --color displacement.5", &["3 components"]);
-    folder.fails("cube.vtu --deform velocity", &["velocity", fields]);
-    folder.fails("cube.stl --color displacement", &["no file is a .vtu"]);
-    folder.fails("cube.stl --captions a,b", &["2 captions for 1 files"]);
-    folder.fails("cube.stl --view above", &["above", "iso, front"]);
-    folder.fails("cube.stl --cut w=3", &["x=V"]);
-    folder.fails("cube.stl --size 10x10", &["64 to"]);
-    folder.fails("cube.vtu --color pressure --range 2,1", &["the first must be smaller"]);
-    folder.fails("missing.stl", &["missing.stl"]);
-    fs::write(folder.path("broken.vtu"), &fs::read(folder.path("cube.vtu")).unwrap()[..300])
-        .unwrap();
-    folder.fails("broken.vtu", &["broken.vtu"]);
+    fails(&dir, "cube.vtu --color velocity", &["velocity", fields, "cube.vtu"]);
+    fails(&dir, "cube.vtu --color displacement.5", &["3 components"]);
+    fails(&dir, "cube.vtu --deform velocity", &["velocity", fields]);
+    fails(&dir, "cube.stl --color displacement", &["no file is a .vtu"]);
+    fails(&dir, "cube.stl --captions a,b", &["2 captions for 1 files"]);
+    fails(&dir, "cube.stl --view above", &["above", "iso, front"]);
+    fails(&dir, "cube.stl --cut w=3", &["x=V"]);
+    fails(&dir, "cube.stl --size 10x10", &["64 to"]);
+    fails(&dir, "cube.vtu --color pressure --range 2,1", &["the first must be smaller"]);
+    fails(&dir, "missing.stl", &["missing.stl"]);
+    fs::write(dir.path("broken.vtu"), &fs::read(dir.path("cube.vtu")).unwrap()[..300]).unwrap();
+    fails(&dir, "broken.vtu", &["broken.vtu"]);
 }

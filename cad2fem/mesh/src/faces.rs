@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::measure::{triangle_area, triangle_normal};
 use crate::topology::directed_edges;
 use crate::{SurfaceMesh, Vec3, place_key};
 
@@ -34,11 +33,10 @@ impl Face {
     pub fn of(surface: &SurfaceMesh, triangles: impl Iterator<Item = usize>) -> Self {
         let mut face = Self::default();
         for t in triangles {
-            let [a, b, c] = surface.corners(t);
-            let part = triangle_area(a, b, c);
+            let part = surface.area(t);
             face.area += part;
             face.middle += part * surface.centroid(t);
-            face.normal += part * triangle_normal(a, b, c);
+            face.normal += part * surface.normal(t);
         }
         face.middle /= face.area;
         face.normal /= face.area;
@@ -173,7 +171,7 @@ mod tests {
         let mut parts: BTreeMap<(bool, [i64; 3]), Vec<[usize; 3]>> = BTreeMap::new();
         for (t, &triangle) in surface.triangles.iter().enumerate() {
             let [a, b, c] = surface.corners(t);
-            let normal = triangle_normal(a, b, c).map(|x| x.round() as i64);
+            let normal = surface.normal(t).map(|x| x.round() as i64);
             let inside =
                 [a, b, c].iter().all(|p| (5.0..=15.0).contains(&p.y) && (3.0..=7.0).contains(&p.z));
             parts.entry((inside, normal.into())).or_default().push(triangle);

@@ -31,7 +31,3 @@ pub use tet::TetMesh;
 
 /// A point or a vector [m].
 pub type Vec3 = nalgebra::Vector3<f64>;
-
-#[cfg(test)]
-#[path = "../../../tests/support/skip.rs"]
-mod skip;

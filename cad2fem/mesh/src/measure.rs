@@ -1,5 +1,7 @@
 //! Lengths, areas, volumes and the quality of elements.
 
+use std::fmt;
+
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -39,10 +41,7 @@ pub fn triangle_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
 
 /// Area of a surface [m²].
 pub fn area(surface: &SurfaceMesh) -> f64 {
-    (0..surface.triangles.len())
-        .map(|t| surface.corners(t))
-        .map(|[a, b, c]| triangle_area(a, b, c))
-        .sum()
+    (0..surface.triangles.len()).map(|t| surface.area(t)).sum()
 }
 
 /// Signed volume inside a closed surface [m³], positive if its triangles are
@@ -79,7 +78,7 @@ pub fn mean_edge(vertices: &[Vec3], triangles: &[[usize; 3]]) -> f64 {
 
 /// Volume of a tetrahedral mesh [m³].
 pub fn volume(mesh: &TetMesh) -> f64 {
-    (0..mesh.tets.len()).map(|t| mesh.corners(t)).map(|[a, b, c, d]| tet_volume(a, b, c, d)).sum()
+    (0..mesh.tets.len()).map(|t| mesh.volume(t)).sum()
 }
 
 /// Lowest and highest corner of the axis-aligned bounding box [m]; (+∞, −∞) for
@@ -170,6 +169,24 @@ pub struct Quality {
     pub edge_mean: f64,
     /// Longest edge [m].
     pub edge_max: f64,
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "radius ratio min {:.3}  p1 {:.3}  mean {:.3}; dihedral {:.1}..{:.1} deg; edges \
+             {:.2} / {:.2} / {:.2} mm",
+            self.radius_ratio_min,
+            self.radius_ratio_p1,
+            self.radius_ratio_mean,
+            self.min_dihedral,
+            self.max_dihedral,
+            self.edge_min * 1e3,
+            self.edge_mean * 1e3,
+            self.edge_max * 1e3
+        )
+    }
 }
 
 /// Quality of a mesh; all zero if it has no tetrahedra.

@@ -9,8 +9,8 @@
 use std::collections::BTreeSet;
 
 use crate::SurfaceMesh;
-use crate::check::self_intersections;
-use crate::measure::{longest_edge, triangle_area};
+use crate::crossings::self_intersecting_pairs;
+use crate::measure::longest_edge;
 use crate::topology::directed_edges;
 
 /// Rounds, at most: what is left of a needle may be one.
@@ -31,7 +31,7 @@ pub fn take_out(surface: &mut SurfaceMesh, source: &mut Vec<usize>, thin: f64) {
 /// The needles without area and those that cross other triangles, the thinnest first.
 fn offending(surface: &SurfaceMesh, thin: f64) -> Vec<usize> {
     let flat = (0..surface.triangles.len()).filter(|&t| thickness(surface, t) <= 0.0);
-    let crossing = self_intersections(surface).into_iter().flat_map(|(s, t)| [s, t]);
+    let crossing = self_intersecting_pairs(surface).into_iter().flat_map(|(s, t)| [s, t]);
     let found: BTreeSet<usize> = flat.chain(crossing).collect();
     let measured = found.into_iter().map(|t| (thickness(surface, t), t));
     let mut needles: Vec<(f64, usize)> = measured.filter(|needle| needle.0 <= thin).collect();
@@ -41,10 +41,9 @@ fn offending(surface: &SurfaceMesh, thin: f64) -> Vec<usize> {
 
 /// Height of a triangle over its longest edge.
 fn thickness(surface: &SurfaceMesh, t: usize) -> f64 {
-    let [a, b, c] = surface.corners(t);
-    match longest_edge([a, b, c]) {
+    match longest_edge(surface.corners(t)) {
         0.0 => 0.0,
-        longest => 2.0 * triangle_area(a, b, c) / longest,
+        longest => 2.0 * surface.area(t) / longest,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Triangle surfaces.
 
 use crate::Vec3;
+use crate::measure::{triangle_area, triangle_normal};
 
 /// A triangle surface, open or closed.
 ///
@@ -24,6 +25,18 @@ impl SurfaceMesh {
     pub fn centroid(&self, t: usize) -> Vec3 {
         let [a, b, c] = self.corners(t);
         (a + b + c) / 3.0
+    }
+
+    /// Unit normal of triangle `t`, out of the solid; zero for one without area.
+    pub fn normal(&self, t: usize) -> Vec3 {
+        let [a, b, c] = self.corners(t);
+        triangle_normal(a, b, c)
+    }
+
+    /// Area of triangle `t` [m²].
+    pub fn area(&self, t: usize) -> f64 {
+        let [a, b, c] = self.corners(t);
+        triangle_area(a, b, c)
     }
 
     /// Adds the triangles of another surface, with vertices of their own.

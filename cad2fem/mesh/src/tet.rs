@@ -1,6 +1,7 @@
 //! Tetrahedral meshes.
 
 use crate::Vec3;
+use crate::measure::tet_volume;
 
 /// A tetrahedral mesh with straight edges.
 ///
@@ -17,5 +18,11 @@ impl TetMesh {
     /// The four corners of tetrahedron `t` [m].
     pub fn corners(&self, t: usize) -> [Vec3; 4] {
         self.tets[t].map(|v| self.vertices[v])
+    }
+
+    /// Signed volume of tetrahedron `t` [m³].
+    pub fn volume(&self, t: usize) -> f64 {
+        let [a, b, c, d] = self.corners(t);
+        tet_volume(a, b, c, d)
     }
 }

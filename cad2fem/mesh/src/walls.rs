@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use crate::bvh::{SurfaceBvh, closest_on_triangle};
-use crate::measure::{diagonal, longest_edge, triangle_area, triangle_normal};
+use crate::measure::{diagonal, longest_edge};
 use crate::topology::edge_facets;
 use crate::{SurfaceMesh, Vec3};
 
@@ -47,9 +47,8 @@ impl<'a> Walls<'a> {
     fn new(surface: &'a SurfaceMesh) -> Self {
         let least = NEEDLE * diagonal(&surface.vertices);
         let normal = |t: usize| {
-            let [a, b, c] = surface.corners(t);
-            let is_needle = 2.0 * triangle_area(a, b, c) < least * longest_edge([a, b, c]);
-            if is_needle { Vec3::zeros() } else { triangle_normal(a, b, c) }
+            let is_needle = 2.0 * surface.area(t) < least * longest_edge(surface.corners(t));
+            if is_needle { Vec3::zeros() } else { surface.normal(t) }
         };
         let normals = (0..surface.triangles.len()).map(normal).collect();
         Self { surface, bvh: SurfaceBvh::new(surface), normals, beside: OnceLock::new() }

@@ -6,23 +6,6 @@
 //! script at all.
 //!
 //! Only files are read, those that users see: this crate knows no solver and no molds.
-//!
-//! - [`store`]: arrays of numbers, compressed
-//! - [`reported`]: what is shown of reports
-//! - [`survey`]: what a folder holds
-//! - [`solid`]: a mesh and its boundary, for the page
-//! - [`threads`]: threads on and in a body
-//! - [`run`]: the states of a simulation
-//! - [`design`]: the history of an optimisation and its shapes
-//! - [`mold`]: a mold and how it comes apart
-//! - [`wall`]: thinnest walls of bodies
-//! - [`pick`]: the page on which faces of a body get names
-//! - [`prose`]: text that is safe to put into a page
-//! - [`facts`]: tables of what reports say
-//! - [`validation`]: simulations beside measurements
-//! - [`contents`]: files that a reader may want
-//! - [`script`]: what runs in the browser, of several modules
-//! - [`document`]: the page from its parts
 
 pub mod contents;
 pub mod design;
@@ -43,9 +26,9 @@ pub mod wall;
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
-use mesh::io::{read_text, write_atomic};
-use serde_json::{Value, json};
+use anyhow::Result;
+use mesh::io::write_atomic;
+use serde_json::json;
 
 use store::Store;
 use survey::Survey;
@@ -87,10 +70,4 @@ pub fn write(folder: &Path, output: &Path, title: &str, shown: Shown) -> Result<
     let page = document::assemble(title, &survey, shown, &data, &store, output)?;
     write_atomic(output, |out| out.write_all(page.as_bytes()))?;
     Ok(Summary { parts, bytes: page.len() })
-}
-
-/// Reads a file of JSON.
-pub(crate) fn read_json(path: &Path) -> Result<Value> {
-    let text = read_text(path)?;
-    serde_json::from_str(&text).with_context(|| path.display().to_string())
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh::io::{IoError, is_standard, open_input, read_standard};
+use mesh::io::{IoError, open_input};
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of some bytes, hexadecimal.
@@ -17,9 +17,6 @@ fn hexadecimal(digest: &[u8]) -> String {
 /// SHA-256 of a file's content, hexadecimal; the file is never in memory as a whole.
 pub fn sha256_file(path: &Path) -> Result<String, IoError> {
     let fail = |cause| IoError::System { path: path.to_owned(), action: "read", cause };
-    if is_standard(path)? {
-        return Ok(sha256(read_standard().map_err(fail)?));
-    }
     let mut file = open_input(path)?;
     let mut digest = Sha256::new();
     std::io::copy(&mut file, &mut digest).map_err(fail)?;

@@ -187,10 +187,8 @@ fn slice(tet: &SmallTet, plane: &Plane, color: super::color::Rgb) -> Vec<Facet> 
 fn face(facet: &mut Facet, normal: &Vec3) {
     let [a, b, c] = facet.points;
     if (b - a).cross(&(c - a)).dot(normal) < 0.0 {
-        facet.points.swap(1, 2);
-        facet.values.swap(1, 2);
-        // sides 01, 12, 20 become 20, 12, 01
-        facet.edges = facet.edges & 2 | (facet.edges & 1) << 2 | facet.edges >> 2 & 1;
+        facet.turn();
+        facet.normals = [*normal; 3];
     }
 }
 

@@ -34,8 +34,6 @@ pub enum Anchor {
     Left,
     /// Middle of the baseline.
     Center,
-    /// Right end of the baseline.
-    Right,
 }
 
 /// Size and colour of a text.
@@ -122,7 +120,6 @@ pub fn draw(image: &mut Image, text: &str, at: [f64; 2], anchor: Anchor, style: 
     let shift = match anchor {
         Anchor::Left => 0.0,
         Anchor::Center => 0.5,
-        Anchor::Right => 1.0,
     };
     for p in polygons.iter_mut().flatten() {
         *p = [at[0] + (p[0] - shift * width) * style.height, at[1] - p[1] * style.height];
@@ -248,52 +245,6 @@ mod tests {
         }
     }
 
-    /// Bounds how far chords are from curves: by max |B″| h² / 8 over pieces of length h = 1 / n in
-    /// the parameter, and B″ of a cubic is greatest at an end.
-    struct Deviation {
-        last: [f32; 2],
-        largest: f32,
-    }
-
-    impl OutlineBuilder for Deviation {
-        fn move_to(&mut self, x: f32, y: f32) {
-            self.last = [x, y];
-        }
-
-        fn line_to(&mut self, x: f32, y: f32) {
-            self.last = [x, y];
-        }
-
-        fn quad_to(&mut self, _: f32, _: f32, _: f32, _: f32) {
-            panic!("outlines of an .otf file are lines and cubics");
-        }
-
-        fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-            let bend = |p: [f32; 2], q: [f32; 2], r: [f32; 2]| {
-                6.0 * (p[0] - 2.0 * q[0] + r[0]).hypot(p[1] - 2.0 * q[1] + r[1])
-            };
-            let (a, b, to) = ([x1, y1], [x2, y2], [x, y]);
-            let second = bend(self.last, a, b).max(bend(a, b, to));
-            self.largest = self.largest.max(second / (8.0 * (CHORDS * CHORDS) as f32));
-            self.last = to;
-        }
-
-        fn close(&mut self) {}
-    }
-
-    #[test]
-    fn chords_are_near_their_curves() {
-        for weight in [Weight::Regular, Weight::Bold] {
-            let face = weight.face();
-            let mut deviation = Deviation { last: [0.0; 2], largest: 0.0 };
-            for symbol in '!'..='~' {
-                face.parsed.outline_glyph(face.glyph(symbol), &mut deviation);
-            }
-            let part = f64::from(deviation.largest) / face.capital;
-            assert!(part > 0.0 && part < 0.004, "{weight:?}: {part}");
-        }
-    }
-
     #[test]
     fn outlines_are_counter_clockwise_and_holes_clockwise() {
         let signs = |text| {
@@ -326,23 +277,5 @@ mod tests {
                 "{text}: {ink} {expected}"
             );
         }
-    }
-
-    #[test]
-    fn anchors_use_the_width() {
-        let style = Style { height: 14.0, color: [0.0; 3], weight: Weight::Regular };
-        let first_dark = |anchor| {
-            let mut image = Image::new(200, 30, [1.0; 3]);
-            draw(&mut image, "max 12.5 mm", [100.0, 20.0], anchor, &style);
-            (0..200).find(|x| (0..30).any(|y| image.pixels[y * 200 + x][0] < 0.5))
-        };
-        let (polygons, _) = outlines("max 12.5 mm", style.weight);
-        let bearing = polygons.iter().flatten().map(|p| p[0]).fold(f64::INFINITY, f64::min);
-        let ink = 100.0 + bearing * style.height;
-        let width = width("max 12.5 mm", &style);
-        let left = |shift: f64| Some((ink - shift * width).round() as usize);
-        assert_eq!(first_dark(Anchor::Left), left(0.0));
-        assert_eq!(first_dark(Anchor::Center), left(0.5));
-        assert_eq!(first_dark(Anchor::Right), left(1.0));
     }
 }

@@ -71,12 +71,4 @@ mod tests {
         assert!((up - Vec3::z()).norm() < 1e-15);
         assert!((toward + Vec3::y()).norm() < 1e-15);
     }
-
-    #[test]
-    fn bad_views_are_told_the_names() {
-        for text in ["isometric", "30", "30,100", "a,b"] {
-            let message = text.parse::<View>().unwrap_err();
-            assert!(message.contains("iso, front"), "{message}");
-        }
-    }
 }

@@ -1,5 +1,6 @@
 //! `cad2fem import`: meshes and CAD files of others → closed surface and patches.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -9,9 +10,10 @@ use mesh::io::remove_litter;
 use nalgebra::{Matrix3, Rotation3};
 use program::FolderLock;
 
-use crate::import::repair::Repair;
+use crate::import::repair::{Repair, parse_positive};
 use crate::import::source::Reader;
 use crate::import::{Request, import};
+use crate::mesher::gmsh::CadOptions;
 use crate::model::{Facts, LabelledSurface};
 use crate::report::Input;
 use crate::units::Unit;
@@ -52,25 +54,14 @@ pub struct Args {
     /// Part patches at edges sharper than this [deg], such as 40
     #[arg(long, value_name = "DEG", value_parser = parse_positive)]
     split: Option<f64>,
-    /// Vertices at the rims of openings that are closer become one [m]; 1e-5 of the diagonal if not
-    /// given
-    #[arg(long, value_name = "M", value_parser = parse_positive)]
-    weld: Option<f64>,
-    /// How far the surface may move where it has to be remade [m]; 1e-3 of the diagonal if not given
-    #[arg(long, value_name = "M", value_parser = parse_positive)]
-    envelope: Option<f64>,
-    /// Refuse a surface that only fTetWild can repair
-    #[arg(long)]
-    no_repair: bool,
+    #[command(flatten)]
+    repair: Repair,
     /// CAD: longest edge [m]
     #[arg(long, value_name = "M", value_parser = parse_positive)]
     edge_length: Option<f64>,
     /// CAD: how far triangles may be from the faces [m]
     #[arg(long, value_name = "M", default_value_t = 2e-5, value_parser = parse_positive)]
     chord: f64,
-    /// Longest time gmsh or fTetWild may take [s]
-    #[arg(long, value_name = "S", default_value_t = 600)]
-    timeout: u64,
 }
 
 /// Runs the verb.
@@ -82,7 +73,6 @@ pub fn run(args: &Args) -> Result<()> {
 /// Runs the verb for another one, of which `command` is what the user would write again.
 pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
     let start = Instant::now();
-    let timeout = Duration::from_secs(args.timeout);
     let (files, solids): (Vec<_>, Vec<_>) =
         args.subtract.iter().cloned().partition(|text| Path::new(text).exists());
     if let (Some(solid), false) = (solids.first(), args.files.len() == 1) {
@@ -95,21 +85,21 @@ pub(super) fn run_as(args: &Args, command: &str) -> Result<()> {
         subtract: files.into_iter().map(PathBuf::from).collect(),
         reader: Reader {
             unit: args.unit,
-            edge_length: args.edge_length,
-            chord: args.chord,
-            timeout,
-            solids,
+            cad: CadOptions {
+                unit: None,
+                numbers: BTreeMap::new(),
+                edge_length: args.edge_length,
+                chord: Some(args.chord),
+                trust: false,
+                subtract: solids,
+                timeout: Duration::from_secs(args.repair.timeout),
+            },
             unite: args.unite,
             command: command.to_owned(),
             guessed: None,
             facts: Facts::default(),
         },
-        repair: Repair {
-            weld: args.weld,
-            envelope: args.envelope,
-            remesh: !args.no_repair,
-            timeout,
-        },
+        repair: args.repair.clone(),
         scale: args.scale,
         turn: args.turn.iter().fold(Matrix3::identity(), |all, turn| turn * all),
         shift: args.shift.unwrap_or_default(),
@@ -140,12 +130,6 @@ fn remark_on_chord(wanted: f64, labelled: &LabelledSurface) {
         ),
         _ => {}
     }
-}
-
-fn parse_positive(text: &str) -> Result<f64> {
-    let number: f64 = text.parse()?;
-    ensure!(number > 0.0 && number.is_finite(), "{text} must be positive");
-    Ok(number)
 }
 
 /// Reads `x=90`.

@@ -1,28 +1,28 @@
 //! `cad2fem info`: counts, sizes, quality and validity of any surface or mesh.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use mesh::check::{Finding, check_surface, check_tets, coincident};
-use mesh::io::{read_own_text, read_surface, read_tets};
+use mesh::io::{read_surface, read_tets};
 use mesh::measure::{
     Quality, area, bounds, diagonal, enclosed_volume, quality, triangle_area, unlikely_size, volume,
 };
 use mesh::topology::{boundary, boundary_edges, boundary_loops, components};
 use mesh::{SurfaceMesh, Tags};
 use program::Unusable;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::report::findings;
 use crate::units::Unit;
 
-/// Lengths are taken to be metres, or as the mold.json of a printed part says; findings are listed, and are an error with --check
+/// Findings are listed, and are an error with --check
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// .stl, .obj, .ply or .msh
     file: PathBuf,
-    /// Unit of the file
+    /// Unit of the file, if not metres: the printed parts of a mold are in mm
     #[arg(long)]
     unit: Option<Unit>,
     /// One line of JSON on stdout
@@ -97,11 +97,10 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn of_surface(args: &Args) -> Result<(Info, Vec<Finding>)> {
     let mut surface = read_surface(&args.file)?;
-    let unit = args.unit.or_else(|| unit_of_mold(&args.file));
-    if let (None, Some(remark)) = (unit, unlikely_size(&surface.vertices)) {
+    if let (None, Some(remark)) = (args.unit, unlikely_size(&surface.vertices)) {
         log::warn!("{}: {remark}, or say --unit", args.file.display());
     }
-    let unit = unit.unwrap_or(Unit::M);
+    let unit = args.unit.unwrap_or(Unit::M);
     surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
     let found = check_surface(&surface);
     let mut info = Info::of(args, unit, &surface, &found);
@@ -125,32 +124,6 @@ fn of_tets(args: &Args) -> Result<(Info, Vec<Finding>)> {
     info.quality = Some(quality(&file.mesh));
     info.tags = tags(&file.tags, &file.mesh.vertices);
     Ok((info, found))
-}
-
-/// What is read of the mold.json in the folder of printed parts, or in that above.
-#[derive(Deserialize)]
-struct Mold {
-    units: Unit,
-    parts: Vec<MoldFile>,
-    cast: MoldFile,
-    outside: PathBuf,
-}
-
-#[derive(Deserialize)]
-struct MoldFile {
-    file: PathBuf,
-}
-
-/// The unit of a file that belongs to a mold, whose parts are in millimetres.
-fn unit_of_mold(file: &Path) -> Option<Unit> {
-    let file = system::canonical(file).ok()?;
-    file.ancestors().skip(1).take(2).find_map(|folder| {
-        let text = read_own_text(&folder.join("mold.json")).ok()?;
-        let mold: Mold = serde_json::from_str(&text).ok()?;
-        let parts = mold.parts.iter().map(|part| &part.file);
-        let mut files = parts.chain([&mold.cast.file, &mold.outside]);
-        files.any(|name| folder.join(name) == file).then_some(mold.units)
-    })
 }
 
 fn tags(tags: &Tags, vertices: &[mesh::Vec3]) -> Vec<TagInfo> {
@@ -223,19 +196,7 @@ impl Info {
             None => writeln!(out, ", open: no volume")?,
         }
         if let Some(q) = &self.quality {
-            writeln!(
-                out,
-                "  radius ratio min {:.3}  p1 {:.3}  mean {:.3}\n  dihedral angles {:.1} .. {:.1} deg\n  \
-                 edges {:.3} / {:.3} / {:.3} mm (shortest, mean, longest)",
-                q.radius_ratio_min,
-                q.radius_ratio_p1,
-                q.radius_ratio_mean,
-                q.min_dihedral,
-                q.max_dihedral,
-                q.edge_min * 1e3,
-                q.edge_mean * 1e3,
-                q.edge_max * 1e3
-            )?;
+            writeln!(out, "  {q} (shortest, mean, longest)")?;
         }
         for tag in &self.tags {
             writeln!(

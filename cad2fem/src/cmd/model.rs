@@ -8,15 +8,14 @@ use mesh::io::remove_litter;
 use program::{Change, FolderLock, Unusable};
 
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
-use crate::mesher::gmsh::Kind;
-use crate::model::cad::{self, CadOptions, parse_number};
+use crate::mesher::gmsh::{CadOptions, Kind};
+use crate::model::cad::{self, parse_number};
 use crate::model::{Facts, LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
 /// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, of CAD `DIR/volumes/<volume>.stl`,
-/// `DIR/model.json`, `DIR/thin.png` of what is thinner than the finest cell, and the same in
-/// `DIR/<variant>/` for every variant; lengths in metres
+/// `DIR/model.json`, and the same in `DIR/<variant>/` for every variant; lengths in metres
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Model: .toml (implicit), .geo (gmsh script), .step, .brep or .iges

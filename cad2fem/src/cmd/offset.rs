@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use mesh::check::self_intersections;
+use mesh::crossings::self_intersecting_pairs;
 use mesh::io::write_surface;
 use mesh::measure::{diagonal, enclosed_volume};
 use mesh::topology::boundary_loops;
@@ -27,24 +27,18 @@ pub struct Args {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Distance to either side [m]; by default 1e-3 of the bounding box diagonal
-    #[arg(long, value_name = "M", conflicts_with = "diagonal_of")]
+    #[arg(long, value_name = "M")]
     distance: Option<f64>,
-    /// Surface whose bounding box counts, instead of that of the patch
-    #[arg(long, value_name = "MODEL")]
-    diagonal_of: Option<PathBuf>,
 }
 
 /// Runs the verb.
 pub fn run(args: &Args) -> Result<()> {
     let patch = read_in(&args.patch, args.unit)?;
-    let distance = match (args.distance, &args.diagonal_of) {
-        (Some(distance), _) => distance,
-        (None, Some(model)) => RELATIVE_DISTANCE * diagonal(&read_in(model, args.unit)?.vertices),
-        (None, None) => RELATIVE_DISTANCE * diagonal(&patch.vertices),
-    };
+    let usual = || RELATIVE_DISTANCE * diagonal(&patch.vertices);
+    let distance = args.distance.unwrap_or_else(usual);
     let place = || args.patch.display().to_string();
     let volume = offset(&patch, distance).with_context(place)?;
-    let crossings = self_intersections(&volume).len();
+    let crossings = self_intersecting_pairs(&volume).len();
     if crossings > 0 {
         log::warn!(
             "{}: {crossings} pairs of triangles of the volume intersect: the patch bends more \

@@ -6,7 +6,6 @@ use anyhow::{Context, Result, bail, ensure};
 use mesh::check::check_tets;
 use mesh::improve::{ImproveReport, improve_tagged, improve_with_surface, usual_tolerance};
 use mesh::io::{MshFile, read_tets, write_tets};
-use mesh::measure::Quality;
 use mesh::topology::boundary;
 
 use crate::report::findings;
@@ -43,8 +42,8 @@ pub fn run(args: &Args) -> Result<()> {
         true => improve_tagged(&mut file.mesh, &mut file.tags, args.passes),
         false => with_surface(&mut file, args)?,
     };
-    log_quality("before", &report.before);
-    log_quality("after", &report.after);
+    log::info!("before  {}", report.before);
+    log::info!("after   {}", report.after);
     log::info!("{} moves, {} flips", report.moved, report.flips);
     write_tets(&args.output, &file.mesh, &file.tags)
         .with_context(|| format!("improving {}", args.mesh.display()))
@@ -83,15 +82,4 @@ fn with_surface(file: &mut MshFile, args: &Args) -> Result<ImproveReport> {
         1e3 * tolerance
     );
     Ok(interior)
-}
-
-fn log_quality(when: &str, q: &Quality) {
-    log::info!(
-        "{when:<6}  radius ratio min {:.3}  p1 {:.3}  mean {:.3}; dihedral {:.1}..{:.1} deg",
-        q.radius_ratio_min,
-        q.radius_ratio_p1,
-        q.radius_ratio_mean,
-        q.min_dihedral,
-        q.max_dihedral
-    );
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use mesh::io::{is_standard, write_tets};
+use mesh::io::write_tets;
 use mesh::measure::diagonal;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Tags};
@@ -23,7 +23,7 @@ use crate::units::Unit;
 const COARSER: f64 = 1.25;
 
 /// Settings come from --config, then from the flags; what neither says has a default.
-/// Writes OUT and OUT with the extension .report.json, which standard output, msh:-, has not
+/// Writes OUT and OUT with the extension .report.json
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Closed surface [m], or as --unit says; of several files, shells or faces that meet in common
@@ -47,17 +47,11 @@ pub struct Args {
     #[arg(long)]
     mesher: Option<String>,
     /// Wanted edge length [m]; gmsh keeps the triangles of the surface, and bounds edges inside alone
-    #[arg(long, value_name = "M", conflicts_with = "relative_edge_length")]
+    #[arg(long, value_name = "M")]
     edge_length: Option<f64>,
-    /// Wanted edge length [diagonal of the bounding box]
-    #[arg(long, value_name = "F")]
-    relative_edge_length: Option<f64>,
     /// Envelope around the input [m]
-    #[arg(long, value_name = "M", conflicts_with = "relative_envelope")]
+    #[arg(long, value_name = "M")]
     envelope: Option<f64>,
-    /// Envelope around the input [diagonal of the bounding box]
-    #[arg(long, value_name = "F")]
-    relative_envelope: Option<f64>,
     /// Turn an inward-facing outer surface instead of refusing it
     #[arg(long)]
     orient: bool,
@@ -108,9 +102,6 @@ pub fn run(args: &Args) -> Result<()> {
     let (mesh, outcome) = tetrahedralize(&surface, &request).with_context(place)?;
     outcome.log();
     write_tets(&args.output, &mesh, &Tags::default())?;
-    if is_standard(&args.output)? {
-        return Ok(());
-    }
     let report = Report { program: crate::PROGRAM, input, outcome };
     program::write_json(&args.output.with_extension("report.json"), &report)
 }
@@ -134,12 +125,11 @@ fn warn_of_kept_triangles(surface: &SurfaceMesh, request: &Request) {
 
 /// Several surfaces as one, in which vertices at the same place are one.
 fn joined(surfaces: Vec<SurfaceMesh>) -> SurfaceMesh {
-    let mut surfaces = surfaces.into_iter();
-    let Some(mut all) = surfaces.next() else { return SurfaceMesh::default() };
-    for surface in surfaces {
+    let add = |mut all: SurfaceMesh, surface: SurfaceMesh| {
         append(&mut all, &surface);
-    }
-    all
+        all
+    };
+    surfaces.into_iter().reduce(add).unwrap_or_default()
 }
 
 impl Args {
@@ -156,13 +146,11 @@ impl Args {
         if let Some(mesher) = &self.mesher {
             settings.mesher.clone_from(mesher);
         }
-        if self.edge_length.or(self.relative_edge_length).is_some() {
-            settings.edge_length = self.edge_length;
-            settings.relative_edge_length = self.relative_edge_length;
+        if self.edge_length.is_some() {
+            (settings.edge_length, settings.relative_edge_length) = (self.edge_length, None);
         }
-        if self.envelope.or(self.relative_envelope).is_some() {
-            settings.envelope = self.envelope;
-            settings.relative_envelope = self.relative_envelope;
+        if self.envelope.is_some() {
+            (settings.envelope, settings.relative_envelope) = (self.envelope, None);
         }
         Ok(settings)
     }

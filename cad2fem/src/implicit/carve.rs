@@ -12,9 +12,10 @@ use std::collections::HashMap;
 use anyhow::{Result, bail};
 use mesh::Vec3;
 use mesh::measure::{is_flat, tet_volume};
+use mesh::topology::TET_EDGES;
 use rayon::prelude::*;
 
-use super::complex::{Complex, EDGES, Edge, Stars, edge, is_positive};
+use super::complex::{Complex, Edge, Stars, edge, is_positive};
 use super::refine::FACING;
 use super::sides::{Side, Sides};
 
@@ -133,7 +134,7 @@ impl<'a> Carving<'a> {
         let (mut tets, mut flat) = (Vec::new(), Vec::new());
         after.split(&middle, |whole, part| {
             if part != whole && !is_positive(&after.vertices, part) {
-                let edges = EDGES.map(|[i, j]| edge(whole[i], whole[j]));
+                let edges = TET_EDGES.map(|[i, j]| edge(whole[i], whole[j]));
                 flat.extend(edges.into_iter().filter(|e| middle.contains_key(e)));
             } else if self.is_inside(&after.vertices, &sign, part) {
                 tets.push(part);

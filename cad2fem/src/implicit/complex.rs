@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use mesh::Vec3;
 use mesh::predicates::orient3d;
+use mesh::topology::TET_EDGES;
 use rayon::prelude::*;
 
 /// An edge by its vertices, the lower first.
@@ -26,9 +27,6 @@ pub struct Complex {
 
 /// The bit of vertices where the complex ends, but not the body.
 pub const RIM: u64 = 1 << 63;
-
-/// The pairs of corners of a tetrahedron.
-pub const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// The faces of a tetrahedron, counter-clockwise from outside.
 const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -49,7 +47,7 @@ impl Complex {
     pub fn edges(&self, chosen: impl Fn(u32, u32) -> bool) -> Vec<Edge> {
         let mut edges = Vec::new();
         for tet in &self.tets {
-            for [i, j] in EDGES {
+            for [i, j] in TET_EDGES {
                 let [a, b] = edge(tet[i], tet[j]);
                 if chosen(a, b) {
                     edges.push([a, b]);
@@ -164,7 +162,7 @@ impl Stars {
 /// Splits the marked edge with the lowest middle, then what comes of it.
 fn split(tet: [u32; 4], middle: &HashMap<Edge, u32>, taken: &mut impl FnMut([u32; 4])) {
     let marked = |[i, j]: [usize; 2]| Some((*middle.get(&edge(tet[i], tet[j]))?, i, j));
-    let Some((m, i, j)) = EDGES.into_iter().filter_map(marked).min() else { return taken(tet) };
+    let Some((m, i, j)) = TET_EDGES.into_iter().filter_map(marked).min() else { return taken(tet) };
     for corner in [j, i] {
         let mut half = tet;
         half[corner] = m;

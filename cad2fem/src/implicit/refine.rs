@@ -11,9 +11,10 @@ use std::collections::{HashMap, HashSet};
 
 use anyhow::{Result, ensure};
 use mesh::Vec3;
+use mesh::topology::TET_EDGES;
 use rayon::prelude::*;
 
-use super::complex::{Complex, EDGES, Edge, edge, is_positive};
+use super::complex::{Complex, Edge, edge, is_positive};
 use super::sides::{Side, Sides};
 
 /// Edges that are not split any more [grid]: those of two octaves.
@@ -241,7 +242,7 @@ impl Look<'_> {
     }
 
     fn longest(&self, tet: [u32; 4]) -> Edge {
-        let edges = EDGES.map(|[i, j]| edge(tet[i], tet[j]));
+        let edges = TET_EDGES.map(|[i, j]| edge(tet[i], tet[j]));
         edges.into_iter().max_by_key(|&e| (self.rank(e), std::cmp::Reverse(e))).unwrap_or(edges[0])
     }
 }

@@ -1,7 +1,7 @@
 //! Whether a grid resolves a model: its thin primitives, its walls, and how its surface bends.
 
 use anyhow::Result;
-use mesh::measure::{enclosed_volume, longest_edge, triangle_area, triangle_normal};
+use mesh::measure::{enclosed_volume, longest_edge};
 use mesh::topology::{boundary_loops, edge_facets};
 use mesh::{SurfaceMesh, Vec3, walls};
 
@@ -78,18 +78,12 @@ pub fn remark_on_walls(model: &Model, fields: &Fields, skin: &Skin, grid: f64) {
 /// groove that the grid does not resolve.
 pub fn remark_on_spikes(model: &Model, skin: &Skin, grid: f64) {
     let (surface, metres) = (&skin.surface, model.unit.metres());
-    let is_needle = |t: usize| {
-        let [a, b, c] = surface.corners(t);
-        2.0 * triangle_area(a, b, c) < LOW * grid * metres * longest_edge([a, b, c])
-    };
-    let normal = |t: usize| {
-        let [a, b, c] = surface.corners(t);
-        triangle_normal(a, b, c)
-    };
+    let is_needle =
+        |t: usize| 2.0 * surface.area(t) < LOW * grid * metres * longest_edge(surface.corners(t));
     let faces = |s: usize, t: usize| {
         skin.part[s] == skin.part[t]
             && ![s, t].map(is_needle).contains(&true)
-            && normal(s).dot(&normal(t)) < FACING
+            && surface.normal(s).dot(&surface.normal(t)) < FACING
     };
     let edges = edge_facets(&surface.triangles);
     let mut spikes = edges.iter().filter(|(_, beside)| matches!(beside[..], [s, t] if faces(s, t)));
@@ -139,7 +133,7 @@ fn left_out(skin: &Skin, part: Part, field: &Field, metres: f64) -> f64 {
         let [a, b, c] = surface.corners(t);
         let mean =
             [a + b, b + c, c + a].map(|sum| field.at(&(sum / 2.0))).iter().sum::<f64>() / 3.0;
-        triangle_area(a, b, c) * mean.abs()
+        surface.area(t) * mean.abs()
     };
     let volume = (0..surface.triangles.len()).map(beside).sum::<f64>();
     triangles = std::mem::take(&mut surface.triangles);

@@ -5,7 +5,6 @@
 //! no edge of the lattice tells apart are not on the surface; [`super::refine`] finds them.
 
 use mesh::Vec3;
-use mesh::measure::triangle_normal;
 use rayon::prelude::*;
 
 use super::refine::{FINEST, Hidden};
@@ -58,8 +57,7 @@ pub fn places(skin: &Skin, hidden: &[Hidden], sides: &Sides) -> Vec<Thin> {
 /// The thicknesses at a triangle, of the body and of the gap beside it, that are less than the finest
 /// cell.
 fn measured(skin: &Skin, sides: &Sides, t: usize) -> impl Iterator<Item = Thin> {
-    let [a, b, c] = skin.surface.corners(t);
-    let (normal, start) = (triangle_normal(a, b, c), skin.surface.centroid(t) / sides.metres);
+    let (normal, start) = (skin.surface.normal(t), skin.surface.centroid(t) / sides.metres);
     // On the surface itself, to first order.
     let from = start - normal * sides.depth(&start);
     [Kind::Wall, Kind::Gap].into_iter().filter_map(move |kind| across(sides, from, normal, kind))
@@ -106,7 +104,7 @@ pub fn remark(places: &[Thin], unit: &str, metres: f64) {
     let more = if places.len() > 3 { ", …" } else { "" };
     let list: Vec<String> = places.iter().take(3).map(what).collect();
     let text = format!(
-        "{} place(s) thinner than the finest cell [{unit}]: {}{more}; all are in model.json and thin.png",
+        "{} place(s) thinner than the finest cell [{unit}]: {}{more}; all are in model.json",
         places.len(),
         list.join(", ")
     );

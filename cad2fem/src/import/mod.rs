@@ -1,10 +1,4 @@
 //! Bodies that others made: meshes and CAD files in any unit, sound or not → a surface in patches.
-//!
-//! - [`source`]: one file, its unit and its patches
-//! - [`weld`]: vertices that coincide, and triangles that say nothing
-//! - [`fill`]: small holes closed
-//! - [`repair`]: shells → a solid, exactly where they are sound, else by fTetWild
-//! - [`split`]: patches apart where the surface has sharp edges
 
 pub mod fill;
 pub mod repair;

@@ -10,11 +10,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use mesh::bvh::{SurfaceBvh, closest_on_triangle};
-use mesh::check::{self, orient_by_nesting, self_intersections};
+use mesh::check::{self, orient_by_nesting};
+use mesh::crossings::self_intersecting_pairs;
 use mesh::inside::WindingNumber;
-use mesh::measure::{diagonal, enclosed_volume, hausdorff, triangle_normal};
+use mesh::measure::{diagonal, enclosed_volume, hausdorff};
 use mesh::needles::take_out;
 use mesh::solid::Solid;
 use mesh::topology::{
@@ -50,17 +51,28 @@ const SHOWN: usize = 8;
 const SMALLEST_VOLUME: f64 = 1e-7;
 
 /// How far repair may go.
-#[derive(Debug)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Repair {
-    /// Vertices on the rims of openings that are closer become one [m]; by default 10⁻⁵ of the
-    /// diagonal.
+    /// Vertices at the rims of openings that are closer become one [m]; 1e-5 of the diagonal if not
+    /// given
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
     pub weld: Option<f64>,
-    /// How far the surface may move where fTetWild remakes it [m]; by default 10⁻³ of the diagonal.
+    /// How far the surface may move where it has to be remade [m]; 1e-3 of the diagonal if not given
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
     pub envelope: Option<f64>,
-    /// Whether fTetWild may remake it at all.
-    pub remesh: bool,
-    /// Longest time fTetWild may take.
-    pub timeout: Duration,
+    /// Refuse a surface that only fTetWild can repair
+    #[arg(long)]
+    pub no_repair: bool,
+    /// Longest time gmsh or fTetWild may take [s]
+    #[arg(long, value_name = "S", default_value_t = 600)]
+    pub timeout: u64,
+}
+
+/// Reads a positive number.
+pub fn parse_positive(text: &str) -> Result<f64> {
+    let number: f64 = text.parse()?;
+    ensure!(number > 0.0 && number.is_finite(), "{text} must be positive");
+    Ok(number)
 }
 
 /// What a surface must be before its shells are made a solid; their orientation follows.
@@ -79,7 +91,7 @@ impl Repair {
         let shown = file.display();
         self.clean(&mut raw, file, record);
         let mut found = check::run(&raw.surface, &NEEDED);
-        if self.remesh && !found.is_empty() && boundary_is_open(&raw) {
+        if !self.no_repair && !found.is_empty() && boundary_is_open(&raw) {
             let at = places(&raw, patches);
             record.change(format!("{shown}: not sound{at}:{}", findings(&found)));
             let filled = fill(&mut raw);
@@ -96,7 +108,7 @@ impl Repair {
         if shells.len() > 1 && shells.iter().all(sound) {
             return united(&shells, &inward, file, record);
         }
-        if !self.remesh {
+        if self.no_repair {
             bail!(Unusable(format!(
                 "{shown}: it is not sound{}:{}\n  without --no-repair fTetWild would remake it",
                 places(&raw, patches),
@@ -168,13 +180,12 @@ impl Repair {
             threads: 0,
             seed: 1,
         };
-        let python = Python::find()?;
+        let (python, timeout) = (Python::find()?, Duration::from_secs(self.timeout));
         let oriented = oriented(raw);
         let mut attempt = 1;
         let surface = loop {
             let layers = Layers::default();
-            let mut mesh =
-                FTetWild.mesh(&python, &oriented.surface, &layers, &options, self.timeout)?;
+            let mut mesh = FTetWild.mesh(&python, &oriented.surface, &layers, &options, timeout)?;
             settle(&mut mesh, envelope);
             let rough = mesh.clone();
             tidy(&mut mesh, &oriented.surface, envelope);
@@ -225,7 +236,7 @@ impl Repair {
 fn places(raw: &Patched, patches: &Patches) -> String {
     let edges = edge_facets(&raw.surface.triangles);
     let open = edges.values().filter(|beside| beside.len() != 2).flatten().copied();
-    let crossing = self_intersections(&raw.surface).into_iter().flat_map(|(s, t)| [s, t]);
+    let crossing = self_intersecting_pairs(&raw.surface).into_iter().flat_map(|(s, t)| [s, t]);
     let found: BTreeSet<u32> = open.chain(crossing).map(|t| raw.patch[t]).collect();
     let all: BTreeSet<&u32> = raw.patch.iter().collect();
     if all.len() < 2 || found.is_empty() {
@@ -344,19 +355,15 @@ fn oriented(raw: &Patched) -> Patched {
 /// For each triangle of `surface` the patch of the nearest of `given` that faces the same way; if
 /// none within `reach` does, of the nearest whichever way it faces.
 fn nearest(given: &Patched, surface: &SurfaceMesh, reach: f64) -> Vec<u32> {
-    let normal = |s: &SurfaceMesh, t: usize| {
-        let [a, b, c] = s.corners(t);
-        triangle_normal(a, b, c)
-    };
     let bvh = SurfaceBvh::new(&given.surface);
     let distance = |p: &Vec3, corners: &[Vec3; 3]| (closest_on_triangle(p, corners) - p).norm();
     let owner = |t: usize| {
-        let (centre, own) = (surface.centroid(t), normal(surface, t));
+        let (centre, own) = (surface.centroid(t), surface.normal(t));
         let around = Vec3::repeat(2.0 * reach);
         let alike = bvh
             .overlaps(&(centre - around), &(centre + around))
             .into_iter()
-            .filter(|&other| normal(&given.surface, other).dot(&own) > 0.5)
+            .filter(|&other| given.surface.normal(other).dot(&own) > 0.5)
             .map(|other| (distance(&centre, &given.surface.corners(other)), other))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         given.patch[alike.map_or_else(|| bvh.closest(&centre).triangle, |(_, other)| other)]

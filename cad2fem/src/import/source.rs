@@ -1,8 +1,6 @@
 //! One file of a body: its triangles in metres, by patches, and how its unit is known.
 
-use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
 use mesh::SurfaceMesh;
@@ -12,9 +10,8 @@ use mesh::topology::boundary;
 use program::{InputFile, sha256_file};
 
 use super::{Patched, Patches};
-use crate::mesher::gmsh::{Faces, Kind};
+use crate::mesher::gmsh::{CadOptions, Faces, Kind, mesh_faces};
 use crate::model::Facts;
-use crate::model::cad::{CadOptions, read_faces};
 use crate::model::record::{Known, Source};
 use crate::model::solids::Solids;
 use crate::units::{Unit, guess};
@@ -24,14 +21,8 @@ use crate::units::{Unit, guess};
 pub struct Reader {
     /// Unit of the files that state none.
     pub unit: Option<Unit>,
-    /// CAD: longest edge [m].
-    pub edge_length: Option<f64>,
-    /// CAD: largest distance of triangles from their faces that is wanted [m].
-    pub chord: f64,
-    /// CAD: longest time gmsh may take.
-    pub timeout: Duration,
-    /// CAD: solids of the file that are taken out of the others.
-    pub solids: Vec<String>,
+    /// How CAD is read; its unit follows from [`Self::unit`].
+    pub cad: CadOptions,
     /// CAD: whether solids that touch or cross are one body.
     pub unite: bool,
     /// What the user would write again with one more option.
@@ -54,7 +45,7 @@ impl Reader {
         let stem = file_name(&file.file_stem().unwrap_or_default().to_string_lossy());
         let extension = extension.to_ascii_lowercase();
         if let (Some(solid), "stl" | "obj" | "ply" | "msh" | "3mf") =
-            (self.solids.first(), extension.as_str())
+            (self.cad.subtract.first(), extension.as_str())
         {
             bail!(
                 "--subtract {solid}: there is no such file, and {} has no solids with names or numbers",
@@ -154,7 +145,7 @@ impl Reader {
             file.display()
         );
         ensure!(
-            !brep || self.unit.is_some() || self.edge_length.is_none(),
+            !brep || self.unit.is_some() || self.cad.edge_length.is_none(),
             "{}: a .brep file states no unit: --edge-length needs --unit",
             file.display()
         );
@@ -163,12 +154,13 @@ impl Reader {
             (true, Some(unit)) => (Some(unit), Known::Given),
             // how large it is says what its unit is, and so how fine triangles are to be
             (true, None) => {
-                let coarse = read_faces(file, &self.options(Some(Unit::M), None))?;
+                let options = CadOptions { unit: Some(Unit::M), chord: None, ..self.cad.clone() };
+                let coarse = mesh_faces(file, &options)?;
                 let (unit, known) = self.unit_of(file, diagonal(&coarse.surface.vertices))?;
                 (Some(unit), known)
             }
         };
-        let faces = read_faces(file, &self.options(unit, Some(self.chord)))?;
+        let faces = mesh_faces(file, &CadOptions { unit, ..self.cad.clone() })?;
         self.look_at_solids(file, &Solids::of(&faces))?;
         self.facts.extend(Facts::of(&faces, |name| of_file(stem, name)));
         let symbol = unit.map_or("its own", Unit::symbol);
@@ -177,19 +169,6 @@ impl Reader {
 }
 
 impl Reader {
-    /// How a CAD file is read.
-    fn options(&self, unit: Option<Unit>, chord: Option<f64>) -> CadOptions {
-        CadOptions {
-            unit,
-            numbers: BTreeMap::new(),
-            edge_length: self.edge_length,
-            chord,
-            trust: false,
-            subtract: self.solids.clone(),
-            timeout: self.timeout,
-        }
-    }
-
     /// Refuses solids that meet unless they are one body, and says which are chambers.
     fn look_at_solids(&self, file: &Path, solids: &Solids) -> Result<()> {
         if let (false, Some(complaint)) = (self.unite, solids.complaint(file, &self.command)) {

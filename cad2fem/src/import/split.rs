@@ -1,7 +1,6 @@
 //! Patches of meshes apart at sharp edges, so that faces of a body can be picked.
 
 use anyhow::{Result, ensure};
-use mesh::measure::{triangle_area, triangle_normal};
 use mesh::topology::{DisjointSets, edge_facets};
 
 use super::{Patched, Patches};
@@ -18,11 +17,8 @@ pub fn split(mut body: Patched, angle: f64, patches: &mut Patches) -> Result<Pat
         count <= MOST,
         "--split {angle} makes {count} patches, {MOST} at most are useful: give a larger angle"
     );
-    let area_of = |t: &usize| {
-        let [a, b, c] = body.surface.corners(*t);
-        triangle_area(a, b, c)
-    };
-    let area: Vec<f64> = pieces.iter().map(|piece| piece.iter().map(area_of).sum()).collect();
+    let area_of = |piece: &Vec<usize>| piece.iter().map(|&t| body.surface.area(t)).sum();
+    let area: Vec<f64> = pieces.iter().map(area_of).collect();
     let patch_of: Vec<u32> = pieces.iter().map(|piece| body.patch[piece[0]]).collect();
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|&a, &b| patch_of[a].cmp(&patch_of[b]).then(area[b].total_cmp(&area[a])));
@@ -39,10 +35,7 @@ pub fn split(mut body: Patched, angle: f64, patches: &mut Patches) -> Result<Pat
 /// The triangles of each piece.
 fn pieces(body: &Patched, angle: f64) -> Vec<Vec<usize>> {
     let triangles = &body.surface.triangles;
-    let normal: Vec<_> = (0..triangles.len())
-        .map(|t| body.surface.corners(t))
-        .map(|[a, b, c]| triangle_normal(a, b, c))
-        .collect();
+    let normal: Vec<_> = (0..triangles.len()).map(|t| body.surface.normal(t)).collect();
     let flattest = angle.to_radians().cos();
     let mut pieces = DisjointSets::new(triangles.len());
     for pair in edge_facets(triangles).values() {

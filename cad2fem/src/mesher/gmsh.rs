@@ -19,6 +19,7 @@ use super::python::Python;
 use super::{Options, TetMesher};
 use crate::mesher::layers::{Layers, require_conforming};
 use crate::mesher::script::without_reach;
+use crate::units::Unit;
 
 /// The mesher.
 pub struct Gmsh;
@@ -108,7 +109,7 @@ impl Kind {
 
 /// The meshed faces of a CAD file, as gmsh orients them.
 pub struct Faces {
-    /// All faces, in the unit that was asked for.
+    /// All faces [m].
     pub surface: SurfaceMesh,
     /// Patch names.
     pub names: Vec<String>,
@@ -125,24 +126,22 @@ pub struct Faces {
     pub kinds: Vec<String>,
     /// Patches that meet without an edge.
     pub tangent: Vec<[usize; 2]>,
-    /// Largest distance of the triangles from their faces, in the unit of the surface; none where gmsh cannot say it.
+    /// Largest distance of the triangles from their faces [m]; none where gmsh cannot say it.
     pub chord_error: Option<f64>,
 }
 
-/// How the faces of a CAD file are meshed.
+/// How a CAD file is read.
 #[derive(Clone, Debug)]
-pub struct FaceOptions {
+pub struct CadOptions {
+    /// Unit of a `.geo` script or a `.brep` file; other files state their own.
+    pub unit: Option<Unit>,
     /// Numbers to set in a script.
     pub numbers: BTreeMap<String, f64>,
-    /// Unit of the result as OpenCASCADE calls it; none for that of the file, of IGES millimetres.
-    pub unit: Option<&'static str>,
-    /// Longest edge [unit of the result].
+    /// Longest edge [m].
     pub edge_length: Option<f64>,
-    /// Largest distance of triangles from their faces that is wanted [unit of the result]; without it, triangles are as
-    /// the file or gmsh wants them.
+    /// Largest distance of triangles from their faces that is wanted [m]; without it, triangles are as the file or gmsh
+    /// wants them.
     pub chord: Option<f64>,
-    /// The unit of the result [m].
-    pub metres: f64,
     /// Whether a script may run programs, and read and write files.
     pub trust: bool,
     /// Solids that are taken out of the others, by their names or their numbers from 1.
@@ -151,22 +150,47 @@ pub struct FaceOptions {
     pub timeout: Duration,
 }
 
+impl CadOptions {
+    /// Metres per unit of what gmsh returns, and the unit that it is asked for: files that a script
+    /// reads come in the unit of its numbers. What is to follow the faces comes in millimetres, in which OpenCASCADE's
+    /// tolerances are meant.
+    fn scale(&self, path: &Path) -> Result<(f64, Option<&'static str>)> {
+        match (Kind::of(path)?, self.unit) {
+            (Kind::Script | Kind::Brep, Some(unit)) => Ok((unit.metres(), Some(unit.of_cad()))),
+            (Kind::Script, None) => {
+                bail!("{}: a .geo script has no unit; say --unit mm", path.display())
+            }
+            (Kind::Brep, None) => {
+                bail!("{}: a .brep file has no unit; say --unit mm", path.display())
+            }
+            (Kind::Step, None) if self.chord.is_some() => {
+                Ok((Unit::Mm.metres(), Some(Unit::Mm.of_cad())))
+            }
+            (Kind::Step, None) => Ok((1.0, Some("M"))),
+            (Kind::Iges, None) => Ok((Unit::Mm.metres(), None)),
+            (Kind::Step | Kind::Iges, Some(_)) => {
+                bail!("{}: a STEP or IGES file states its unit; leave out --unit", path.display())
+            }
+        }
+    }
+}
+
 /// Meshes the faces of a CAD file.
 ///
 /// gmsh gets a copy in a folder of its own, of a script what [`without_reach`] leaves: beside a
 /// file `x.step` it would run a script `x.step.opt`. With `trust` it reads the file itself.
-pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result<Faces> {
-    let job = Job::new("gmsh")?;
-    let kind = Kind::of(file)?;
+pub fn mesh_faces(file: &Path, options: &CadOptions) -> Result<Faces> {
+    let (kind, (metres, unit)) = (Kind::of(file)?, options.scale(file)?);
+    let (python, job) = (Python::find()?, Job::new("gmsh")?);
     let opened = if options.trust { named_in_text(file)? } else { copied(&job, file, kind)? };
     let settings = json!({
         "file": opened,
         "shown": file.display().to_string(),
         "numbers": options.numbers,
-        "unit": options.unit,
-        "edge_length": options.edge_length,
-        "chord": options.chord,
-        "metres": options.metres,
+        "unit": unit,
+        "edge_length": options.edge_length.map(|h| h / metres),
+        "chord": options.chord.map(|chord| chord / metres),
+        "metres": metres,
         "solids": kind != Kind::Script,
         "step": kind == Kind::Step,
         "subtract": options.subtract,
@@ -176,7 +200,7 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         include_str!("gmsh_chord.py"),
         include_str!("gmsh_surface.py")
     );
-    job.run(python, script, &settings, options.timeout)?;
+    job.run(&python, script, &settings, options.timeout)?;
     let names = |file: &str| -> Result<Vec<String>> {
         Ok(serde_json::from_str(&read_own_text(&job.file(file))?)?)
     };
@@ -189,11 +213,10 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         };
         names(&format!("{what}s.json"))?.into_iter().enumerate().map(part).collect()
     };
+    let vertices = job.points("points.npy")?.into_iter().map(|p| p * metres).collect();
+    let chord_error: Option<f64> = serde_json::from_str(&read_own_text(&job.file("chord.json"))?)?;
     Ok(Faces {
-        surface: SurfaceMesh {
-            vertices: job.points("points.npy")?,
-            triangles: job.indices("triangles.npy")?,
-        },
+        surface: SurfaceMesh { vertices, triangles: job.indices("triangles.npy")? },
         names: names("patches.json")?,
         patch: column("patch.npy")?.into_iter().map(|p| (p >= 0.0).then_some(p as usize)).collect(),
         inside: column("inside.npy")?.into_iter().map(|flag| flag > 0.0).collect(),
@@ -201,7 +224,7 @@ pub fn mesh_faces(python: &Python, file: &Path, options: &FaceOptions) -> Result
         solids: parts("solid")?,
         kinds: names("kinds.json")?,
         tangent: serde_json::from_str(&read_own_text(&job.file("tangent.json"))?)?,
-        chord_error: serde_json::from_str(&read_own_text(&job.file("chord.json"))?)?,
+        chord_error: chord_error.map(|error| error * metres),
     })
 }
 

@@ -12,13 +12,13 @@ use std::time::Instant;
 
 use anyhow::Result;
 use mesh::io::{read_surface, remove_output, remove_output_folder, write_surface};
-use mesh::measure::{area, bounds, enclosed_volume, triangle_area};
+use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::topology::{boundary_loops, components};
 use mesh::{SurfaceMesh, Vec3, check};
 use program::Unusable;
 use serde::Serialize;
 
-use crate::implicit::{Thin, draw_thin};
+use crate::implicit::Thin;
 use crate::mesher::gmsh::Faces;
 use crate::model::record::Record;
 use crate::report::{Input, findings};
@@ -155,10 +155,7 @@ impl PatchReport {
 
 /// Middle of the area of a surface [m].
 fn centroid(patch: &SurfaceMesh) -> Vec3 {
-    let weighted = |t: usize| {
-        let [a, b, c] = patch.corners(t);
-        triangle_area(a, b, c) * patch.centroid(t)
-    };
+    let weighted = |t: usize| patch.area(t) * patch.centroid(t);
     (0..patch.triangles.len()).map(weighted).sum::<Vec3>() / area(patch)
 }
 
@@ -190,11 +187,6 @@ impl LabelledSurface {
         let inside =
             self.inside.iter().map(|(name, patch)| write(name, patch)).collect::<Result<_>>()?;
         let volumes = self.write_volumes(&folder.join("volumes"))?;
-        let picture = folder.join("thin.png");
-        remove_output(&picture)?;
-        if !self.thin.is_empty() {
-            draw_thin(&self.surface, &self.thin, &picture)?;
-        }
         let (min, max) = bounds(&self.surface.vertices);
         let report = Report {
             program: crate::PROGRAM.into(),

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use mesh::SurfaceMesh;
-use mesh::check::{orient_by_nesting, self_intersections};
+use mesh::check::orient_by_nesting;
+use mesh::crossings::self_intersecting_pairs;
 use mesh::inside::WindingNumber;
 use mesh::measure::{bounds, enclosed_volume};
 
@@ -94,7 +95,7 @@ impl Solids {
     fn meet(&self) -> bool {
         let mut together = SurfaceMesh::default();
         self.all.iter().for_each(|solid| together.append(&solid.surface));
-        !self_intersections(&together).is_empty()
+        !self_intersecting_pairs(&together).is_empty()
     }
 
     /// What `--subtract` calls a solid: its name if no other has it and it is one word, or its number.

@@ -15,9 +15,6 @@ use crate::mesher::{MESHERS, Options, Refinement, TetMesher};
 /// Stands for the mesher that suits a surface.
 const AUTO: &str = "auto";
 
-/// Most threads of a mesher.
-const MOST_THREADS: usize = 1024;
-
 /// More triangles of a surface are not kept without being asked for: tetrahedra are about three times as many.
 const MOST_KEPT: usize = 50_000;
 
@@ -139,11 +136,6 @@ impl Tetmesh {
             self.stop_energy > 3.0 && self.stop_energy.is_finite(),
             "stop_energy must exceed 3, the energy of a regular tetrahedron, found {}",
             self.stop_energy
-        );
-        ensure!(
-            self.threads <= MOST_THREADS,
-            "threads = {}: expected 0 for all, or up to {MOST_THREADS}",
-            self.threads
         );
         for ball in &self.refine {
             ensure!(

@@ -24,8 +24,7 @@ pub fn remove_fragments(mesh: &mut TetMesh) -> usize {
     let piece_of = pieces(&mesh.tets);
     let mut volumes = vec![0.0; mesh.tets.len()];
     for (t, &piece) in piece_of.iter().enumerate() {
-        let [a, b, c, d] = mesh.corners(t);
-        volumes[piece] += tet_volume(a, b, c, d);
+        volumes[piece] += mesh.volume(t);
     }
     let least = MAX_VOLUME * volumes.iter().sum::<f64>();
     let tets = mesh.tets.iter().zip(&piece_of);
@@ -104,8 +103,7 @@ fn smaller_groups(mesh: &TetMesh, vertices: &[usize]) -> Vec<usize> {
     let group = pieces(&tets);
     let mut volume = vec![0.0; tets.len()];
     for (&g, &t) in group.iter().zip(&around) {
-        let [a, b, c, d] = mesh.corners(t);
-        volume[g] += tet_volume(a, b, c, d);
+        volume[g] += mesh.volume(t);
     }
     let largest = (0..tets.len()).max_by(|&a, &b| volume[a].total_cmp(&volume[b]));
     let smaller = around.into_iter().zip(group).filter(|&(_, g)| Some(g) != largest);

@@ -1,9 +1,4 @@
 //! Closed surface → tetrahedra: checks before and after the mesher.
-//!
-//! - [`config`] — `cad2fem.toml`
-//! - [`fragments`] — removes small components that a mesher has cut off, and spikes
-//! - [`planar`] — planar faces of the input stay planar, and keep their rims
-//! - [`cache`] — meshes kept from earlier runs
 
 pub mod cache;
 pub mod config;
@@ -392,7 +387,6 @@ fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Unusable
 impl Outcome {
     /// Logs counts, quality and distances.
     pub fn log(&self) {
-        let q = &self.quality;
         let origin = if self.cached { ", from the cache" } else { "" };
         log::info!(
             "{} tets, {} vertices, {} boundary facets in {} shell(s), {:.1} s{origin}",
@@ -408,18 +402,7 @@ impl Outcome {
             self.input_volume * 1e6,
             100.0 * (self.volume / self.input_volume - 1.0)
         );
-        log::info!(
-            "radius ratio min {:.3}  p1 {:.3}  mean {:.3}; dihedral {:.1}..{:.1} deg; edges \
-             {:.2} / {:.2} / {:.2} mm",
-            q.radius_ratio_min,
-            q.radius_ratio_p1,
-            q.radius_ratio_mean,
-            q.min_dihedral,
-            q.max_dihedral,
-            q.edge_min * 1e3,
-            q.edge_mean * 1e3,
-            q.edge_max * 1e3
-        );
+        log::info!("{}", self.quality);
         log::info!(
             "distance boundary to input {:.2}, input to boundary {:.2} of the envelope {:.3} mm",
             self.hausdorff_to_input,

@@ -6,7 +6,7 @@
 //! on such faces.
 
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{area, diagonal, radius_ratio, triangle_area};
+use mesh::measure::{area, diagonal, radius_ratio};
 use mesh::topology::{boundary, boundary_loops, edge_facets};
 use mesh::{SurfaceMesh, TetMesh, Vec3};
 
@@ -82,12 +82,7 @@ fn ratio(mesh: &TetMesh, t: usize) -> f64 {
 
 impl Faces {
     fn of(surface: &SurfaceMesh) -> Self {
-        let areas: Vec<f64> = (0..surface.triangles.len())
-            .map(|t| {
-                let [a, b, c] = surface.corners(t);
-                triangle_area(a, b, c)
-            })
-            .collect();
+        let areas: Vec<f64> = (0..surface.triangles.len()).map(|t| surface.area(t)).collect();
         // The largest triangles know their plane best.
         let mut seeds: Vec<usize> = (0..areas.len()).collect();
         seeds.sort_by(|&s, &t| areas[t].total_cmp(&areas[s]));

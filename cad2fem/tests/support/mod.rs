@@ -35,6 +35,11 @@ impl Workdir {
         fs::write(self.path(name), text).unwrap();
     }
 
+    /// A file of JSON.
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_str(&fs::read_to_string(self.path(name)).unwrap()).unwrap()
+    }
+
     /// A shell script to run in place of a real program.
     pub fn program(&self, name: &str, script: &str) -> String {
         let path = self.path(name);

@@ -1,20 +1,14 @@
-//! Validity rules for meshes, one per file.
+//! Validity rules for meshes.
 //!
 //! A rule reports what is wrong with numbers and with the place of the first
 //! offender, so that it can be looked up in a viewer.
 
-mod closed;
 mod coincident;
-mod degenerate;
-mod finite;
-mod intersecting;
-mod manifold;
 mod nesting;
-mod oriented;
+mod surface;
 mod tets;
 
 pub use coincident::coincident;
-pub use intersecting::self_intersections;
 pub use nesting::orient_by_nesting;
 pub use tets::check_tets;
 
@@ -31,6 +25,12 @@ pub struct Finding {
     pub count: usize,
 }
 
+impl Finding {
+    fn new(rule: &'static str, count: usize, message: String) -> Self {
+        Self { rule, message, count }
+    }
+}
+
 /// A rule for surfaces.
 pub struct Check {
     /// Name of the rule.
@@ -43,26 +43,26 @@ pub struct Check {
 /// The rules for surfaces, in the order in which they run.
 pub const CHECKS: &[Check] = &[
     Check {
-        name: finite::NAME,
+        name: "finite",
         demands: "triangles, finite coordinates and indices in range",
-        find: finite::find,
+        find: surface::finite,
     },
-    Check { name: degenerate::NAME, demands: "every triangle has area", find: degenerate::find },
-    Check { name: closed::NAME, demands: "no edge with a single triangle", find: closed::find },
+    Check { name: "degenerate", demands: "every triangle has area", find: surface::degenerate },
+    Check { name: "closed", demands: "no edge with a single triangle", find: surface::closed },
     Check {
-        name: manifold::NAME,
+        name: "manifold",
         demands: "at most two triangles at an edge, one fan at a vertex",
-        find: manifold::find,
+        find: surface::manifold,
     },
     Check {
-        name: oriented::NAME,
+        name: "oriented",
         demands: "neighbours wind alike, and closed surfaces enclose positive volume",
-        find: oriented::find,
+        find: surface::oriented,
     },
     Check {
-        name: intersecting::NAME,
+        name: "intersecting",
         demands: "triangles meet in shared vertices and edges only",
-        find: intersecting::find,
+        find: surface::intersecting,
     },
 ];
 
@@ -81,12 +81,39 @@ pub fn run(surface: &SurfaceMesh, rules: &[&str]) -> Vec<Finding> {
     for rule in rules {
         assert!(CHECKS.iter().any(|check| check.name == *rule), "unknown rule {rule:?}");
     }
-    let unusable = finite::find(surface);
+    let unusable = surface::finite(surface);
     if !unusable.is_empty() {
         return unusable;
     }
     let chosen = CHECKS.iter().filter(|check| rules.contains(&check.name));
     chosen.flat_map(|check| (check.find)(surface)).collect()
+}
+
+/// Coordinates that are not finite.
+fn not_finite(vertices: &[Vec3]) -> Option<Finding> {
+    let bad = |v: &usize| vertices[*v].iter().any(|x| !x.is_finite());
+    let bad: Vec<usize> = (0..vertices.len()).filter(bad).collect();
+    let (&v, count) = (bad.first()?, bad.len());
+    let place = at(&vertices[v]);
+    let message = format!("{count} vertices are not finite, first vertex {v} at {place}");
+    Some(Finding::new("finite", count, message))
+}
+
+/// Cells, `names` are those of several and of one, with vertices beyond the `n` that there are.
+fn lost<const N: usize>(
+    rule: &'static str,
+    cells: &[[usize; N]],
+    n: usize,
+    [cells_are, cell_is]: [&str; 2],
+) -> Option<Finding> {
+    let bad = |t: &usize| cells[*t].iter().any(|&v| v >= n);
+    let bad: Vec<usize> = (0..cells.len()).filter(bad).collect();
+    let (&t, count) = (bad.first()?, bad.len());
+    let message = format!(
+        "{count} {cells_are} have vertices that do not exist, first {cell_is} {t} with {:?} of {n} vertices",
+        cells[t]
+    );
+    Some(Finding::new(rule, count, message))
 }
 
 /// A place as rules print it.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::TetMesh;
+use crate::crossings::self_intersecting_pairs;
 use crate::measure::enclosed_volume;
 use crate::topology::TET_FACETS;
 
@@ -90,7 +91,10 @@ fn shells_that_pierce_each_other_are_found() {
     let pair = joined(&[corner([0.0; 3], 1.0), corner([0.2, 0.2, -0.1], 1.0)]);
     let found = check_surface(&pair);
     assert_eq!(found.len(), 1);
-    assert_eq!((found[0].rule, found[0].count), ("intersecting", self_intersections(&pair).len()));
+    assert_eq!(
+        (found[0].rule, found[0].count),
+        ("intersecting", self_intersecting_pairs(&pair).len())
+    );
     assert!(found[0].count > 0);
 }
 

@@ -1,7 +1,6 @@
 //! Rules for tetrahedral meshes.
 
-use super::{Finding, at};
-use crate::measure::{diagonal, tet_volume};
+use super::{Finding, at, lost, not_finite};
 use crate::topology::TET_FACETS;
 use crate::{TetMesh, facet_key};
 
@@ -9,60 +8,35 @@ use crate::{TetMesh, facet_key};
 /// not exist, volumes are not positive, more than two tetrahedra or two on the
 /// same side share a facet, vertices are used by no tetrahedron.
 pub fn check_tets(mesh: &TetMesh) -> Vec<Finding> {
-    let unusable: Vec<Finding> = [finite(mesh), indices(mesh)].into_iter().flatten().collect();
+    let unusable: Vec<Finding> =
+        [not_finite(&mesh.vertices), indices(mesh)].into_iter().flatten().collect();
     if !unusable.is_empty() {
         return unusable;
     }
     [volumes(mesh), conforming(mesh), unused(mesh)].into_iter().flatten().collect()
 }
 
-fn finite(mesh: &TetMesh) -> Option<Finding> {
-    let bad = |v: &usize| mesh.vertices[*v].iter().any(|x| !x.is_finite());
-    let bad: Vec<usize> = (0..mesh.vertices.len()).filter(bad).collect();
-    let size = diagonal(&mesh.vertices);
-    if bad.is_empty() && !size.powi(3).is_finite() {
-        let message = format!("the mesh is {size:.1e} m across: its volume has no number");
-        return Some(Finding { rule: "finite", message, count: 1 });
-    }
-    let (&v, count) = (bad.first()?, bad.len());
-    let place = at(&mesh.vertices[v]);
-    let message = format!("{count} vertices are not finite, first vertex {v} at {place}");
-    Some(Finding { rule: "finite", message, count })
-}
-
 fn indices(mesh: &TetMesh) -> Option<Finding> {
     let n = mesh.vertices.len();
     if mesh.tets.is_empty() {
         let message = format!("the mesh is empty: {n} vertices, no tetrahedra");
-        return Some(Finding { rule: "indices", message, count: 1 });
+        return Some(Finding::new("indices", 1, message));
     }
-    let lost = |t: &usize| mesh.tets[*t].iter().any(|&v| v >= n);
-    let lost: Vec<usize> = (0..mesh.tets.len()).filter(lost).collect();
-    let (&t, count) = (lost.first()?, lost.len());
-    let corners = mesh.tets[t];
-    let message = format!(
-        "{count} tetrahedra have vertices that do not exist, first tetrahedron {t} with \
-         {corners:?} of {n} vertices"
-    );
-    Some(Finding { rule: "indices", message, count })
+    lost("indices", &mesh.tets, n, ["tetrahedra", "tetrahedron"])
 }
 
 fn volumes(mesh: &TetMesh) -> Option<Finding> {
-    let volume = |t: usize| {
-        let [a, b, c, d] = mesh.corners(t);
-        tet_volume(a, b, c, d)
-    };
-    let bad: Vec<usize> = (0..mesh.tets.len()).filter(|&t| volume(t) <= 0.0).collect();
+    let bad: Vec<usize> = (0..mesh.tets.len()).filter(|&t| mesh.volume(t) <= 0.0).collect();
     let (&t, count) = (bad.first()?, bad.len());
     let centroid = mesh.corners(t).iter().sum::<crate::Vec3>() / 4.0;
     let message = format!(
         "{count} of {} tetrahedra have no positive volume, first tetrahedron {t} with {:.3e} m³ \
          at {}",
         mesh.tets.len(),
-        volume(t),
+        mesh.volume(t),
         at(&centroid)
     );
-    Some(Finding { rule: "volume", message, count })
+    Some(Finding::new("volume", count, message))
 }
 
 /// With positive volumes, two tetrahedra on different sides of a facet see it
@@ -84,7 +58,7 @@ fn conforming(mesh: &TetMesh) -> Option<Finding> {
         "{count} facets have two tetrahedra on the same side, first facet {a}-{b}-{c} at {}",
         at(&centroid)
     );
-    Some(Finding { rule: "conforming", message, count })
+    Some(Finding::new("conforming", count, message))
 }
 
 /// Whether the vertices are an even permutation of their ascending order.
@@ -104,5 +78,5 @@ fn unused(mesh: &TetMesh) -> Option<Finding> {
         mesh.vertices.len(),
         at(&mesh.vertices[v])
     );
-    Some(Finding { rule: "unused", message, count })
+    Some(Finding::new("unused", count, message))
 }

@@ -6,23 +6,18 @@ use std::path::Path;
 use super::IoError;
 use super::inputs::{note_written, refuse_input};
 use super::open::{make_folder, open_device};
-use super::standard::is_standard;
 use super::unfinished::{PREFIX, Unfinished};
 
 /// Writes a file so that `path` holds either its old content or all of the new:
 /// a temporary file beside it is filled, flushed to the disk and renamed. If
 /// anything fails, the temporary file is removed and `path` is untouched.
-/// Missing parent directories are created. A link is replaced, not followed. Devices and pipes below `/dev` and standard output as `stl:-` are written to directly.
+/// Missing parent directories are created. A link is replaced, not followed. Devices and pipes below `/dev` are written to directly.
 pub fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), IoError> {
     let fail = |action| move |cause| IoError::system(path, action, cause);
     refuse_input(path)?;
-    if is_standard(path)? {
-        let mut out = BufWriter::new(io::stdout().lock());
-        return fill(&mut out).and_then(|()| out.flush()).map_err(fail("write"));
-    }
     if let Some(device) = open_device(path)? {
         let mut out = BufWriter::new(device);
         return fill(&mut out).and_then(|()| out.flush()).map_err(fail("write"));

@@ -12,7 +12,6 @@ pub mod npy;
 mod obj;
 mod open;
 mod ply;
-mod standard;
 mod stl;
 mod text;
 pub mod threemf;
@@ -26,7 +25,6 @@ pub use atomic::write_atomic;
 pub use inputs::{remove_output, remove_output_folder};
 pub use msh::{MshFile, read_tets, read_tets_of_any_unit, tagged_mesh, write_tets};
 pub use open::{create_new, make_folder, open_input, open_to_append};
-pub use standard::{extension, is_standard, read_standard};
 pub use text::{read_own_text, read_text};
 pub use unfinished::{Unfinished, remove_litter, remove_unfinished};
 
@@ -102,9 +100,13 @@ pub const FORMATS: &[Format] = &[
     },
 ];
 
+/// The format that the end of a file's name tells, in lower case.
+pub fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 /// The surface format of a file name.
 fn format_of(path: &Path) -> Result<&'static Format, IoError> {
-    is_standard(path)?;
     let extension = extension(path);
     FORMATS.iter().find(|f| f.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|f| f.extension).collect();
@@ -192,9 +194,6 @@ fn read_own_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     let too_large = |size: String| {
         IoError::content(path, format!("it has {size} bytes; up to {LARGEST} are read"))
     };
-    if is_standard(path)? {
-        return Ok(read_standard().map_err(fail)?.to_vec());
-    }
     let file = open_input(path)?;
     let announced = file.metadata().map_err(fail)?.len();
     if announced > LARGEST {

@@ -42,14 +42,6 @@ pub enum SolidError {
         /// Signed enclosed volume [m³].
         volume: f64,
     },
-    /// One label per triangle is needed, below 2³¹.
-    #[error("{labels} labels for {triangles} triangles: one below 2³¹ is needed for each")]
-    Labels {
-        /// Labels given.
-        labels: usize,
-        /// Triangles given.
-        triangles: usize,
-    },
 }
 
 /// Where a triangle of a result comes from.
@@ -71,14 +63,14 @@ impl Solid {
     /// As [`Self::from_surface`], with a label for each triangle that Booleans
     /// and planar cuts carry along; simplification keeps triangles of different
     /// labels apart.
+    ///
+    /// # Panics
+    /// Unless each triangle has a label.
     pub fn from_labelled_surface(
         surface: &SurfaceMesh,
         labels: &[u32],
     ) -> Result<Self, SolidError> {
-        let triangles = surface.triangles.len();
-        if labels.len() != triangles || labels.iter().any(|&l| l > i32::MAX as u32) {
-            return Err(SolidError::Labels { labels: labels.len(), triangles });
-        }
+        assert_eq!(labels.len(), surface.triangles.len(), "one label for each triangle");
         Self::import(surface, labels.iter().map(|&l| u64::from(l)).collect())
     }
 
@@ -118,7 +110,6 @@ impl Solid {
         for (run, &solid) in mesh.run_original_id.iter().enumerate() {
             let (start, end) = (mesh.run_index[run] / 3, mesh.run_index[run + 1] / 3);
             for t in start..end {
-                // Labels are below 2³¹, see from_labelled_surface.
                 origins.push(Origin { solid, face: mesh.face_id[t as usize] as u32 });
             }
         }

@@ -6,13 +6,12 @@ use std::path::{Component, Path};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use mesh::io::read_surface;
-use mesh::measure::triangle_normal;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Vec3, triangle_key};
 use serde_json::{Value, json};
 
 use super::MM;
-use crate::read_json;
+use crate::reported::read;
 use crate::store::Store;
 
 /// Faces of triangles meet smoothly if these enclose less on average [deg]: half of the angle at
@@ -79,7 +78,7 @@ impl Body {
              has written",
             folder.display()
         );
-        let report = read_json(&report)?;
+        let report: Value = read(&report)?;
         let model = read_surface(&folder.join("model.stl"))?;
         let mut of_place = HashMap::with_capacity(model.triangles.len());
         for t in 0..model.triangles.len() {
@@ -278,10 +277,7 @@ fn borders(body: &Body, count: usize, tangent: &Option<BTreeSet<[usize; 2]>>) ->
     for (i, face) in body.faces.iter().enumerate().filter(|(_, face)| !face.inside) {
         of_triangle[face.triangles.clone()].fill(i);
     }
-    let normal = |t: usize| {
-        let [a, b, c] = body.surface.corners(t);
-        triangle_normal(a, b, c)
-    };
+    let normal = |t: usize| body.surface.normal(t);
     // length, and length times angle
     let mut sums: BTreeMap<[usize; 2], [f64; 2]> = BTreeMap::new();
     for ([u, v], pair) in edge_facets(triangles) {
@@ -331,8 +327,7 @@ pub(crate) mod tests {
         write_surface(&path("model.stl"), &surface).unwrap();
         fs::create_dir(path("patches")).unwrap();
         let key = |t: usize| {
-            let [a, b, c] = surface.corners(t);
-            let n = triangle_normal(a, b, c);
+            let n = surface.normal(t);
             let on_outside = n.dot(&(surface.centroid(t) - Vec3::new(0.02, 0.01, 0.005))) > 0.0;
             (!on_outside, n.map(|x| x.round() as i64).as_slice().to_vec())
         };
@@ -367,7 +362,7 @@ pub(crate) mod tests {
     fn cad_says_what_is_smooth_and_what_faces_are() {
         let folder = hollow();
         let file = folder.path().join("model.json");
-        let mut report = read_json(&file).unwrap();
+        let mut report: Value = read(&file).unwrap();
         report["regions"][3]["kind"] = json!("cylinder");
         report["tangent"] = json!([["f2", "f0"], ["f0", "nobody"]]);
         fs::write(&file, report.to_string()).unwrap();

@@ -1,9 +1,4 @@
 //! The page on which a person names faces of a body by clicking, and gets `tags.toml`.
-//!
-//! - [`body`]: faces of a folder that `cad2fem model` or `cad2fem import` wrote, and where they meet
-//! - [`found`]: what the page proposes: chambers, flat sides, planes in which the body mirrors itself
-//! - [`given`]: a `tags.toml` with which the page begins
-//! - [`document`]: the page from its parts
 
 pub mod body;
 pub mod document;

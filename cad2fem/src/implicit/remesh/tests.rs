@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use mesh::check::check_surface;
-use mesh::measure::{area, triangle_normal};
+use mesh::measure::area;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Vec3, walls};
 
@@ -68,10 +68,7 @@ fn smallest_angle(surface: &SurfaceMesh) -> f64 {
 
 /// The largest angle between the normals of neighbours on one part [deg].
 fn sharpest(skin: &Skin) -> f64 {
-    let normal = |t: usize| {
-        let [a, b, c] = skin.surface.corners(t);
-        triangle_normal(a, b, c)
-    };
+    let normal = |t: usize| skin.surface.normal(t);
     let edges = edge_facets(&skin.surface.triangles);
     let same = edges.values().filter(|both| skin.part[both[0]] == skin.part[both[1]]);
     same.map(|both| normal(both[0]).angle(&normal(both[1])).to_degrees()).fold(0.0, f64::max)

@@ -18,7 +18,7 @@ use serde::Serialize;
 use self::skin::{Facet, Old, Skin};
 use super::inside::{Inside, improve_tagged};
 use super::{ImproveReport, improve};
-use crate::crossings::some_self_intersecting_pairs;
+use crate::crossings::self_intersecting_pairs;
 use crate::measure::{hausdorff, mean_edge, quality};
 use crate::topology::{boundary, is_manifold, pinched_vertices, submesh};
 use crate::{SurfaceMesh, Tags, TetMesh, Vec3, facet_key};
@@ -162,5 +162,5 @@ fn is_valid(mesh: &TetMesh, facets: &BTreeMap<[usize; 3], Facet>) -> bool {
     let surface = SurfaceMesh { vertices: mesh.vertices.clone(), triangles: skin };
     same && is_manifold(&surface.triangles)
         && pinched_vertices(&surface.triangles).is_empty()
-        && some_self_intersecting_pairs(&surface, 1).is_empty()
+        && self_intersecting_pairs(&surface).is_empty()
 }
