@@ -11,7 +11,6 @@ use serde_json::json;
 use super::SceneArguments;
 use crate::study::map::{Grid, Map, Row};
 use run::report::table;
-use run::report::table;
 
 /// Tabulate equilibria of a scene without [time], probes and their derivatives on a grid of numbers
 ///

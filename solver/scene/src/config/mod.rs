@@ -51,7 +51,6 @@ pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
 
 use crate::meaning::meaning;
 use crate::term::Room;
-use crate::term::direction::some_axes;
 use crate::term::fibre::FibreConfig;
 use crate::term::membrane::MembraneConfig;
 use crate::term::mullins::MullinsConfig;

@@ -2,9 +2,8 @@
 
 use anyhow::Result;
 use mechanics::energy::Direction;
-use mechanics::schedule::axes;
 use program::table::Range;
-use program::{KeyPath, Misfit, misfit};
+use program::{KeyPath, misfit};
 
 use super::line::{AroundConfig, unit};
 
@@ -62,16 +61,5 @@ impl Leads<'_> {
             ),
         };
         Err(refused.into())
-    }
-}
-
-/// The rule of axes.
-pub(crate) fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
-    let count = axes(components).iter().filter(|axis| **axis).count();
-    match components.len() == count && count > 0 {
-        true => Ok(()),
-        false => {
-            Err(misfit!(at.clone(), " = \"{components}\": must be some of x, y, z, each once"))
-        }
     }
 }

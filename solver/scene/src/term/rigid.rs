@@ -1,13 +1,12 @@
 //! `[[rigid]]`: a part that keeps its shape.
 
 use anyhow::{Result, ensure};
-use measure::written::FieldSchema;
+use measure::written::{FieldSchema, some_axes};
 use mechanics::energy::{RigidLoad, RigidMass, RigidMoment};
 use mechanics::schedule::{WrittenField, axes};
 use program::table::Range;
 use program::{KeyPath, misfit};
 
-use super::direction::some_axes;
 use super::{Around, Known, TableNumber, TermTable, components, value};
 
 program::table! {
