@@ -299,6 +299,7 @@ fn stages_meet_only_in_files() {
         "solver" => &all_of_solver,
         _ => &shared[..],
     };
+    let of_scene = ["library", "measure", "mechanics", "mesh", "program", "reports", "system"];
     let of_run = ["measure", "mechanics", "mesh", "program", "reports", "scene"];
     let of_design = [&of_run[..], &["run"]].concat();
     let of_python = [&of_design[..], &["design"]].concat();
@@ -312,7 +313,7 @@ fn stages_meet_only_in_files() {
         ("cad2fem/system", &[]),
         ("solver/mechanics", &["mesh"]),
         ("solver/measure", &["mechanics", "mesh", "program"]),
-        ("solver/scene", &["library", "measure", "mechanics", "mesh", "program", "system"]),
+        ("solver/scene", &of_scene),
         ("solver/polyfem", &["mechanics", "mesh", "program", "scene"]),
         ("solver/run", &of_run),
         ("solver/design", &of_design),

@@ -32,8 +32,8 @@ impl Parameter {
         all.extend((shape > 0).then_some(Self::Shape));
         all.extend((level.variables() > shape).then_some(Self::Loads));
         let designed = |number: &Number| {
-            let of = |on: &String| number.path.starts_with(&format!("chamber.{on}."));
-            design.chamber.iter().any(|chamber| of(&chamber.on))
+            let own = &scene.config.chamber[number.owner()].name;
+            design.chamber.iter().any(|chamber| chamber.on == *own)
         };
         let counts = |number: &Number| match number.word() {
             "density" => scene.weighs(number.owner()),
@@ -42,7 +42,8 @@ impl Parameter {
         };
         for kind in KINDS.iter() {
             let numbers: Vec<Number> = kind.numbers(scene).into_iter().filter(counts).collect();
-            let owners = numbers.chunk_by(|a, b| a.owner() == b.owner());
+            let owners =
+                numbers.chunk_by(|a, b| a.owner() == b.owner() && a.vector() == b.vector());
             all.extend(owners.map(|own| Self::Numbers(own.to_vec())));
         }
         all

@@ -19,6 +19,7 @@ use mechanics::adjoint::Gradient;
 use mechanics::energy::{Owner, ParameterGradients, Term};
 use mechanics::forward::Problem;
 use mechanics::schedule::Written;
+use mechanics::symmetry::AXES;
 use mesh::Vec3;
 use program::{KeyPath, did_you_mean};
 
@@ -194,6 +195,12 @@ impl Number {
     /// Whether it is how far a wall stands off, which is added to where the wall is.
     pub fn is_wall(&self) -> bool {
         self.word() == "wall"
+    }
+
+    /// The vector that it is a component of, by its key, where it is one of a room.
+    pub fn vector(&self) -> Option<&str> {
+        let (vector, axis) = self.key.rsplit_once('.')?;
+        AXES.contains(&axis).then_some(vector)
     }
 
     /// The word of its kind.
