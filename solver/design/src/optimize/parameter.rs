@@ -32,8 +32,7 @@ impl Parameter {
         all.extend((shape > 0).then_some(Self::Shape));
         all.extend((level.variables() > shape).then_some(Self::Loads));
         let designed = |number: &Number| {
-            let own = &scene.config.chamber[number.owner()].name;
-            design.chamber.iter().any(|chamber| chamber.on == *own)
+            design.chamber.iter().any(|chamber| number.is_of_chamber(&chamber.on, scene))
         };
         let counts = |number: &Number| match number.word() {
             "density" => scene.weighs(number.owner()),

@@ -171,9 +171,8 @@ impl LoadMap {
             !["wall", "velocity"].contains(&number.word()),
             misfit!(title, ": a design cannot change it; walls move by [[shape]]")
         );
-        let designed = |c: &&Curve| name.starts_with(&format!("chamber.{}.", c.on));
         ensure!(
-            !self.curves.iter().any(|c| designed(&c)),
+            !self.curves.iter().any(|curve| number.is_of_chamber(&curve.on, scene)),
             misfit!(title, ": a [[chamber]] of the design changes it, too; keep one of them")
         );
         let start = number.value(scene);

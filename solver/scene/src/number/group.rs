@@ -31,7 +31,7 @@ impl Group {
     pub fn modulus(scene: &Scene, on: Option<&str>) -> Self {
         Self::of(scene, "material", Change::Factor, |number| {
             let law = &scene.laws[number.owner()];
-            number.unit == "Pa" && on.is_none_or(|on| scene.is_law_of(law, on))
+            number.is_stress() && on.is_none_or(|on| scene.is_law_of(law, on))
         })
     }
 
@@ -53,7 +53,7 @@ impl Group {
 
     /// All parameters of one of the laws that are stresses, by one factor.
     pub fn modulus_of(scene: &Scene, law: usize) -> Self {
-        let own = |number: &Number| number.unit == "Pa" && number.owner() == law;
+        let own = |number: &Number| number.is_stress() && number.owner() == law;
         Self::of(scene, "material", Change::Factor, own)
     }
 

@@ -73,6 +73,13 @@ pub struct Row {
     scale: Option<fn(&Scene, Indices) -> f64>,
 }
 
+impl Row {
+    /// The first word of the paths.
+    fn word(&self) -> &'static str {
+        self.path.split(['.', ' ']).next().unwrap_or_default()
+    }
+}
+
 /// How a number is given a value.
 enum Setting {
     /// By a function.
@@ -154,7 +161,10 @@ impl Kind {
 
     /// The first word of the paths.
     pub fn word(&self) -> &'static str {
-        self.path().split('.').next().unwrap_or_default()
+        match self {
+            Self::Row(row) => row.word(),
+            Self::Room(list, _) => list,
+        }
     }
 
     /// The numbers in a scene.
@@ -194,7 +204,17 @@ impl Number {
 
     /// Whether it is how far a wall stands off, which is added to where the wall is.
     pub fn is_wall(&self) -> bool {
-        self.word() == "wall"
+        self.word() == walls::WALL.word()
+    }
+
+    /// Whether it is a stress, as moduli are.
+    pub fn is_stress(&self) -> bool {
+        self.unit == PA
+    }
+
+    /// Whether it is that of a chamber, by its name.
+    pub fn is_of_chamber(&self, name: &str, scene: &Scene) -> bool {
+        self.word() == loads::CHAMBER.word() && scene.config.chamber[self.owner()].name == name
     }
 
     /// The vector that it is a component of, by its key, where it is one of a room.
@@ -325,6 +345,9 @@ pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
     }
     numbers.iter().try_for_each(|(number, _)| number.check(scene))
 }
+
+/// The unit of stresses.
+const PA: &str = "Pa";
 
 /// Every value is admitted.
 fn any(_: &Scene, _: Indices) -> Result<()> {
