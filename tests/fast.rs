@@ -134,6 +134,8 @@ mod sweep;
 mod symmetric_contact;
 #[path = "fast/symmetry.rs"]
 mod symmetry;
+#[path = "fast/terminal.rs"]
+mod terminal;
 #[path = "fast/threads.rs"]
 mod threads;
 #[path = "fast/tidy.rs"]

@@ -3,7 +3,7 @@
 //! Exit codes: 0 the result is usable; 1 the program ran but its result must not
 //! be used ([`Unusable`]); 2 usage or input error; 130 and 143 interrupted by SIGINT, SIGTERM.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::{ArgAction, Args};
@@ -11,6 +11,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use mesh::io::IoError;
 
 use crate::interrupt::end_in_order;
+use crate::terminal::to_stderr;
 
 /// How much a program reports on standard error; flatten it into the arguments.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -39,11 +40,6 @@ impl Verbosity {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Unusable(pub String);
-
-/// A failure to write to standard error cannot be reported and is ignored.
-pub fn to_stderr(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
-}
 
 /// Runs `f` with log messages on stderr and turns its result into an exit code.
 ///

@@ -5,7 +5,7 @@
 
 use system::Interruption;
 
-use crate::cli::to_stderr;
+use crate::terminal::to_stderr;
 
 /// From now on the process ends in order when it is interrupted, with the exit code that shells
 /// give to it: 130 or 143. To be called before the first thread is started.

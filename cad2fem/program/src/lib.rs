@@ -20,6 +20,7 @@ mod settings;
 mod shell;
 pub mod table;
 mod temporary;
+mod terminal;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::{Process, beside};
@@ -40,3 +41,4 @@ pub use settings::{
 };
 pub use shell::parse;
 pub use temporary::temporary_folder;
+pub use terminal::{Stdout, stdout};

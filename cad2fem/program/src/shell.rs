@@ -24,7 +24,7 @@ pub fn parse<C: CommandFactory + FromArgMatches>() -> Result<C, ExitCode> {
         return Err(match write(C::command(), &files.share) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
-                crate::cli::to_stderr(&format!("shell-files: {error:#}"));
+                crate::terminal::to_stderr(&format!("shell-files: {error:#}"));
                 ExitCode::from(2)
             }
         });

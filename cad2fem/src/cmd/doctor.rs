@@ -36,7 +36,7 @@ const MEMORY: usize = 2000;
 /// Runs the verb.
 pub fn run(_: &Args) -> Result<()> {
     let findings = findings();
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     for Finding { what, found, for_what } in &findings {
         match found {
             Ok(found) => writeln!(out, "ok       {what:<14} {found}")?,

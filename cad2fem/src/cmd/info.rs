@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.json {
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&info)?)?;
     } else {
-        info.print(&mut std::io::stdout().lock())?;
+        info.print(&mut program::stdout())?;
     }
     if args.check && !found.is_empty() {
         let message = format!("{}:{}", args.file.display(), findings(&found));

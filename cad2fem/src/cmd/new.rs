@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<()> {
     let readme = readme(name, template, &place);
     write_atomic(&folder.join("README.md"), |out| out.write_all(readme.as_bytes()))?;
     writeln!(
-        std::io::stdout().lock(),
+        program::stdout(),
         "{} is like {}: {}.\nmake it:        {}\nand open:       {}",
         folder.display(),
         template.name,

@@ -24,5 +24,5 @@ pub fn run(_: &Args) -> Result<()> {
          digits, - . _ and / alone",
         special.unwrap_or_default()
     );
-    writeln!(std::io::stdout().lock(), "{path}").context("standard output")
+    writeln!(program::stdout(), "{path}").context("standard output")
 }

@@ -48,7 +48,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.output {
         write_atomic(path, |out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
     }
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     for line in lines.iter().filter(|line| args.all || line.status != Status::Ok) {
         writeln!(out, "{line}")?;
     }

@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     let text = table(&calibration, &found)?;
-    write!(std::io::stdout().lock(), "{text}")?;
+    write!(program::stdout(), "{text}")?;
     program::write_json(&folder.join("calibration.json"), &report(&calibration, &found))?;
     picture(&calibration, &found, &folder.join("residuals.svg"))?;
     let numbers = BTreeMap::from([("numbers", calibration.found(&found.numbers))]);

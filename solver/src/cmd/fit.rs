@@ -127,7 +127,7 @@ fn end(stretch: Option<f64>) -> String {
 }
 
 fn print(fits: &[Fitted], chosen: &Fitted, remarks: &[String]) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     let [low, high] = chosen.quality.fitted;
     writeln!(out, "data: stretch {low:.3} to {high:.3}")?;
     let several = chosen.quality.left_out.is_some();

@@ -31,7 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let found = config.compare(folder).with_context(|| arguments.config.display().to_string())?;
     let _lock = FolderLock::new(&arguments.output)?;
     let table = table(&found)?;
-    writeln!(std::io::stdout().lock(), "{table}")?;
+    writeln!(program::stdout(), "{table}")?;
     let path = arguments.output.join("errors.md");
     mesh::io::write_atomic(&path, |out| out.write_all(table.as_bytes()))?;
     pictures(&config, &found, &arguments.output)?;

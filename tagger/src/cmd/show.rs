@@ -27,7 +27,7 @@ struct Row {
 /// Runs `tagger show`.
 pub fn run(args: &Args) -> Result<()> {
     let MshFile { mesh, tags } = io::read_tets(&args.tagged)?;
-    let mut out = std::io::stdout().lock();
+    let mut out = program::stdout();
     out.write_all(table(&mesh, &tags).as_bytes())?;
     out.flush()?;
     Ok(())

@@ -278,7 +278,7 @@ impl Case<'_> {
 
 /// Prints outcomes; those that did not pass.
 fn print(parameter: &str, direction: &str, outcomes: Vec<Outcome>) -> Result<Vec<String>> {
-    let (mut out, mut failed) = (std::io::stdout().lock(), Vec::new());
+    let (mut out, mut failed) = (program::stdout(), Vec::new());
     for outcome in outcomes {
         let term = &outcome.term;
         writeln!(out, "\"{term}\" by {parameter}, {direction}")?;
