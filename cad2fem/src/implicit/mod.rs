@@ -31,6 +31,7 @@ mod sides;
 mod skin;
 mod surface;
 mod thin;
+mod value;
 
 pub use field::Field;
 pub use model::{Cuboid, Cut, Model, ModelFile, Op, Primitive, Region};

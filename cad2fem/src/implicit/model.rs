@@ -16,6 +16,7 @@ use toml::{Table, Value};
 
 pub use super::shape::Bounds;
 use super::shape::Shape;
+use super::value::{require_file_name, require_finite};
 use crate::units::Unit;
 
 /// Most cells of the sampling lattice, 2 samples each.
@@ -215,6 +216,7 @@ impl ModelFile {
         let model: Model = file.parse()?;
         let mut table: Table = file.parse()?;
         table.remove("variant");
+        require_finite("", KeyPath::default(), &Value::Table(table.clone()))?;
         model.check()?;
         let mut variants: Vec<(String, Model)> = Vec::new();
         for changes in &model.variant {
@@ -226,18 +228,6 @@ impl ModelFile {
         }
         Ok(Self { model, variants })
     }
-}
-
-/// Names of regions and variants become names of files.
-fn require_file_name(name: &str) -> Result<()> {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
-    ensure!(
-        !name.is_empty() && name != "patches" && name.chars().all(plain),
-        KeyPath::word(name).told(format!(
-            "name {name:?} must consist of letters, digits, - and _ (it names a file), and not be `patches`"
-        ))
-    );
-    Ok(())
 }
 
 /// The name of a variant and its changes.
@@ -269,6 +259,7 @@ fn vary(base: &Table, changes: Table) -> Result<Model> {
             merge(target, change);
         }
     }
+    require_finite("", KeyPath::default(), &Value::Table(table.clone()))?;
     let model: Model = read_table(&table)?;
     model.check()?;
     Ok(model)
@@ -464,7 +455,7 @@ mod tests {
         let variant = |rest: &str| format!("{BALL}[[variant]]\nname = 'v'\n{rest}\n");
         for (text, expected) in [
             (BALL.replace("radius", "radios"), "radios"),
-            (BALL.replace("radius = 5", "radius = nan"), "radius must be positive, found [NaN]"),
+            (BALL.replace("radius = 5", "radius = nan"), "solid.shape.sphere.radius is NaN"),
             (BALL.replace("radius = 5", "radius = -5"), "radius must be positive, found [-5.0]"),
             (BALL.replace("grid = 1", "grid = 0.001"), "coarser grid"),
             (BALL.replace("rest = true", ""), "needs conditions"),

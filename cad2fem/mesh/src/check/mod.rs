@@ -12,6 +12,7 @@ pub use coincident::coincident;
 pub use nesting::orient_by_nesting;
 pub use tets::check_tets;
 
+use crate::measure::diagonal;
 use crate::{SurfaceMesh, Vec3};
 
 /// A broken rule.
@@ -89,14 +90,19 @@ pub fn run(surface: &SurfaceMesh, rules: &[&str]) -> Vec<Finding> {
     chosen.flat_map(|check| (check.find)(surface)).collect()
 }
 
-/// Coordinates that are not finite.
-fn not_finite(vertices: &[Vec3]) -> Option<Finding> {
+/// What is wrong with coordinates: they are not finite, or so far apart that what they bound, a `surface` or a
+/// `mesh`, has no volume that is a number.
+fn not_finite(vertices: &[Vec3], what: &str) -> Option<Finding> {
     let bad = |v: &usize| vertices[*v].iter().any(|x| !x.is_finite());
     let bad: Vec<usize> = (0..vertices.len()).filter(bad).collect();
-    let (&v, count) = (bad.first()?, bad.len());
-    let place = at(&vertices[v]);
-    let message = format!("{count} vertices are not finite, first vertex {v} at {place}");
-    Some(Finding::new("finite", count, message))
+    if let Some(&v) = bad.first() {
+        let (count, place) = (bad.len(), at(&vertices[v]));
+        let message = format!("{count} vertices are not finite, first vertex {v} at {place}");
+        return Some(Finding::new("finite", count, message));
+    }
+    let size = diagonal(vertices);
+    let message = || format!("the {what} is {size:.1e} m across: its volume has no number");
+    (!size.powi(3).is_finite()).then(|| Finding::new("finite", 1, message()))
 }
 
 /// Cells, `names` are those of several and of one, with vertices beyond the `n` that there are.

@@ -1,19 +1,22 @@
 //! Rules for surfaces.
 
 use super::{Finding, at, lost, not_finite};
-use crate::crossings::self_intersecting_pairs;
+use crate::crossings::some_self_intersecting_pairs;
 use crate::measure::{enclosed_volume, is_flat};
 use crate::topology::{
     boundary_edges, boundary_loops, directed_edges, edge_facets, pinched_vertices,
 };
 use crate::{SurfaceMesh, Vec3};
 
+/// Pairs of triangles that intersect after which counting ends.
+const MOST_PAIRS: usize = 1_000_000;
+
 /// There are triangles, their indices exist and coordinates are finite.
 pub fn finite(surface: &SurfaceMesh) -> Vec<Finding> {
     let n = surface.vertices.len();
     let empty = || format!("the surface is empty: {n} vertices, no triangles");
     let empty = surface.triangles.is_empty().then(|| Finding::new("finite", 1, empty()));
-    let infinite = not_finite(&surface.vertices);
+    let infinite = not_finite(&surface.vertices, "surface");
     let lost = lost("finite", &surface.triangles, n, ["triangles", "triangle"]);
     [empty, infinite, lost].into_iter().flatten().collect()
 }
@@ -97,11 +100,13 @@ pub fn oriented(surface: &SurfaceMesh) -> Vec<Finding> {
 
 /// Triangles meet nowhere but in the vertices and edges they share.
 pub fn intersecting(surface: &SurfaceMesh) -> Vec<Finding> {
-    let pairs = self_intersecting_pairs(surface);
+    let pairs = some_self_intersecting_pairs(surface, MOST_PAIRS);
     let Some(&(s, t)) = pairs.first() else { return Vec::new() };
     let (count, place) = (pairs.len(), at(&surface.centroid(s)));
-    let message =
-        format!("{count} pairs of triangles intersect, first triangles {s} and {t} at {place}");
+    let at_least = if count >= MOST_PAIRS { "at least " } else { "" };
+    let message = format!(
+        "{at_least}{count} pairs of triangles intersect, first triangles {s} and {t} at {place}"
+    );
     vec![Finding::new("intersecting", count, message)]
 }
 

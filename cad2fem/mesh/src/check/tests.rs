@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::TetMesh;
-use crate::crossings::self_intersecting_pairs;
 use crate::measure::enclosed_volume;
 use crate::topology::TET_FACETS;
 
@@ -93,7 +92,7 @@ fn shells_that_pierce_each_other_are_found() {
     assert_eq!(found.len(), 1);
     assert_eq!(
         (found[0].rule, found[0].count),
-        ("intersecting", self_intersecting_pairs(&pair).len())
+        ("intersecting", crate::crossings::self_intersecting_pairs(&pair).len())
     );
     assert!(found[0].count > 0);
 }

@@ -9,7 +9,7 @@ use crate::{TetMesh, facet_key};
 /// same side share a facet, vertices are used by no tetrahedron.
 pub fn check_tets(mesh: &TetMesh) -> Vec<Finding> {
     let unusable: Vec<Finding> =
-        [not_finite(&mesh.vertices), indices(mesh)].into_iter().flatten().collect();
+        [not_finite(&mesh.vertices, "mesh"), indices(mesh)].into_iter().flatten().collect();
     if !unusable.is_empty() {
         return unusable;
     }
