@@ -59,12 +59,12 @@ fn viscous_runs_have_their_gradients_with_any_formula() {
     }
 }
 
-/// A tetrahedron that swings, so that it is softened and stretched further by turns.
+/// A tetrahedron that swings sideways in three milliseconds, so that it is softened on its way back.
 #[test]
 fn softened_runs_have_their_gradients() {
-    let softening = OgdenRoxburgh { r: 2.0, m: 20.0, beta: 0.1 };
+    let softening = OgdenRoxburgh { r: 2.0, m: 2.0, beta: 0.1 };
     let (method, body, inside) = (Method::Bdf2, Shape::Tet, Inside::Pressure);
-    let case = Case { method, degree: 1, steps: 6, dt: 1e-3, body, inside };
+    let case = Case { method, degree: 1, steps: 10, dt: 4e-4, body, inside };
     let numbers = [softening.r, softening.m, softening.beta];
     let with = |p: &[f64]| {
         let law: [f64; 4] = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
@@ -87,7 +87,7 @@ fn softened_runs_have_their_gradients() {
         vec![by_factors(g, Elastic::owner(0), &NUMBERS.law), of_softening]
     };
     let rest = case.bodies().0.vertices;
-    Runs { problem: &with, run: &run, forces: false }.check(&rest, 2e-6, &[1e-3, 1e-3], by);
+    Runs { problem: &with, run: &run, forces: false }.check(&rest, 2e-6, &[1e-3, 1e-2], by);
 }
 
 /// A unit cube sheared by a given displacement of all its nodes: forces of its law and overstress.
