@@ -113,6 +113,27 @@ fn rows_without_an_equilibrium_are_marked() {
 }
 
 #[test]
+fn a_table_that_is_killed_continues_with_the_same_bits() {
+    let dir = workdir();
+    dir.write("sim.toml", &dir.text("sim.toml").replace("degree = 1", "degree = 3"));
+    let map = "map sim.toml --grid chamber.cavity.pressure=0:100:5e3 --tip top -o";
+    dir.solver(&format!("{map} whole.csv")).assert_good();
+    let mut killed = dir.command(&format!("{map} map.csv")).spawn().unwrap();
+    let checkpoint = dir.path(".map.csv.checkpoint.json");
+    while !checkpoint.exists() && killed.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(!dir.path("map.csv").exists(), "it was too fast to be killed");
+    let run = dir.solver(&format!("{map} map.csv"));
+    run.assert_good();
+    assert!(run.stderr.contains("continuing after row"), "{}", run.stderr);
+    assert_eq!(dir.text("map.csv"), dir.text("whole.csv"));
+    assert!(!checkpoint.exists());
+}
+
+#[test]
 fn tables_that_cannot_be_are_refused() {
     let dir = workdir();
     let refused = |arguments: &str, words: &[&str]| {

@@ -1,11 +1,12 @@
 //! `solver map`: equilibria on a grid of numbers as a table, for a controller or another simulator.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
-use program::Unusable;
+use anyhow::{Context, Result};
+use program::{Unusable, read_checkpoint, write_checkpoint};
 use reports::Status;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::SceneArguments;
@@ -16,8 +17,8 @@ use run::report::table;
 ///
 /// Writes a row for each combination of values, the last number fastest: the numbers, status, the probes, the pose of
 /// the tip (mean position and rotation vector), the derivative of each by each number, and the stiffness at the tip, the
-/// upper triangle of a matrix 6 × 6. SI units; NaN where there is no equilibrium, or one that must not be used. Rows that
-/// are found are written every few seconds.
+/// upper triangle of a matrix 6 × 6. SI units; NaN where there is no equilibrium, or one that must not be used. A table that
+/// was interrupted continues after its last row when the same command is given again.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -34,37 +35,92 @@ pub struct Arguments {
     /// A further number to differentiate by. Can be given several times
     #[arg(long, value_name = "PATH")]
     by: Vec<String>,
+    /// Forget an interrupted table
+    #[arg(long)]
+    restart: bool,
 }
 
-/// Least time between two times at which the rows are written.
-const BETWEEN_WRITES: Duration = Duration::from_secs(2);
+/// A table that is not complete.
+#[derive(Default, Serialize, Deserialize)]
+struct Begun {
+    /// What the rows depend on.
+    inputs: String,
+    /// The rows, as text.
+    rows: Vec<Vec<String>>,
+    /// Displacement of the last row [m].
+    u: Vec<f64>,
+}
+
+/// Least time between two checkpoints.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
+/// Word of a row that was found.
+const FOUND: &str = "ok";
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (scene, grid) = (arguments.of.read()?, &arguments.grid);
     let map = Map::new(&scene, grid, &arguments.by, arguments.tip.as_deref())?;
-    let (mut rows, count) = (vec![map.columns()], map.rows());
-    let (mut u, mut found) = (Vec::new(), 0);
-    let (start, mut written) = (Instant::now(), Instant::now());
-    for i in 0..count {
-        let row = map.row(i, &u)?;
+    let (columns, count) = (map.columns(), map.rows());
+    let mut inputs = vec![
+        scene.file.hash(),
+        scene.config.degree.to_string(),
+        format!("{grid:?}"),
+        columns.join(","),
+    ];
+    for part in &scene.parts {
+        inputs.push(program::sha256_file(&part.mesh_path)?);
+    }
+    let path = checkpoint(&arguments.output)?;
+    let mut begun = begin(&path, inputs.join(" "), arguments.restart)?;
+    let (start, mut saved) = (Instant::now(), Instant::now());
+    for i in begun.rows.len()..count {
+        let row = map.row(i, &begun.u)?;
         log::info!("{}", in_words(&row, grid, [i + 1, count], start));
-        rows.push(text(&row, rows[0].len()));
-        found += usize::from(row.status == Status::Ok);
-        u = row.u;
-        if written.elapsed() >= BETWEEN_WRITES {
-            table::write(&arguments.output, rows.iter().cloned())?;
-            written = Instant::now();
+        begun.rows.push(text(&row, columns.len()));
+        begun.u = row.u;
+        if i + 1 < count && saved.elapsed() >= BETWEEN_CHECKPOINTS {
+            write_checkpoint(&path, scene::PROGRAM, &begun)?;
+            saved = Instant::now();
         }
     }
-    let name = arguments.output.display();
-    table::write(&arguments.output, rows)?;
-    log::info!("{name}: {found} of {count} rows have an equilibrium that may be used");
+    let table = [columns].into_iter().chain(begun.rows.iter().cloned());
+    table::write(&arguments.output, table)?;
+    mesh::io::remove_output(&path)?;
+    let found = begun.rows.iter().filter(|row| row[grid.len()] == FOUND).count();
+    log::info!(
+        "{}: {found} of {count} rows have an equilibrium that may be used",
+        arguments.output.display()
+    );
     if found == 0 {
-        let scene = arguments.of.scene.display();
-        let why = format!("{scene}: no row has an equilibrium that may be used");
-        return Err(Unusable(why).into());
+        return Err(Unusable(format!(
+            "{}: no row has an equilibrium that may be used",
+            arguments.of.scene.display()
+        ))
+        .into());
     }
     Ok(())
+}
+
+/// The file beside a table from which it continues.
+fn checkpoint(table: &Path) -> Result<PathBuf> {
+    let name =
+        table.file_name().with_context(|| format!("{}: no name of a file", table.display()))?;
+    Ok(table.with_file_name(format!(".{}.checkpoint.json", name.to_string_lossy())))
+}
+
+/// The rows of an interrupted table with the same inputs, if there are any.
+fn begin(path: &Path, inputs: String, restart: bool) -> Result<Begun> {
+    if !restart && path.exists() {
+        let begun: Begun = read_checkpoint(path, scene::PROGRAM)?;
+        if begun.inputs == inputs {
+            log::info!("continuing after row {}", begun.rows.len());
+            return Ok(begun);
+        }
+        log::warn!(
+            "{}: it belongs to another table, so that all rows are computed again",
+            path.display()
+        );
+    }
+    Ok(Begun { inputs, ..Begun::default() })
 }
 
 fn text(row: &Row, columns: usize) -> Vec<String> {
@@ -78,7 +134,7 @@ fn text(row: &Row, columns: usize) -> Vec<String> {
 
 /// The status as reports have it.
 fn word(status: Status) -> String {
-    json!(status).as_str().unwrap_or_default().to_owned()
+    json!(status).as_str().unwrap_or(FOUND).to_owned()
 }
 
 fn in_words(row: &Row, grid: &[Grid], [i, count]: [usize; 2], start: Instant) -> String {
