@@ -252,7 +252,7 @@ fn the_form_of_contact_is_that_of_the_file() {
     assert!(config.contact.is_none());
     let notes = &imported.scene.notes;
     assert!(notes[0].contains("contact is off") && notes[1].contains("not plane"), "{notes:?}");
-    assert_eq!(imported.left()["scene.json: contact is off"], ["/contact", "/solver/contact"]);
+    assert_eq!(imported.left()["contact is off"], ["/contact", "/solver/contact"]);
 }
 
 #[test]
