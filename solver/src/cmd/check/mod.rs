@@ -14,8 +14,7 @@ use program::{Changes, Heartbeat, Unusable};
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
-use super::optimize::Problem;
-use design::optimize::{Evaluation, Level, Parameter, Perturbed};
+use design::optimize::{Evaluation, Level, Parameter, Perturbed, Problem};
 
 /// How often the test of a term is repeated with steps of a quarter of the length, while
 /// its slope is not accepted.
@@ -71,18 +70,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             (HandlesConfig::Each(handles as usize), VerticesConfig::default());
         settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
-    let (mut level, start) = problem.start(&objectives, &settings)?;
+    let (level, start) = problem.start(&objectives, &settings)?;
     log::info!(
         "{} variables, J {:.8e}; a run takes about {}",
         level.variables(),
         start.objective,
         about(start.forward_s)
     );
-    let perturbed = Perturbed { scene, design, settings: &settings, objectives: &objectives };
-    let mut parameters = Parameter::of(scene, &level, design);
+    let perturbed = Perturbed { problem: &problem, settings: &settings, objectives: &objectives };
+    let mut parameters = Parameter::of(&problem, &level);
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
-    let swept = sweeps(&mut level, &start)?;
+    let swept = sweeps(&level, &start)?;
     let runs = parameters.len() as f64 * (1 + arguments.random) as f64 * f64::from(arguments.steps);
     log::info!(
         "up to {runs} runs follow, about {}, and more where steps are too long",
@@ -97,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let count = parameter.count(&level);
         let mut case = Case {
             perturbed: &perturbed,
-            level: &mut level,
+            level: &level,
             start: &start,
             parameter,
             heartbeat: &mut heartbeat,
@@ -127,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Sweeps of the terms, by their names.
 fn sweeps(
-    level: &mut Level,
+    level: &Level,
     start: &Evaluation,
 ) -> Result<BTreeMap<String, Vec<mechanics::adjoint::Gradient>>> {
     let names: BTreeSet<String> = level.numbers(start).into_keys().collect();
@@ -182,7 +181,7 @@ impl Outcome {
 /// One parameter of one design problem.
 struct Case<'a> {
     perturbed: &'a Perturbed<'a>,
-    level: &'a mut Level,
+    level: &'a Level,
     start: &'a Evaluation,
     parameter: &'a Parameter,
     heartbeat: &'a mut Heartbeat,
