@@ -30,9 +30,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let problem = arguments.of.read()?;
-    let (design, scene) = (&problem.design, &problem.scene);
     let objectives = problem.objectives()?;
-    let (mut level, at) = problem.start(&objectives, &design.levels()[0])?;
+    let (level, at) = problem.start(&objectives, &problem.design.levels()[0])?;
     let theta = vec![0.0; level.variables()];
     let swept = level.sweep(&at, None)?;
     let by_rest = sum(swept.iter().map(|by| &by.rest));
@@ -57,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "objective": at.objective,
         "terms": at.terms,
         "shape": {"derivative": by_shape, "unit": "1/m"},
-        "numbers": Derivative::of(scene, &level, design, &swept),
+        "numbers": Derivative::of(&problem, &level, &swept),
     });
     program::write_json(&folder.join("gradient.json"), &report)
 }

@@ -27,7 +27,7 @@ use program::Changes;
 use program::schema::SchemaArguments;
 use scene::Scene;
 
-use self::optimize::Problem;
+use ::design::optimize::Problem;
 
 /// What `solver` can do.
 #[derive(Subcommand)]

@@ -44,19 +44,14 @@ impl Level {
     }
 
     /// Each bound at the run of each scenario, with the derivatives, of a linearised evaluation.
-    pub fn bound_rows(
-        &mut self,
-        theta: &[f64],
-        at: &Evaluation,
-    ) -> Result<Vec<BoundRow>, Rejected> {
-        let loads = self.map.load_variables(theta);
+    pub fn bound_rows(&self, at: &Evaluation) -> Result<Vec<BoundRow>, Rejected> {
+        let loads = self.map.load_variables(&at.theta);
         let mut rows = Vec::new();
-        let all = self.scenarios.iter().zip(&mut self.workspaces).zip(&at.runs);
-        for ((scenario, workspaces), run) in all {
+        for (scenario, run) in self.scenarios.iter().zip(&at.runs) {
             for (bound, Bound { name, .. }) in scenario.bounds().iter().enumerate() {
                 let of = (Some(name.as_str()), 1.0);
-                let by = scenario.sweep(workspaces, run, &at.rest, Wanted::All, of)?;
-                let mut a = self.map.vjp(theta, &by.rest);
+                let by = scenario.sweep(run, &at.rest, Wanted::All, of)?;
+                let mut a = self.map.vjp(&at.theta, &by.rest);
                 a.extend(scenario.by_loads(loads, &by));
                 rows.push(BoundRow { bound, c: run.kept[bound], a });
             }

@@ -7,7 +7,7 @@ use mechanics::forward::Trajectory;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::scenario::{Run, Scenario};
+use super::scenario::{Near, Run, Scenario};
 use super::vectors::along;
 use super::{Evaluation, Level, Rejected};
 
@@ -30,13 +30,10 @@ pub struct Curvature {
 }
 
 impl Level {
-    /// Curvature of the objective along first-order changes of the runs with θ, of a linearised evaluation. None
-    /// where a run has no usable tangent.
-    pub fn curvature(
-        &mut self,
-        theta: &[f64],
-        at: &Evaluation,
-    ) -> Result<Option<Curvature>, Rejected> {
+    /// Curvature of the objective along first-order changes of the runs of a linearised evaluation. None where a run
+    /// has no usable tangent.
+    pub fn curvature(&self, at: &Evaluation) -> Result<Option<Curvature>, Rejected> {
+        let theta = &at.theta[..];
         let sizes = self.variations(theta);
         let varied: Vec<Vec<f64>> = (0..theta.len()).map(|i| moved(theta, i, sizes[i])).collect();
         let shapes: Vec<_> = varied.par_iter().map(|theta| self.map.shape(theta)).collect();
@@ -44,14 +41,12 @@ impl Level {
         let by = self.robust.derivatives(&objectives);
         let mut sum = DMatrix::zeros(theta.len(), theta.len());
         let mut states = Vec::new();
-        let Self { map, scenarios, workspaces, .. } = self;
-        let all = scenarios.iter().zip(workspaces).zip(&at.runs).zip(by);
-        for (((scenario, workspaces), run), by) in all {
+        for ((scenario, run), by) in self.scenarios.iter().zip(&at.runs).zip(by) {
             let vary = |(theta, shape): (&Vec<f64>, &Vec<_>)| {
-                scenario.varied(map.load_variables(theta), shape)
+                scenario.varied(self.map.load_variables(theta), shape)
             };
             let varied: Vec<_> = varied.iter().zip(&shapes).map(vary).collect::<Result<_, _>>()?;
-            let Some((matrix, of)) = scenario.curvature(workspaces, run, &varied) else {
+            let Some((matrix, of)) = scenario.curvature(run, &varied) else {
                 return Ok(None);
             };
             sum += by * matrix;
@@ -59,35 +54,38 @@ impl Level {
         }
         let of_runs =
             DMatrix::from_fn(theta.len(), theta.len(), |i, j| sum[(i, j)] / (sizes[i] * sizes[j]));
-        let matrix = of_runs + self.own_curvature(theta.len());
-        Ok(Some(Curvature { matrix, sizes, states }))
+        let mut of_costs = DMatrix::zeros(theta.len(), theta.len());
+        for (_, i, [.., bend]) in self.map.costs(theta) {
+            of_costs[(i, i)] += bend;
+        }
+        Ok(Some(Curvature { matrix: of_runs + of_costs, sizes, states }))
     }
 
-    /// Second derivatives of what keeps parameters small.
-    fn own_curvature(&self, variables: usize) -> DMatrix<f64> {
-        let mut matrix = DMatrix::zeros(variables, variables);
-        let shape = self.map.shape_variables();
-        for (i, bend) in self.costs.bends() {
-            matrix[(shape + i, shape + i)] += bend;
+    /// Where the runs after a step d are looked for: at what the first-order changes of those of a linearised evaluation,
+    /// through time along its curvature, come to.
+    pub fn ahead(
+        &self,
+        d: &[f64],
+        at: &Evaluation,
+        curvature: Option<&Curvature>,
+    ) -> Result<Vec<Near>> {
+        match curvature {
+            Some(curvature) if self.is_transient() => self.foreseen(d, at, curvature),
+            _ if self.is_transient() => Ok(self.near(at)),
+            _ => Ok(self.predict(&along(&at.theta, d, 1.0), at).unwrap_or_else(|| self.near(at))),
         }
-        matrix
     }
 
     /// The runs after a step d from an evaluation, to first order.
-    pub fn foreseen(
-        &self,
-        theta: &[f64],
-        d: &[f64],
-        at: &Evaluation,
-        curvature: &Curvature,
-    ) -> Result<Vec<Arc<Trajectory>>> {
-        let there = along(theta, d, 1.0);
+    fn foreseen(&self, d: &[f64], at: &Evaluation, curvature: &Curvature) -> Result<Vec<Near>> {
+        let there = along(&at.theta, d, 1.0);
         let (shape, loads) = (self.map.shape(&there), self.map.load_variables(&there));
         let parts: Vec<f64> = d.iter().zip(&curvature.sizes).map(|(d, size)| d / size).collect();
         let one = |((scenario, run), states): ((&Scenario, &Run), &Vec<Arc<Trajectory>>)| {
             let neighbours: Vec<_> =
                 parts.iter().copied().zip(states.iter().map(|s| &**s)).collect();
-            scenario.foreseen(run, &neighbours, loads, &shape).map(Arc::new)
+            let states = scenario.foreseen(run, &neighbours, loads, &shape)?;
+            Ok(Near::Run(Arc::new(states), Arc::clone(&run.tangents)))
         };
         self.scenarios.iter().zip(&at.runs).zip(&curvature.states).map(one).collect()
     }

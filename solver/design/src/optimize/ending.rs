@@ -1,5 +1,7 @@
 //! How a level ends, and what was tried and not taken on the way.
 
+use std::collections::BTreeMap;
+
 use reports::{Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
@@ -44,27 +46,54 @@ impl End {
     }
 }
 
+/// Why a trial was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Cause {
+    /// The shape has flat elements.
+    Flat,
+    /// The shape is not valid otherwise, or does not keep a constraint.
+    Shape,
+    /// A run has no equilibrium.
+    Run,
+    /// The shape cannot be cast.
+    Mold,
+    /// The objective is not low enough.
+    High,
+}
+
+impl Cause {
+    /// What trials are with it.
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Flat => "with flat elements",
+            Self::Shape => "not valid as shapes",
+            Self::Run => "without an equilibrium",
+            Self::Mold => "not to be cast",
+            Self::High => "with a higher objective",
+        }
+    }
+}
+
 /// A trial that was not taken.
 pub struct Refused {
-    /// Why.
-    pub reason: String,
+    pub cause: Cause,
+    /// The same in words.
+    pub why: String,
     /// What it came to, where it had a value.
     pub objective: Option<f64>,
-    /// It cannot be cast.
-    pub is_mold: bool,
 }
 
 impl From<Rejected> for Refused {
     fn from(Rejected { why, .. }: Rejected) -> Self {
-        Self { reason: why, objective: None, is_mold: false }
+        Self { cause: Cause::Run, why, objective: None }
     }
 }
 
 impl Refused {
     /// A shape that `fab plan` refuses.
     pub fn mold(refused: &str) -> Self {
-        let reason = format!("fab plan: it cannot be cast: {refused}");
-        Self { reason, objective: None, is_mold: true }
+        let why = format!("fab plan: it cannot be cast: {refused}");
+        Self { cause: Cause::Mold, why, objective: None }
     }
 
     /// Length of the next trial over that of this one, along which the objective had a slope at its start: where a
@@ -77,50 +106,31 @@ impl Refused {
     }
 }
 
-/// What was tried and not taken, by its reason.
+/// What was tried and not taken.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rejections {
-    /// Shapes with flat elements.
-    pub flat: usize,
-    /// Other shapes that are not valid, or keep a constraint not.
-    pub shape: usize,
-    /// Runs without an equilibrium.
-    pub run: usize,
-    /// Shapes that cannot be cast.
-    #[serde(default)]
-    pub mold: usize,
-    /// Runs that did not lower the objective enough.
-    pub high: usize,
+    counts: BTreeMap<Cause, usize>,
     /// The last reason.
     pub last: String,
 }
 
 impl Rejections {
-    /// Counts a trial that was not taken.
-    pub fn add(&mut self, refused: &Refused) {
-        let count = match refused {
-            Refused { is_mold: true, .. } => &mut self.mold,
-            Refused { objective: Some(_), .. } => &mut self.high,
-            Refused { objective: None, .. } => &mut self.run,
-        };
-        *count += 1;
-        self.last.clone_from(&refused.reason);
+    /// How many trials a cause has had.
+    pub fn count(&self, cause: Cause) -> usize {
+        self.counts.get(&cause).copied().unwrap_or(0)
     }
 
-    /// Counts a shape that was not simulated.
-    pub fn add_shape(&mut self, flat: bool, Rejected { why, .. }: &Rejected) {
-        *if flat { &mut self.flat } else { &mut self.shape } += 1;
-        self.last.clone_from(why);
-        log::debug!("a shape is not tried: {why}");
+    /// Counts a trial that was not taken.
+    pub fn add(&mut self, cause: Cause, why: &str) {
+        *self.counts.entry(cause).or_default() += 1;
+        why.clone_into(&mut self.last);
     }
 
     /// Adds those of another iteration.
     pub fn merge(&mut self, other: Self) {
-        self.flat += other.flat;
-        self.shape += other.shape;
-        self.run += other.run;
-        self.mold += other.mold;
-        self.high += other.high;
+        for (cause, count) in other.counts {
+            *self.counts.entry(cause).or_default() += count;
+        }
         if !other.last.is_empty() {
             self.last = other.last;
         }
@@ -128,20 +138,9 @@ impl Rejections {
 
     /// In words; none where nothing was rejected.
     pub fn describe(&self) -> Option<String> {
-        let all = self.flat + self.shape + self.run + self.mold + self.high;
-        let kinds = [
-            (self.flat, "with flat elements"),
-            (self.shape, "not valid as shapes"),
-            (self.run, "without an equilibrium"),
-            (self.mold, "not to be cast"),
-            (self.high, "with a higher objective"),
-        ];
-        let said: Vec<String> = kinds
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, what)| format!("{count} {what}"))
-            .collect();
-        (all > 0).then(|| format!("rejected trials: {}", said.join(", ")))
+        let one = |(cause, count): (&Cause, &usize)| format!("{count} {}", cause.in_words());
+        let said: Vec<String> = self.counts.iter().map(one).collect();
+        (!said.is_empty()).then(|| format!("rejected trials: {}", said.join(", ")))
     }
 }
 
@@ -152,7 +151,7 @@ mod tests {
     /// J = −α + 5 α²/2 has its minimum at α = 1/5; after 1 ≤ α, J − J₀ = 3/2.
     #[test]
     fn the_next_trial_is_where_the_parabola_has_its_minimum() {
-        let refused = |objective| Refused { reason: String::new(), objective, is_mold: false };
+        let refused = |objective| Refused { cause: Cause::High, why: String::new(), objective };
         assert!((refused(Some(8.5)).shorter(7.0, -1.0) - 0.2).abs() < 1e-15);
         assert_eq!(refused(Some(1e9)).shorter(7.0, -1.0), SHORTEST_RETRIAL);
         for without_a_minimum in [None, Some(f64::NAN), Some(f64::NEG_INFINITY), Some(7.0)] {

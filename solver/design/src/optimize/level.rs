@@ -18,10 +18,9 @@ use scene::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use scene::memory;
 use scene::{ObjectiveBuilder, Scene};
 
-use super::costs::Costs;
 use super::rest_path::RestPath;
 use super::robust::Robust;
-use super::scenario::{Near, Rejected, Run, Scenario, Workspaces};
+use super::scenario::{Near, Rejected, Run, Scenario};
 use super::vectors::along;
 use super::{shares, validity};
 use crate::variables::DesignMap;
@@ -31,12 +30,12 @@ use run::report::failure::Diagnosis;
 /// A design with its runs and objective.
 #[derive(Clone)]
 pub struct Evaluation {
+    /// The design variables [m].
+    pub theta: Vec<f64>,
     /// Rest vertex positions [m].
     pub rest: Vec<Vec3>,
     /// Run of each scenario.
     pub runs: Vec<Run>,
-    /// Variables of the loads [m].
-    loads: Vec<f64>,
     /// What is minimised, the sum of the terms.
     pub objective: f64,
     /// Mean over the scenarios of each weighted term, by the user's name, and [`EXCESS`], where
@@ -55,33 +54,6 @@ impl Evaluation {
     }
 }
 
-/// Where runs are looked for.
-#[derive(Clone, Copy)]
-pub enum Start<'a> {
-    /// From rest.
-    Rest,
-    /// Equilibria of a scene without time next to displacements [m], one for each scenario.
-    Next(&'a [Vec<f64>]),
-    /// From rest through time, next to the runs of another evaluation.
-    Guided(&'a [Run]),
-    /// From rest through time, next to states that were foreseen from the runs of another evaluation.
-    Foreseen(&'a [Arc<Trajectory>], &'a [Run]),
-    /// Next to runs that were carried over from another mesh.
-    Carried(&'a [Arc<Trajectory>]),
-}
-
-impl<'a> Start<'a> {
-    fn of(self, scenario: usize) -> Near<'a> {
-        match self {
-            Self::Rest => Near::Rest,
-            Self::Next(displacements) => Near::Displacement(&displacements[scenario]),
-            Self::Guided(runs) => Near::Run(&runs[scenario].states, &runs[scenario].tangents),
-            Self::Foreseen(all, runs) => Near::Run(&all[scenario], &runs[scenario].tangents),
-            Self::Carried(runs) => Near::Carried(&runs[scenario]),
-        }
-    }
-}
-
 /// A design problem with a fixed mesh topology and fixed variables.
 pub struct Level {
     /// The body at θ = 0.
@@ -90,11 +62,8 @@ pub struct Level {
     /// The surface on the way to another shape.
     pub(super) path: RestPath,
     pub(super) scenarios: Vec<Scenario>,
-    /// Of each scenario.
-    pub(super) workspaces: Vec<Workspaces>,
     pub(super) robust: Robust,
     pub(super) constraints: Vec<Constraint>,
-    pub(super) costs: Costs,
 }
 
 impl Level {
@@ -116,17 +85,15 @@ impl Level {
                 Some(title) => error.context(title),
             })
         });
-        let scenarios: Vec<(Scenario, Workspaces)> = scenarios.collect::<Result<_>>()?;
+        let scenarios: Vec<Scenario> = scenarios.collect::<Result<_>>()?;
         check_memory(&scenarios)?;
-        let (scenarios, workspaces) = scenarios.into_iter().unzip();
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
         let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
         let constraints = design.constraint.iter().map(|kept| kept.build(&body));
         let constraints: Vec<Option<Constraint>> = constraints.collect::<Result<_>>()?;
         let constraints = constraints.into_iter().flatten().collect();
         let robust = Robust::new(&configs, design.robust);
-        let costs = Costs::new(&design.parameter, &map);
-        Ok(Self { body, map, path, robust, scenarios, workspaces, constraints, costs })
+        Ok(Self { body, map, path, robust, scenarios, constraints })
     }
 
     /// Number of design variables.
@@ -166,7 +133,7 @@ impl Level {
 
     /// Number of time steps.
     pub fn steps(&self) -> usize {
-        self.first().steps()
+        self.first().times().len()
     }
 
     /// Names of the terms, in the order of the design file, and of [`EXCESS`], if there is one.
@@ -177,44 +144,41 @@ impl Level {
 
     /// Does the same for all scenarios, at the same time; the first error counts.
     fn each<T: Send>(
-        &mut self,
-        one: impl Fn(usize, &Scenario, &mut Workspaces) -> Result<T, Rejected> + Sync,
+        &self,
+        one: impl Fn(usize, &Scenario) -> Result<T, Rejected> + Sync,
     ) -> Result<Vec<T>, Rejected> {
-        let all = self.scenarios.par_iter().zip(&mut self.workspaces).enumerate();
-        let one = |(i, (scenario, workspaces))| {
-            one(i, scenario, workspaces).map_err(|rejected| rejected.by(i))
-        };
+        let all = self.scenarios.par_iter().enumerate();
+        let one = |(i, scenario)| one(i, scenario).map_err(|rejected| rejected.by(i));
         let done: Vec<Result<T, Rejected>> = all.map(one).collect();
         done.into_iter().collect()
     }
 
-    /// Shape, runs and objective at θ.
-    pub fn evaluate(&mut self, theta: &[f64], start: Start) -> Result<Evaluation, Rejected> {
+    /// Shape, runs and objective at θ, with where the run of each scenario is looked for: from rest without any.
+    pub fn evaluate(&self, theta: &[f64], near: &[Near]) -> Result<Evaluation, Rejected> {
         let clock = Instant::now();
         let rest = self.map.shape(theta);
         self.admit(&rest)?;
-        let loads = self.map.load_variables(theta).to_vec();
-        let runs = self
-            .each(|i, scenario, workspaces| scenario.run(workspaces, &loads, &rest, start.of(i)))?;
+        let loads = self.map.load_variables(theta);
+        let near = |i: usize| near.get(i).unwrap_or(&Near::Rest);
+        let runs = self.each(|i, scenario| scenario.run(loads, &rest, near(i)))?;
         let forward_s = clock.elapsed().as_secs_f64();
-        Ok(Evaluation { forward_s, ..self.evaluated(rest, runs, loads) })
+        Ok(Evaluation { forward_s, ..self.evaluated(theta, rest, runs) })
     }
 
     /// An evaluation as it was, from the displacements of all scenarios at the ends of time
     /// steps, one scenario after the other [m].
     pub fn recall<E: Into<anyhow::Error>>(
-        &mut self,
+        &self,
         theta: &[f64],
-        mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+        displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Evaluation> {
-        let rest = self.map.shape(theta);
-        let (loads, steps) = (self.map.load_variables(theta).to_vec(), self.steps());
-        let mut runs = Vec::new();
-        for (scenario, workspaces) in self.scenarios.iter().zip(&mut self.workspaces) {
-            let states: Vec<_> = displacements.by_ref().take(steps).collect();
-            runs.push(scenario.recall(workspaces, &loads, &rest, states.into_iter())?);
-        }
-        Ok(Evaluation { newton_iterations: 0, ..self.evaluated(rest, runs, loads) })
+        let (rest, loads) = (self.map.shape(theta), self.map.load_variables(theta));
+        let times: Vec<f64> = self.scenarios.iter().flat_map(Scenario::times).copied().collect();
+        let states = self.states(theta, &times, displacements)?;
+        let recall =
+            |(i, states): (usize, Trajectory)| Ok(self.scenarios[i].recall(loads, &rest, states)?);
+        let runs = states.into_iter().enumerate().map(recall).collect::<Result<_>>()?;
+        Ok(self.evaluated(theta, rest, runs))
     }
 
     /// Factors of the terms, in the order of the design file.
@@ -236,18 +200,17 @@ impl Level {
         }
         let mut means = vec![0.0; wanted.len()];
         let parts = self.robust.weights().to_vec();
-        let all =
-            self.each(|i, own, workspaces| Ok(own.values(workspaces, &at.runs[i], |_| true)))?;
+        let all = self.each(|i, own| Ok(own.values(&at.runs[i], |_| true)))?;
         for (values, part) in all.into_iter().zip(parts) {
             means.iter_mut().zip(values).for_each(|(mean, value)| *mean += part * value);
         }
         self.set_weights(&shares::weights(&wanted, &means)?);
-        let runs = self.each(|i, own, workspaces| Ok(own.rated(workspaces, &at.runs[i])))?;
-        let Evaluation { rest, newton_iterations, forward_s, loads, .. } = at;
-        Ok(Evaluation { newton_iterations, forward_s, ..self.evaluated(rest, runs, loads) })
+        let runs = self.each(|i, own| Ok(own.rated(&at.runs[i])))?;
+        let Evaluation { theta, rest, newton_iterations, forward_s, .. } = at;
+        Ok(Evaluation { newton_iterations, forward_s, ..self.evaluated(&theta, rest, runs) })
     }
 
-    fn evaluated(&self, rest: Vec<Vec3>, runs: Vec<Run>, loads: Vec<f64>) -> Evaluation {
+    fn evaluated(&self, theta: &[f64], rest: Vec<Vec3>, runs: Vec<Run>) -> Evaluation {
         let objectives: Vec<f64> = runs.iter().map(|run| run.objective).collect();
         let mut objective = self.robust.value(&objectives);
         let mut terms = BTreeMap::new();
@@ -259,39 +222,45 @@ impl Level {
         if !self.robust.is_mean() {
             terms.insert(EXCESS.to_owned(), objective - self.robust.mean(&objectives));
         }
-        for (name, cost) in self.costs.values(&loads) {
+        for (name, _, [cost, ..]) in self.map.costs(theta) {
             objective += cost;
-            terms.insert(name, cost);
+            terms.insert(name.to_owned(), cost);
         }
         let newton_iterations = runs.iter().map(|run| run.newton_iterations).sum();
-        Evaluation { rest, runs, loads, objective, terms, newton_iterations, forward_s: 0.0 }
+        let theta = theta.to_vec();
+        Evaluation { theta, rest, runs, objective, terms, newton_iterations, forward_s: 0.0 }
     }
 
-    /// What a trial looks for next to an evaluation: the displacements that were predicted for
-    /// the equilibria of a scene without time, else the whole runs.
-    pub fn near<'a>(&self, at: &'a Evaluation, predicted: &'a [Vec<f64>]) -> Start<'a> {
-        if self.is_transient() { Start::Guided(&at.runs) } else { Start::Next(predicted) }
+    /// Where the runs of a changed scene are looked for: at the equilibria of an evaluation, or along its runs through time.
+    pub fn near(&self, at: &Evaluation) -> Vec<Near> {
+        let one = |run: &Run| match self.is_transient() {
+            true => run.near(),
+            false => Near::Displacement(run.states.last().into_owned()),
+        };
+        at.runs.iter().map(one).collect()
     }
 
     /// Explains why the body at θ = 0 was rejected, if it has no equilibrium.
-    pub fn diagnose(&mut self, rejected: &Rejected) -> Option<Diagnosis> {
-        rejected.diagnose(&self.scenarios, &mut self.workspaces)
+    pub fn diagnose(&self, rejected: &Rejected) -> Option<Diagnosis> {
+        rejected.diagnose(&self.scenarios)
     }
 
     /// Makes an evaluation ready for [`Self::gradient`], [`Self::predict`] and trials at or
     /// next to it. What follows depends on the evaluation alone, not on how it was reached: an interrupted search
     /// continues with the same bits.
-    pub fn linearize(&mut self, at: &mut Evaluation) {
-        let all = self.scenarios.par_iter().zip(&mut self.workspaces).zip(&mut at.runs);
-        all.for_each(|((scenario, workspaces), run)| scenario.linearize(workspaces, run));
+    pub fn linearize(&self, at: &mut Evaluation) {
+        let all = self.scenarios.par_iter().zip(&mut at.runs);
+        all.for_each(|(scenario, run)| scenario.linearize(run));
     }
 
-    /// First-order change of the equilibria of a linearised evaluation to the shape X(θ): a start for
-    /// [`Self::evaluate`] along this step. None where an equilibrium is not stable, or of a run through time.
-    pub fn predict(&mut self, theta: &[f64], at: &Evaluation) -> Option<Vec<Vec<f64>>> {
+    /// The equilibria of a linearised evaluation changed to the shape X(θ), to first order. None where one is not stable.
+    pub(super) fn predict(&self, theta: &[f64], at: &Evaluation) -> Option<Vec<Near>> {
         let shape = self.map.shape(theta);
-        let all = self.scenarios.par_iter().zip(&mut self.workspaces).zip(&at.runs);
-        all.map(|((scenario, workspaces), run)| scenario.predict(workspaces, run, &shape)).collect()
+        let one = |(scenario, run): (&Scenario, &Run)| {
+            let change = scenario.predict(run, &shape)?;
+            Some(Near::Displacement(along(&run.states.last(), &change, 1.0)))
+        };
+        self.scenarios.par_iter().zip(&at.runs).map(one).collect()
     }
 
     /// The body with the rest shape of an evaluation.
@@ -317,55 +286,66 @@ impl Level {
         &self,
         theta: &[f64],
         times: &[f64],
+        displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
+    ) -> Result<Vec<Near>> {
+        let states = self.states(theta, times, displacements)?;
+        Ok(states.into_iter().map(|states| Near::Carried(Arc::new(states))).collect())
+    }
+
+    /// States with the shape and the loads at θ, from displacements at times [m, s], one scenario after the other.
+    fn states<E: Into<anyhow::Error>>(
+        &self,
+        theta: &[f64],
+        times: &[f64],
         mut displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-    ) -> Result<Vec<Arc<Trajectory>>> {
+    ) -> Result<Vec<Trajectory>> {
         let rest = self.map.shape(theta);
         let loads = self.map.load_variables(theta);
         let each = times.len() / self.scenarios.len();
         let mut one = |(scenario, times): (&Scenario, &[f64])| {
             let states = times.iter().copied().zip(displacements.by_ref());
-            scenario.states(loads, &rest, states).map(Arc::new)
+            scenario.states(loads, &rest, states)
         };
         self.scenarios.iter().zip(times.chunks(each)).map(&mut one).collect()
     }
 
-    /// dJ/dθ at an evaluation made with the same θ, which is linearised.
-    pub fn gradient(&mut self, theta: &[f64], at: &Evaluation) -> Result<Vec<f64>, Rejected> {
+    /// dJ/dθ at an evaluation, which is linearised.
+    pub fn gradient(&self, at: &Evaluation) -> Result<Vec<f64>, Rejected> {
         let shape = self.map.shape_variables();
-        let wanted = match theta.len() - shape {
+        let wanted = match at.theta.len() - shape {
             0 => Wanted::Shape,
             _ if shape == 0 => Wanted::Numbers,
             _ => Wanted::All,
         };
         let swept = self.sweep_for(at, wanted, None)?;
-        let mut gradient = self.vjp(theta, &swept);
-        for (i, slope) in self.costs.slopes(&at.loads) {
-            gradient[shape + i] += slope;
+        let mut gradient = self.vjp(&at.theta, &swept);
+        for (_, i, [_, slope, _]) in self.map.costs(&at.theta) {
+            gradient[i] += slope;
         }
         Ok(gradient)
     }
 
     /// dJ of the objective, or of its terms of a name, by all that the run of each scenario
     /// depends on; their sum counts. Where the evaluation is linearised, that saves factorisations.
-    pub fn sweep(&mut self, at: &Evaluation, of: Option<&str>) -> Result<Vec<Gradient>, Rejected> {
+    pub fn sweep(&self, at: &Evaluation, of: Option<&str>) -> Result<Vec<Gradient>, Rejected> {
         self.sweep_for(at, Wanted::All, of)
     }
 
     fn sweep_for(
-        &mut self,
+        &self,
         at: &Evaluation,
         wanted: Wanted,
         of: Option<&str>,
     ) -> Result<Vec<Gradient>, Rejected> {
         let objectives: Vec<f64> = at.runs.iter().map(|run| run.objective).collect();
-        let (by, means) = (self.robust.derivatives(&objectives), self.robust.weights().to_vec());
-        self.each(|i, scenario, workspaces| {
+        let (by, means) = (self.robust.derivatives(&objectives), self.robust.weights());
+        self.each(|i, scenario| {
             let (of, factor) = match of {
                 None => (None, by[i]),
                 Some(EXCESS) => (None, by[i] - means[i]),
                 Some(_) => (of, means[i]),
             };
-            scenario.sweep(workspaces, &at.runs[i], &at.rest, wanted, (of, factor))
+            scenario.sweep(&at.runs[i], &at.rest, wanted, (of, factor))
         })
     }
 
@@ -423,8 +403,8 @@ impl Level {
 }
 
 /// Each has been checked alone; the factors of all are kept at the same time.
-fn check_memory(scenarios: &[(Scenario, Workspaces)]) -> Result<()> {
-    let need: Need = scenarios.iter().map(|(own, workspaces)| own.memory(workspaces)).sum();
+fn check_memory(scenarios: &[Scenario]) -> Result<()> {
+    let need: Need = scenarios.iter().map(Scenario::memory).sum();
     let count = scenarios.len();
     memory::require(need).with_context(|| format!("{count} scenarios at the same time"))
 }

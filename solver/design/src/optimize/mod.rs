@@ -4,20 +4,18 @@
 mod bounds;
 mod cascade;
 mod checkpoint;
-mod costs;
 mod curvature;
 mod ending;
+pub mod folder;
 mod history;
 mod kept;
 mod lbfgs;
 mod level;
-mod mesh_files;
 mod meshes;
 mod molding;
-mod offset;
 mod parameter;
+mod problem;
 mod quadratic;
-mod remesh;
 mod rest_path;
 mod robust;
 mod scenario;
@@ -28,12 +26,12 @@ mod vectors;
 
 pub use scenario::scene_of;
 
-pub use cascade::{CASTABLE, Cascade, Finished, LATEST};
-pub use checkpoint::Checkpoint;
+pub use cascade::Cascade;
 pub use history::History;
-pub use level::{Evaluation, Level, Start};
-pub use mesh_files::{mesh_file, write_bodies};
-pub use meshes::Meshes;
-pub use molding::Molding;
+pub use level::{Evaluation, Level};
 pub use parameter::{Derivative, Parameter, Perturbed};
-pub use scenario::{Rejected, Run, Scenario};
+pub use problem::Problem;
+
+use checkpoint::Checkpoint;
+use meshes::Meshes;
+use scenario::{Rejected, Run, Scenario};

@@ -4,11 +4,11 @@
 use anyhow::Result;
 use mechanics::adjoint::Gradient;
 use mechanics::math::linear::sum;
-use scene::config::{DesignConfig, LevelConfig, VerticesConfig};
+use scene::config::{LevelConfig, VerticesConfig};
 use scene::{ObjectiveBuilder, Scene};
 use serde::Serialize;
 
-use super::{Evaluation, Level, Scenario};
+use super::{Evaluation, Level, Problem, Scenario};
 use scene::number::{KINDS, Number, Swept};
 
 /// A group of numbers.
@@ -26,7 +26,7 @@ pub enum Parameter {
 impl Parameter {
     /// All that the runs of a level depend on. Walls move with the shape, and pressures that are
     /// designed are among the loads.
-    pub fn of(scene: &Scene, level: &Level, design: &DesignConfig) -> Vec<Self> {
+    pub fn of(Problem { scene, design, .. }: &Problem, level: &Level) -> Vec<Self> {
         let mut all = Vec::new();
         let shape = level.map().shape_variables();
         all.extend((shape > 0).then_some(Self::Shape));
@@ -107,24 +107,21 @@ pub struct Derivative {
 impl Derivative {
     /// All of them, from the sweeps of all scenarios at θ = 0: the loads that are designed, then the
     /// numbers of the scene. A number counts in the scenarios that give it no value of their own.
-    pub fn of(
-        scene: &Scene,
-        level: &Level,
-        design: &DesignConfig,
-        swept: &[Gradient],
-    ) -> Vec<Self> {
+    pub fn of(problem: &Problem, level: &Level, swept: &[Gradient]) -> Vec<Self> {
         let one = |path: String, derivative: f64, unit: &str| {
             let unit = if unit == "1" { unit.to_owned() } else { format!("1/({unit})") };
             Self { path, derivative, unit }
         };
         let mut all = Vec::new();
-        for parameter in Parameter::of(scene, level, design) {
+        for parameter in Parameter::of(problem, level) {
             match &parameter {
                 Parameter::Shape => {}
                 Parameter::Loads => {
-                    let by = parameter.gradient(scene, level, swept);
-                    let named = level.map().named_load_variables().into_iter().zip(by);
-                    all.extend(named.map(|(own, by)| one(own.path, by / own.per_metre, own.unit)));
+                    let by = parameter.gradient(&problem.scene, level, swept);
+                    let named = level.map().named_load_variables().iter().zip(by);
+                    all.extend(
+                        named.map(|(own, by)| one(own.path.clone(), by / own.per_metre, own.unit)),
+                    );
                 }
                 Parameter::Numbers(numbers) => all.extend(numbers.iter().map(|number| {
                     let by = sum_over_scenarios(level, swept, |scenario, swept| {
@@ -165,10 +162,8 @@ fn by_part(number: &Number, scene: &Scene, scenario: &Scenario, swept: &Swept) -
 
 /// Evaluates a design problem with changed parameters.
 pub struct Perturbed<'a> {
-    /// The scene as it is.
-    pub scene: &'a Scene,
-    /// The design problem.
-    pub design: &'a DesignConfig,
+    /// As it is.
+    pub problem: &'a Problem,
     /// The level that is checked.
     pub settings: &'a LevelConfig,
     /// Terms of the objective.
@@ -180,15 +175,13 @@ impl Perturbed<'_> {
     /// level.
     pub fn evaluate(
         &self,
-        level: &mut Level,
+        level: &Level,
         start: &Evaluation,
         parameter: &Parameter,
         by: &[f64],
     ) -> Result<Evaluation> {
         let mut theta = vec![0.0; level.variables()];
-        let last: Vec<Vec<f64>> =
-            start.runs.iter().map(|run| run.states.last().into_owned()).collect();
-        let near = level.near(start, &last);
+        let near = &level.near(start);
         let changed = match parameter {
             Parameter::Shape => {
                 theta[..by.len()].copy_from_slice(by);
@@ -201,14 +194,15 @@ impl Perturbed<'_> {
             }
             Parameter::Numbers(numbers) => self.changed(numbers, by)?,
         };
+        let design = &self.problem.design;
         // free vertices take no time to set up, and none is moved
         let settings = LevelConfig {
             handles: None,
-            vertices: VerticesConfig::All(self.design.shape.is_some()),
+            vertices: VerticesConfig::All(design.shape.is_some()),
             ..self.settings.clone()
         };
         let body = level.body.clone();
-        let mut other = Level::new(&changed, self.objectives, body, self.design, &settings)?;
+        let mut other = Level::new(&changed, self.objectives, body, design, &settings)?;
         other.set_weights(&level.weights());
         let theta = vec![0.0; other.variables()];
         Ok(other.evaluate(&theta, near)?)
@@ -216,10 +210,11 @@ impl Perturbed<'_> {
 
     /// The scene with numbers changed by parts of themselves, or of what is large of their kind.
     fn changed(&self, numbers: &[Number], by: &[f64]) -> Result<Scene> {
-        let mut scene = self.scene.clone();
+        let own = &self.problem.scene;
+        let mut scene = own.clone();
         for (number, by) in numbers.iter().zip(by) {
-            let value = number.value(self.scene);
-            let value = match number.scale(self.scene) {
+            let value = number.value(own);
+            let value = match number.scale(own) {
                 Some(scale) => value + scale * by,
                 None => value * (1.0 + by),
             };

@@ -265,22 +265,18 @@ impl<'a> Problem<'a> {
         let gradient = DVector::from_column_slice(self.gradient);
         let unit = gradient.amax().max(f64::MIN_POSITIVE) * self.length;
         let squared = self.length * self.length / unit;
-        let mut entries = Entries::default();
-        for j in 0..size {
-            for i in 0..=j {
-                entries.push(i, j, squared * model.within[(i, j)]);
-            }
-        }
-        (size..all).for_each(|j| entries.push(j, j, squared * model.beyond));
-        let p = entries.matrix(all, all);
+        let upper = (0..size).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        let mut entries: Vec<Entry> =
+            upper.map(|(i, j)| (i, j, squared * model.within[(i, j)])).collect();
+        entries.extend((size..all).map(|j| (j, j, squared * model.beyond)));
+        let p = sparse([all, all], &entries);
         let (y, z) = model.split(&gradient);
         let q: Vec<f64> = y.iter().chain(z.iter()).map(|g| g * self.length / unit).collect();
-        let mut entries = Entries::default();
+        entries.clear();
         let mut b = Vec::new();
         if let Some(basis) = &model.basis {
-            for j in 0..size {
-                (0..n).for_each(|i| entries.push(j, size + i, basis[(i, j)]));
-            }
+            let all = (0..size).flat_map(|j| (0..n).map(move |i| (i, j)));
+            entries.extend(all.map(|(i, j)| (j, size + i, basis[(i, j)])));
             b.resize(size, 0.0);
         }
         let equalities = b.len();
@@ -288,18 +284,18 @@ impl<'a> Problem<'a> {
         for (&k, length) in taken.iter().zip(&sizes) {
             let Row { a, c } = &self.rows[k];
             match &model.basis {
-                None => a.iter().for_each(|(i, a)| entries.push(b.len(), *i, -a / length)),
+                None => entries.extend(a.iter().map(|(i, a)| (b.len(), *i, -a / length))),
                 Some(basis) => {
                     for j in 0..size {
                         let on: f64 = a.iter().map(|(i, a)| a * basis[(*i, j)]).sum();
-                        entries.push(b.len(), j, -on / length);
+                        entries.push((b.len(), j, -on / length));
                     }
-                    a.iter().for_each(|(i, a)| entries.push(b.len(), size + i, -a / length));
+                    entries.extend(a.iter().map(|(i, a)| (b.len(), size + i, -a / length)));
                 }
             }
             b.push(c / (length * self.length));
         }
-        let a = entries.matrix(b.len(), all);
+        let a = sparse([b.len(), all], &entries);
         let cones: [SupportedConeT<f64>; 2] =
             [ZeroConeT(equalities), NonnegativeConeT(taken.len())];
         let settings =
@@ -320,24 +316,13 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Entries of a sparse matrix.
-#[derive(Default)]
-struct Entries {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
+/// Row, column and value.
+type Entry = (usize, usize, f64);
 
-impl Entries {
-    fn push(&mut self, row: usize, column: usize, value: f64) {
-        self.rows.push(row);
-        self.columns.push(column);
-        self.values.push(value);
-    }
-
-    fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
-    }
+/// A sparse matrix with so many rows and columns.
+fn sparse([rows, columns]: [usize; 2], entries: &[Entry]) -> CscMatrix<f64> {
+    let (i, (j, values)) = entries.iter().map(|&(i, j, value)| (i, (j, value))).unzip();
+    CscMatrix::new_from_triplets(rows, columns, i, j, values)
 }
 
 #[cfg(test)]

@@ -162,7 +162,7 @@ impl DesignMap {
 
     /// Number of design variables.
     pub fn variables(&self) -> usize {
-        self.shape_variables() + self.loads.variables()
+        self.shape_variables() + self.loads.variables().len()
     }
 
     /// Number of those of the shape, which come first.
@@ -228,8 +228,18 @@ impl DesignMap {
     }
 
     /// Variables of the loads in the words of the scene, in the order of θ.
-    pub fn named_load_variables(&self) -> Vec<LoadVariable> {
-        self.loads.named_variables()
+    pub fn named_load_variables(&self) -> &[LoadVariable] {
+        self.loads.variables()
+    }
+
+    /// The terms that keep designed numbers small: name, index in θ of the variable, and term with both derivatives by it.
+    pub fn costs<'a>(
+        &'a self,
+        theta: &'a [f64],
+    ) -> impl Iterator<Item = (&'a str, usize, [f64; 3])> + 'a {
+        let first = self.shape_variables();
+        let costs = self.loads.costs(self.load_variables(theta));
+        costs.map(move |(name, variable, cost)| (name, first + variable, cost))
     }
 
     /// Variables of the loads in θ [m].
@@ -329,7 +339,7 @@ impl DesignMap {
     /// Smallest and largest value of each variable in an iteration from θ; none where
     /// nothing is bounded.
     pub fn bounds(&self, theta: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        if self.loads.variables() == 0 {
+        if self.loads.variables().is_empty() {
             return None;
         }
         let free = self.shape_variables();

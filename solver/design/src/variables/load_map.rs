@@ -2,7 +2,16 @@
 //! that expressions of the scene have in common, and numbers by their paths.
 //!
 //! Variables of the curves come first, one curve after the other, then one for each
-//! number; all are metres.
+//! number; all are metres. A number within bounds, such as a peak pressure or a phase, is
+//!
+//! p = p⁰ + r y
+//!
+//! p⁰   the scene's value
+//! y    design variable [m]
+//! r    a tenth of the width of the bounds per mean edge, so that one variable changes
+//!      its number as much as others change a shape
+//!
+//! A term (p/s)² of the objective may keep it small, with s the value at which the term is 1.
 
 use std::collections::BTreeMap;
 
@@ -16,13 +25,16 @@ use scene::Scene;
 use scene::config::{ChamberConfig, ChamberDesign, GasConfig, ParameterDesign};
 
 use super::pressure_curve::PressureCurve;
-use super::scalar::Scalar;
 use scene::number::{Number, Swept};
+
+/// Change of a number for a variable of one mean edge, over the width of its bounds.
+const SHARE: f64 = 0.1;
 
 /// What a design does to the loads.
 pub struct LoadMap {
     /// t_0 = 0, t_1, …, t_N [s].
     times: Vec<f64>,
+    variables: Vec<LoadVariable>,
     curves: Vec<Curve>,
     numbers: Vec<Designed>,
     /// Chambers in whose schedules such numbers occur, with the gas of the scene.
@@ -39,8 +51,6 @@ struct Curve {
     curve: PressureCurve,
     /// Smallest and largest pressure [Pa].
     within: Option<[f64; 2]>,
-    /// Largest change of a variable in one iteration.
-    change: f64,
 }
 
 /// A number that the design sets.
@@ -49,9 +59,10 @@ struct Designed {
     name: String,
     /// What has the path.
     number: Option<Number>,
-    scalar: Scalar,
-    /// Largest change of its variable in one iteration.
-    change: f64,
+    /// p⁰.
+    start: f64,
+    /// s, where a term keeps it small.
+    cost: Option<f64>,
 }
 
 /// A design variable of the loads in the words and the unit of the scene.
@@ -60,8 +71,27 @@ pub struct LoadVariable {
     pub path: String,
     /// SI unit; of names in `[parameters]`, which have none, `1`.
     pub unit: &'static str,
-    /// Change of that by a metre of the variable.
+    /// Change of that by a metre of the variable, r.
     pub per_metre: f64,
+    /// Its smallest and largest value [m].
+    bounds: [f64; 2],
+    /// Its largest change in one iteration [m].
+    change: f64,
+}
+
+impl LoadVariable {
+    /// A variable by which what has a path and a unit, and a `value` at zero, changes by `per_metre`, within bounds and by at
+    /// most so much in one iteration.
+    fn new(
+        (path, unit): (String, &'static str),
+        (value, per_metre): (f64, f64),
+        bounds: [f64; 2],
+        change: Option<f64>,
+    ) -> Self {
+        let bounds = bounds.map(|b| (b - value) / per_metre);
+        let change = change.map_or(f64::INFINITY, |change| change / per_metre);
+        Self { path, unit, per_metre, bounds, change }
+    }
 }
 
 impl LoadMap {
@@ -76,6 +106,7 @@ impl LoadMap {
         let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
         let mut map = Self {
             times,
+            variables: Vec::new(),
             curves: Vec::new(),
             numbers: Vec::new(),
             named: Vec::new(),
@@ -131,10 +162,17 @@ impl LoadMap {
         let reach = low.abs().max(high.abs()) * times[times.len() - 1];
         let scale = values.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
         let scale = if scale > 0.0 { scale } else { reach };
-        let curve = PressureCurve::new(times, &values, design.slope, scale, edge);
-        for (n, [low, high]) in curve.bounds().into_iter().enumerate() {
+        let curve = PressureCurve::new(times, &values, scale, edge);
+        let variable = |(step, &slope): (usize, &f64)| {
+            let path = format!("chamber.{on}.pressure.slope.{}", step + 1);
+            let value = (slope, curve.slope_per_metre());
+            LoadVariable::new((path, "Pa/s"), value, design.slope, design.change)
+        };
+        let variables: Vec<LoadVariable> =
+            curve.slopes().iter().enumerate().map(variable).collect();
+        for (n, LoadVariable { bounds: [low, high], .. }) in variables.iter().enumerate() {
             ensure!(
-                low <= 1e-9 * (high - low) && high >= -1e-9 * (high - low),
+                *low <= 1e-9 * (high - low) && *high >= -1e-9 * (high - low),
                 misfit!(
                     title,
                     ": in time step {} the scene's pressure has a slope of {:.4e} Pa/s, which slope = {:?} \
@@ -157,8 +195,8 @@ impl LoadMap {
                 )
             );
         }
-        let change = design.change.map_or(f64::INFINITY, |c| curve.variable_change(c));
-        self.curves.push(Curve { on, chamber: id, curve, within: design.bounds, change });
+        self.variables.extend(variables);
+        self.curves.push(Curve { on, chamber: id, curve, within: design.bounds });
         Ok(())
     }
 
@@ -194,9 +232,12 @@ impl LoadMap {
             misfit!(title, ": the scene's value {start} is not within bounds = {bounds:?}")
         );
         ensure!(self.numbers.iter().all(|n| n.name != *name), misfit!(title, " is given twice"));
-        let scalar = Scalar::new(start, *bounds, edge);
-        let change = change.map_or(f64::INFINITY, |c| scalar.variable_change(c));
-        self.numbers.push(Designed { name: name.clone(), number, scalar, change });
+        let unit = number.as_ref().map_or("1", |number| number.unit);
+        let per_metre = SHARE * (bounds[1] - bounds[0]) / edge;
+        let named = (name.clone(), unit);
+        self.variables.push(LoadVariable::new(named, (start, per_metre), *bounds, *change));
+        let cost = design.unit_cost();
+        self.numbers.push(Designed { name: name.clone(), number, start, cost });
         Ok(())
     }
 
@@ -230,25 +271,9 @@ impl LoadMap {
         self.add(design, None, start, edge)
     }
 
-    /// Number of design variables.
-    pub fn variables(&self) -> usize {
-        self.curve_variables() + self.numbers.len()
-    }
-
     /// Each design variable, in the order of θ.
-    pub fn named_variables(&self) -> Vec<LoadVariable> {
-        let slopes = self.curves.iter().flat_map(|Curve { on, curve, .. }| {
-            (1..=curve.variables()).map(move |step| LoadVariable {
-                path: format!("chamber.{on}.pressure.slope.{step}"),
-                unit: "Pa/s",
-                per_metre: curve.slope_per_metre(),
-            })
-        });
-        let numbers = self.numbers.iter().map(|Designed { name, number, scalar, .. }| {
-            let unit = number.as_ref().map_or("1", |number| number.unit);
-            LoadVariable { path: name.clone(), unit, per_metre: scalar.per_metre() }
-        });
-        slopes.chain(numbers).collect()
+    pub fn variables(&self) -> &[LoadVariable] {
+        &self.variables
     }
 
     fn curve_variables(&self) -> usize {
@@ -268,12 +293,33 @@ impl LoadMap {
         })
     }
 
-    /// Each number with its variable.
+    /// Each number with its value.
     fn each_number<'a>(
         &'a self,
         theta: &'a [f64],
     ) -> impl Iterator<Item = (&'a Designed, f64)> + 'a {
-        self.numbers.iter().zip(theta[self.curve_variables()..].iter().copied())
+        let first = self.curve_variables();
+        let variables = self.variables[first..].iter().zip(&theta[first..]);
+        let one = |(own, (variable, y)): (&'a Designed, (&LoadVariable, &f64))| {
+            (own, own.start + variable.per_metre * y)
+        };
+        self.numbers.iter().zip(variables).map(one)
+    }
+
+    /// The terms that keep numbers small: name, index of the variable, and (p/s)² with both derivatives by that.
+    pub fn costs<'a>(
+        &'a self,
+        theta: &'a [f64],
+    ) -> impl Iterator<Item = (&'a str, usize, [f64; 3])> + 'a {
+        let first = self.curve_variables();
+        let numbers = self.numbers.iter().zip(first..);
+        numbers.filter_map(move |(Designed { name, start, cost, .. }, variable)| {
+            let unit = (*cost)?;
+            let per_metre = self.variables[variable].per_metre / unit;
+            let part = start / unit + per_metre * theta[variable];
+            let cost = [part.powi(2), 2.0 * part * per_metre, 2.0 * per_metre.powi(2)];
+            Some((name.as_str(), variable, cost))
+        })
     }
 
     /// Tag and pressures P_0, …, P_N of each curve [Pa].
@@ -283,7 +329,7 @@ impl LoadMap {
 
     /// Designed numbers by name.
     pub fn numbers(&self, theta: &[f64]) -> BTreeMap<String, f64> {
-        self.each_number(theta).map(|(n, y)| (n.name.clone(), n.scalar.value(y))).collect()
+        self.each_number(theta).map(|(n, value)| (n.name.clone(), value)).collect()
     }
 
     /// The gas laws with the numbers of θ in their schedules.
@@ -301,9 +347,8 @@ impl LoadMap {
     pub fn problem(&self, base: &Problem, on: (&Scene, &Body), theta: &[f64]) -> Result<Problem> {
         let mut problem = base.clone();
         let paths = self.each_number(theta);
-        let paths: Vec<(&Number, f64)> = paths
-            .filter_map(|(own, y)| Some((own.number.as_ref()?, own.scalar.value(y))))
-            .collect();
+        let paths: Vec<(&Number, f64)> =
+            paths.filter_map(|(own, value)| Some((own.number.as_ref()?, value))).collect();
         if !paths.is_empty() {
             let (scene, body) = on;
             let mut scene = scene.clone();
@@ -327,16 +372,17 @@ impl LoadMap {
     /// dJ/dθ from dJ/dp.
     pub fn vjp(&self, theta: &[f64], swept: &Swept) -> Vec<f64> {
         let by_parameters = swept.parameters();
-        let mut gradient = Vec::with_capacity(self.variables());
+        let mut gradient = Vec::with_capacity(self.variables.len());
         let steps = 0..by_parameters.steps();
         for Curve { curve, chamber, .. } in &self.curves {
             let by = |step: usize| by_parameters.sum(step, chamber.owner());
             gradient.extend(curve.vjp(&steps.clone().map(by).collect::<Vec<_>>()));
         }
         let bound = self.bound(theta);
-        for Designed { name, number, scalar, .. } in &self.numbers {
+        for Designed { name, number, .. } in &self.numbers {
+            let per_metre = self.variables[gradient.len()].per_metre;
             if let Some(number) = number {
-                gradient.push(scalar.vjp(number.derivative(swept)));
+                gradient.push(per_metre * number.derivative(swept));
                 continue;
             }
             let in_step = |(step, &t): (usize, &f64)| -> f64 {
@@ -346,7 +392,7 @@ impl LoadMap {
                 bound.iter().map(by).sum()
             };
             let bar: f64 = steps.clone().zip(&self.times[1..]).map(in_step).sum();
-            gradient.push(scalar.vjp(bar));
+            gradient.push(per_metre * bar);
         }
         gradient
     }
@@ -367,17 +413,9 @@ impl LoadMap {
 
     /// Smallest and largest value of each variable in an iteration from θ.
     pub fn bounds(&self, theta: &[f64]) -> Vec<[f64; 2]> {
-        let around = |[low, high]: [f64; 2], y: f64, change: f64| {
+        let one = |(LoadVariable { bounds: [low, high], change, .. }, y): (&LoadVariable, &f64)| {
             [low.max(y - change), high.min(y + change)]
         };
-        let mut bounds = Vec::with_capacity(self.variables());
-        for (curve, own) in self.each_curve(theta) {
-            let each = curve.curve.bounds().into_iter().zip(own);
-            bounds.extend(each.map(|(b, &y)| around(b, y, curve.change)));
-        }
-        for (number, y) in self.each_number(theta) {
-            bounds.push(around(number.scalar.bounds(), y, number.change));
-        }
-        bounds
+        self.variables.iter().zip(theta).map(one).collect()
     }
 }

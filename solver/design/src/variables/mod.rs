@@ -15,7 +15,6 @@ mod motion;
 mod patch;
 mod pressure_curve;
 mod sampling;
-mod scalar;
 mod swelling;
 
 pub use carry::{carry, check_same_body};

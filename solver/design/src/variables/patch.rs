@@ -233,17 +233,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn free_vertices_move_all_but_the_rim() {
-        let surface = cap(2);
-        let x = &surface.vertices;
-        let patch =
-            Patch::new(x, &surface.triangles, Held::default(), Moves::Vertices, &[]).unwrap();
-        let on_rim = rim(&surface, |_| false);
-        assert_eq!(patch.vertices().len() + on_rim.len(), x.len());
-        assert!(patch.vertices().iter().all(|v| !on_rim.contains(v)));
-    }
-
     /// A ball of radius 1 grows by the distance; facets in chords lie a little deeper.
     #[test]
     fn a_ball_that_is_offset_is_another_ball() {

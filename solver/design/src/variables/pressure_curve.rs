@@ -9,8 +9,7 @@
 //!       y by an edge changes the pressure at the end by a tenth of its scale, as
 //!       variables of the shape change it by about an edge [Pa/s/m]
 //!
-//! Bounds are on the slopes. Source: the authors' walker, Gjoka et al. 2024,
-//! section 5.
+//! Source: the authors' walker, Gjoka et al. 2024, section 5.
 
 /// Change of the pressure for a variable of one mean edge, over its scale.
 const SHARE: f64 = 0.1;
@@ -25,20 +24,17 @@ pub struct PressureCurve {
     slopes: Vec<f64>,
     /// r [Pa/s/m].
     unit: f64,
-    /// Smallest and largest slope [Pa/s].
-    bounds: [f64; 2],
 }
 
 impl PressureCurve {
-    /// Slopes within `bounds` [Pa/s] around a pressure with `values` P_n [Pa] at
-    /// `times` t_n [s], the first 0. `scale` is a typical pressure [Pa], `edge` a
-    /// typical motion of the shape [m].
-    pub fn new(times: &[f64], values: &[f64], bounds: [f64; 2], scale: f64, edge: f64) -> Self {
+    /// Slopes around a pressure with `values` P_n [Pa] at `times` t_n [s], the first 0. `scale` is a
+    /// typical pressure [Pa], `edge` a typical motion of the shape [m].
+    pub fn new(times: &[f64], values: &[f64], scale: f64, edge: f64) -> Self {
         let slopes = (1..times.len())
             .map(|n| (values[n] - values[n - 1]) / (times[n] - times[n - 1]))
             .collect();
         let unit = SHARE * scale / (times[times.len() - 1] * edge);
-        Self { times: times.to_vec(), start: values[0], slopes, unit, bounds }
+        Self { times: times.to_vec(), start: values[0], slopes, unit }
     }
 
     /// Number of design variables: one per time step.
@@ -70,10 +66,9 @@ impl PressureCurve {
         by
     }
 
-    /// Smallest and largest value of each variable.
-    pub fn bounds(&self) -> Vec<[f64; 2]> {
-        let own = |slope: &f64| self.bounds.map(|b| (b - slope) / self.unit);
-        self.slopes.iter().map(own).collect()
+    /// s⁰ [Pa/s].
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes
     }
 
     /// Change of a slope by a metre of its variable, r [Pa/s/m].
@@ -93,11 +88,6 @@ impl PressureCurve {
         };
         (1..values.len()).flat_map(of_one).collect()
     }
-
-    /// A change of slopes [Pa/s] in variables [m].
-    pub fn variable_change(&self, slope: f64) -> f64 {
-        slope / self.unit
-    }
 }
 
 #[cfg(test)]
@@ -110,12 +100,8 @@ mod tests {
     #[test]
     fn slopes_add_up_and_have_their_transpose() {
         let (times, values) = ([0.0, 0.1, 0.4, 0.5], [0.0, 100.0, -50.0, 0.0]);
-        let curve = PressureCurve::new(&times, &values, [-2e3, 3e3], 500.0, 1e-3);
+        let curve = PressureCurve::new(&times, &values, 500.0, 1e-3);
         assert_eq!(curve.values(&[0.0; 3]), values);
-        let [low, high] = curve.bounds()[1];
-        let at = |y: f64| curve.values(&[0.0, y, 0.0]);
-        assert!((at(low)[2] - (100.0 - 0.3 * 2e3)).abs() < 1e-9);
-        assert!((at(high)[2] - (100.0 + 0.3 * 3e3)).abs() < 1e-9);
         // all variables by an edge: the end by a tenth of the scale
         assert!((curve.values(&[1e-3; 3])[3] - 50.0).abs() < 1e-9);
         let y = Random::new(1).numbers(3);

@@ -1,11 +1,18 @@
-//! Walls that stand off along their normals.
+//! Walls that stand off along their normals: another rest shape from one.
+//!
+//! X_s = X + 𝓔 Σ d_k n_k(X)
+//!
+//! d_k      how far the walls with a tag, or all, are off, outward [m]
+//! n_k(X)   moves of their vertices per distance, [`shifts`]; rigid parts stay
+//! 𝓔        extension into the interior
 
 use std::collections::BTreeMap;
 
 use crate::model::Scene;
 use anyhow::{Result, anyhow, ensure};
+use mechanics::body::Body;
 use mesh::Vec3;
-use mesh::offset::shifts;
+use mesh::offset::{add_shifts_vjp, shifts};
 
 use super::{Number, Row, Setting, any, nothing_added};
 use mechanics::extension::Extension;
@@ -33,31 +40,32 @@ pub(super) const WALL: Row = Row {
     scale: None,
 };
 
-/// Moves of the rest vertices per distance: of the whole boundary, then tag by tag.
+/// The walls of a body, or of several bodies. Rigid parts stay: derivatives by their shape are not known.
 pub struct Walls {
     extension: Extension,
-    vertices: usize,
-    /// Tag by tag, the first of the whole boundary.
-    shifts: Vec<(Option<String>, BTreeMap<usize, Vec3>)>,
+    /// X of the body [m].
+    rest: Vec<Vec3>,
+    rigid: BTreeMap<usize, String>,
+    /// Facets tag by tag, the first those of the whole boundary.
+    facets: Vec<(Option<String>, Vec<[usize; 3]>)>,
 }
 
 impl Walls {
-    /// Moves of the walls of a body, or of several bodies. Rigid parts stay: derivatives by their shape are not known.
+    /// The walls of the body of a scene.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let body = &scene.body;
-        let (x, rigid) = (&body.mesh.vertices, scene.rigid_vertices(body)?);
-        let shifts = |facets: &[[usize; 3]]| {
-            let mut all = shifts(x, facets);
-            all.retain(|v, _| !rigid.contains_key(v));
-            all
-        };
+        Self::on(scene, &scene.body)
+    }
+
+    /// The walls of the body of a scene on another mesh, or with another shape.
+    pub fn on(scene: &Scene, body: &Body) -> Result<Self> {
         let extension = Extension::new(body)
             .map_err(|_| anyhow!("to move walls: an element of the mesh is too flat"))?;
-        let mut walls = vec![(None, shifts(body.boundary()))];
+        let mut facets = vec![(None, body.boundary().to_vec())];
         for tag in body.used_tags() {
-            walls.push((Some(tag.clone()), shifts(&body.facets(tag)?)));
+            facets.push((Some(tag.clone()), body.facets(tag)?));
         }
-        Ok(Self { extension, vertices: x.len(), shifts: walls })
+        let (rest, rigid) = (body.mesh.vertices.clone(), scene.rigid_vertices(body)?);
+        Ok(Self { extension, rest, rigid, facets })
     }
 
     /// Where numbers are walls, those of the bodies of a scene.
@@ -69,6 +77,13 @@ impl Walls {
         any.then(|| Self::new(scene)).transpose()
     }
 
+    /// n of a wall at a shape.
+    fn shifts(&self, wall: usize, x: &[Vec3]) -> impl Iterator<Item = (usize, Vec3)> {
+        shifts(x, &self.facets[wall].1)
+            .into_iter()
+            .filter(move |(v, _)| !self.rigid.contains_key(v))
+    }
+
     /// The derivative by moves of surface vertices, from that by all rest vertices.
     pub(super) fn vjp(&self, by_rest: &[f64]) -> Vec<Vec3> {
         let mut bar: Vec<Vec3> = by_rest.chunks_exact(3).map(Vec3::from_column_slice).collect();
@@ -78,19 +93,51 @@ impl Walls {
 
     /// The derivative by the distance of a wall, from that by moves of surface vertices.
     fn along(&self, wall: usize, by: &[Vec3]) -> f64 {
-        self.shifts[wall].1.iter().map(|(&v, d)| by[v].dot(d)).sum()
+        self.shifts(wall, &self.rest).map(|(v, d)| by[v].dot(&d)).sum()
     }
 
     fn moves_of(&self, wall: usize) -> Vec<Vec3> {
-        let mut moves = vec![Vec3::zeros(); self.vertices];
-        self.shifts[wall].1.iter().for_each(|(&v, d)| moves[v] = *d);
+        self.way(&self.rest, &[(wall, 1.0)])
+    }
+
+    /// X_s − X.
+    fn way(&self, x: &[Vec3], off: &[(usize, f64)]) -> Vec<Vec3> {
+        let mut moves = vec![Vec3::zeros(); x.len()];
+        for (wall, distance) in off {
+            self.shifts(*wall, x).for_each(|(v, d)| moves[v] += *distance * d);
+        }
         self.extension.apply(&mut moves);
         moves
     }
 
     /// The moves of all vertices per distance of the part with a tag, where there is one.
     pub fn moves(&self, tag: &str) -> Option<Vec<Vec3>> {
-        let wall = self.shifts.iter().position(|(own, _)| own.as_deref() == Some(tag))?;
+        let wall = self.facets.iter().position(|(own, _)| own.as_deref() == Some(tag))?;
         Some(self.moves_of(wall))
+    }
+
+    /// The walls that are off, each by its tag or all of them, with their distances [m].
+    fn off(&self, off: &[(Option<&str>, f64)]) -> Vec<(usize, f64)> {
+        let wall = |tag| self.facets.iter().position(|(own, _)| own.as_deref() == tag);
+        off.iter().filter_map(|(tag, distance)| Some((wall(*tag)?, *distance))).collect()
+    }
+
+    /// X_s of a shape of the body, with the walls with tags, or all, so far off [m].
+    pub fn moved(&self, x: &[Vec3], off: &[(Option<&str>, f64)]) -> Vec<Vec3> {
+        x.iter().zip(self.way(x, &self.off(off))).map(|(x, d)| x + d).collect()
+    }
+
+    /// Adds to the cotangent of X_s, three components per vertex, what makes it that of X.
+    pub fn add_vjp(&self, x: &[Vec3], off: &[(Option<&str>, f64)], bar: &mut [f64]) {
+        let mut moves_bar = self.vjp(bar);
+        self.rigid.keys().for_each(|&v| moves_bar[v] = Vec3::zeros());
+        let mut by_x = vec![Vec3::zeros(); x.len()];
+        for (wall, distance) in self.off(off) {
+            let scaled: Vec<Vec3> = moves_bar.iter().map(|bar| distance * bar).collect();
+            add_shifts_vjp(x, &self.facets[wall].1, &scaled, &mut by_x);
+        }
+        for (bar, by) in bar.chunks_exact_mut(3).zip(by_x) {
+            (0..3).for_each(|k| bar[k] += by[k]);
+        }
     }
 }

@@ -66,18 +66,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             (HandlesConfig::Each(handles as usize), VerticesConfig::default());
         settings = LevelConfig { handles: Some(handles), vertices, ..settings };
     }
-    let (mut level, start) = problem.start(&objectives, &settings)?;
+    let (level, start) = problem.start(&objectives, &settings)?;
     log::info!(
         "{} variables, J {:.8e}; a run takes about {}",
         level.variables(),
         start.objective,
         about(start.forward_s)
     );
-    let perturbed = Perturbed { scene, design, settings: &settings, objectives: &objectives };
-    let mut parameters = Parameter::of(scene, &level, design);
+    let perturbed = Perturbed { problem: &problem, settings: &settings, objectives: &objectives };
+    let mut parameters = Parameter::of(&problem, &level);
     let is_design = |p: &Parameter| matches!(p, Parameter::Shape | Parameter::Loads);
     parameters.retain(|p| !arguments.design_only || is_design(p));
-    let swept = sweeps(&mut level, &start)?;
+    let swept = sweeps(&level, &start)?;
     let runs = parameters.len() as f64 * (1 + arguments.random) as f64 * arguments.steps as f64;
     log::info!(
         "up to {runs} runs follow, about {}, and more where steps are too long",
@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let count = parameter.count(&level);
         let mut case = Case {
             perturbed: &perturbed,
-            level: &mut level,
+            level: &level,
             start: &start,
             parameter,
             heartbeat: &mut heartbeat,
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Sweeps of the terms, by their names.
 fn sweeps(
-    level: &mut Level,
+    level: &Level,
     start: &Evaluation,
 ) -> Result<BTreeMap<String, Vec<mechanics::adjoint::Gradient>>> {
     let names: BTreeSet<String> = level.numbers(start).into_keys().collect();
@@ -191,7 +191,7 @@ impl Outcome {
 /// One parameter of one design problem.
 struct Case<'a> {
     perturbed: &'a Perturbed<'a>,
-    level: &'a mut Level,
+    level: &'a Level,
     start: &'a Evaluation,
     parameter: &'a Parameter,
     heartbeat: &'a mut Heartbeat,

@@ -1,18 +1,18 @@
 //! `--starts`: the same design from several starts side by side, and the best of them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
+use design::optimize::History;
+use design::optimize::folder::report;
 use measure::objective::Weight;
 use program::{Heartbeat, KeyPath, Process, Unusable, misfit};
 use reports::{Designed, Optimization};
 use scene::config::DesignConfig;
 
 use super::Arguments;
-use super::folder::report;
-use design::optimize::{Checkpoint, History};
 use run::report::table;
 
 /// What the starts came to.
@@ -177,25 +177,4 @@ impl Outcome {
             self.end.as_ref().map_or("no design", |end| end.status.in_words()).to_owned(),
         ]
     }
-}
-
-/// Copies what a finished design continues from, so that it is finished in the folder, too.
-pub(super) fn take_over(from: &Path, folder: &Path) -> Result<()> {
-    let checkpoint = Checkpoint::read(from)?.context("the best start has no checkpoint")?;
-    let names = checkpoint.files.keys().map(String::as_str);
-    for name in names.chain(["history.jsonl", "checkpoint.json"]) {
-        copy(&from.join(name), &folder.join(name))?;
-    }
-    for entry in std::fs::read_dir(from).with_context(|| from.display().to_string())? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        if name.starts_with("castable.") {
-            copy(&from.join(&name), &folder.join(name))?;
-        }
-    }
-    Ok(())
-}
-
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    let bytes = mesh::io::read_bytes(from)?;
-    Ok(mesh::io::write_atomic(to, |out| out.write_all(&bytes))?)
 }

@@ -9,7 +9,7 @@ use super::say::{time_left, variables};
 use super::step::promise;
 use super::{CASTABLE, Cascade, LATEST, Step, Taken};
 use crate::optimize::history::{handles, probes, scenarios, spread};
-use crate::optimize::mesh_files::write_bodies;
+use crate::optimize::meshes::write_bodies;
 use crate::optimize::vectors::difference;
 use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
 
@@ -35,13 +35,13 @@ impl Cascade<'_> {
     /// Takes a step over into the optimiser's memory and onto disk; its evaluation.
     pub(super) fn accept(
         &self,
-        level: &mut Level,
+        level: &Level,
         checkpoint: &mut Checkpoint,
         step: Step,
         optimizer: &OptimizerConfig,
     ) -> Result<Evaluation> {
         checkpoint.lbfgs.update(
-            difference(&step.theta, &checkpoint.theta),
+            difference(&step.taken.evaluation.theta, &checkpoint.theta),
             difference(&step.taken.gradient, &checkpoint.gradient),
         );
         checkpoint.iteration += 1;
@@ -90,7 +90,7 @@ impl Cascade<'_> {
     /// Writes an accepted shape to disk, with its line of the history; its evaluation.
     pub(super) fn record(
         &self,
-        level: &mut Level,
+        level: &Level,
         checkpoint: &mut Checkpoint,
         step: Step,
     ) -> Result<Evaluation> {
@@ -100,7 +100,7 @@ impl Cascade<'_> {
         if checkpoint.iteration == 0 {
             checkpoint.first_gradient = promise(level, &step, &checkpoint.penalties, 0.0).0;
         }
-        let Step { theta, taken, motion, trials, .. } = step;
+        let Step { taken, motion, trials, .. } = step;
         let Taken { evaluation, gradient, bounds, mold, .. } = taken;
         let gradient_norm = norm(&gradient);
         let moved = level.mean_displacements(&evaluation)?;
@@ -123,7 +123,7 @@ impl Cascade<'_> {
             time_s: checkpoint.total_s,
             dofs: level.dofs(),
             time_steps: level.steps(),
-            parameters: numbers(&level.map().parameters(&theta)),
+            parameters: numbers(&level.map().parameters(&evaluation.theta)),
             mean_displacement: numbers(&moved[0]),
             probes: probes(&measured[0]),
             scenarios: several.then(|| scenarios(level, &evaluation, &moved, &measured)),
@@ -167,7 +167,7 @@ impl Cascade<'_> {
             checkpoint.mold = mold;
         }
         checkpoint.terms.clone_from(&evaluation.terms);
-        checkpoint.theta = theta;
+        checkpoint.theta.clone_from(&evaluation.theta);
         checkpoint.start.clear();
         checkpoint.gradient = gradient;
         checkpoint.bounds = bounds;

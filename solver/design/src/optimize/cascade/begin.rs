@@ -8,10 +8,8 @@ use mechanics::body::{Body, Part};
 use scene::config::LevelConfig;
 
 use super::Cascade;
-use super::spread::tidied;
-use crate::optimize::mesh_files::mesh_file;
-use crate::optimize::remesh::remesh;
-use crate::optimize::{Checkpoint, Evaluation, Level, Start};
+use crate::optimize::meshes::{mesh_file, remesh, tidied};
+use crate::optimize::{Checkpoint, Evaluation, Level};
 
 /// Rounds of motion and meshing in which a start gets to where its constraints are kept.
 const ROUNDS: usize = 8;
@@ -72,7 +70,7 @@ impl Cascade<'_> {
         let settings = &self.design.levels()[0];
         let scene = self.scene.with_fidelity(settings)?;
         for _ in 0..ROUNDS {
-            let level = Level::new(&scene, self.objectives, body.clone(), self.design, settings)?;
+            let level = Level::new(&scene, &self.objectives, body.clone(), self.design, settings)?;
             let zero = level.map().start(&[]);
             let Ok(there) = level.restored(&zero) else { return Ok(body) };
             let motion = level.map().vertex_motion(&zero, &there);
@@ -132,7 +130,7 @@ impl Cascade<'_> {
         let ended = &levels[checkpoint.level];
         // a level without iterations tells what the same mesh does at another fidelity
         let same = settings.iterations == 0 && index == self.meshes.of(ended);
-        let body = if same { body } else { self.remeshed(&body, ended)? };
+        let body = if same { body } else { self.improved(&body, ended)? };
         let degree = settings.degree.unwrap_or(self.scene.config.degree);
         let loads = level.map().loads(&checkpoint.theta);
         let mut next = match checkpoint.flat {
@@ -146,7 +144,7 @@ impl Cascade<'_> {
     /// The evaluation next to the runs that were carried over to a level; none without any.
     pub(super) fn solve_near(
         &self,
-        level: &mut Level,
+        level: &Level,
         theta: &[f64],
         checkpoint: &Checkpoint,
     ) -> Result<Option<Evaluation>> {
@@ -154,8 +152,8 @@ impl Cascade<'_> {
             return Ok(None);
         }
         let states = checkpoint.read_start(&self.folder)?;
-        let runs = level.carried(theta, &checkpoint.start, states)?;
-        let outcome = level.evaluate(theta, Start::Carried(&runs));
+        let near = level.carried(theta, &checkpoint.start, states)?;
+        let outcome = level.evaluate(theta, &near);
         if let Err(why) = &outcome {
             log::debug!("no equilibrium next to the last level's ({why}); starting from rest");
         }
@@ -163,7 +161,7 @@ impl Cascade<'_> {
     }
 
     /// A body improved where the level that has ended moved its surface.
-    fn remeshed(&self, body: &Body, ended: &LevelConfig) -> Result<Body> {
+    fn improved(&self, body: &Body, ended: &LevelConfig) -> Result<Body> {
         let Some(shape) = &self.design.shape else { return Ok(body.clone()) };
         let moved = shape.on.all().iter().filter(|on| shape.moves(ended, on).is_some());
         let facets: Vec<_> = moved.map(|on| body.facets(on)).collect::<Result<_, _>>()?;

@@ -6,11 +6,12 @@
 mod accept;
 mod again;
 mod begin;
+mod designed;
 mod say;
 mod spread;
 mod step;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
@@ -25,10 +26,10 @@ use self::say::{say_bounds, say_gain};
 use super::bounds::BoundRow;
 use super::checkpoint::Checkpoint;
 use super::curvature::MOST_VARIABLES;
-use super::ending::{End, Rejections, in_words};
+use super::ending::{Cause, End, Rejections, in_words};
 use super::history::History;
 use super::molding::Molding;
-use super::{Evaluation, Level, Meshes, Rejected, Start};
+use super::{Evaluation, Level, Meshes, Problem, Rejected};
 use run::report::failure::Diagnosis;
 use run::report::results;
 
@@ -39,47 +40,38 @@ const TRIALS: usize = 10;
 /// Trials that flat elements may cost in an iteration before the body is re-meshed.
 const FLAT_TRIALS: usize = 2;
 /// Name of the mesh of the shape that was accepted last, while a design is not finished.
-pub const LATEST: &str = "latest";
-
+const LATEST: &str = "latest";
 /// Name of the mesh of the last shape that can be cast, where a design asks for that.
-pub const CASTABLE: &str = "castable";
+const CASTABLE: &str = "castable";
 
 /// An optimisation in a folder.
 pub struct Cascade<'a> {
-    /// The scene that is simulated.
-    pub scene: &'a Scene,
-    /// The design problem.
-    pub design: &'a DesignConfig,
+    problem: &'a Problem,
+    scene: &'a Scene,
+    design: &'a DesignConfig,
     /// The body on the meshes of all levels.
-    pub meshes: Meshes,
-    /// Terms of the objective.
-    pub objectives: &'a ObjectiveBuilder<'a>,
+    meshes: Meshes,
+    objectives: ObjectiveBuilder<'a>,
     /// Who is asked how shapes can be cast.
-    pub molding: Option<Molding>,
+    molding: Option<Molding>,
     /// Where checkpoint, history and meshes go.
     pub folder: PathBuf,
     /// Number of the start, of which 1 is the body as modelled.
-    pub start: usize,
+    start: usize,
     /// Hash of all inputs.
     pub inputs: String,
 }
 
 /// How the cascade ended.
-pub struct Finished {
-    /// The designed body.
-    pub body: Body,
-    /// The last level and its last evaluation.
-    pub last: (Level, Evaluation),
-    /// Index of that level.
-    pub level: usize,
-    /// The variables.
-    pub theta: Vec<f64>,
+struct Finished {
+    /// The last level ...
+    level: Level,
+    /// ... and its last evaluation.
+    at: Evaluation,
+    /// What was known there.
+    checkpoint: Checkpoint,
     /// How each level ended.
-    pub endings: Vec<LevelEnd>,
-    /// What a unit of each constraint is worth at the end, in its order.
-    pub multipliers: Vec<f64>,
-    /// Whether the start did not keep the bounds of its runs.
-    pub began_outside: bool,
+    endings: Vec<LevelEnd>,
 }
 
 impl Finished {
@@ -107,7 +99,6 @@ struct Taken {
 
 /// A step that was accepted.
 struct Step {
-    theta: Vec<f64>,
     taken: Taken,
     motion: f64,
     /// By how much the model said that the objective falls.
@@ -121,9 +112,25 @@ struct Step {
     blind: bool,
 }
 
-impl Cascade<'_> {
+impl<'a> Cascade<'a> {
+    /// The optimisation of a problem in a folder, from the start with this number.
+    pub fn new(problem: &'a Problem, folder: &Path, start: usize) -> Result<Self> {
+        let Problem { path, file, design, scene, .. } = problem;
+        Ok(Self {
+            molding: file.checked(|_| Molding::new(path, design, &scene.body))?,
+            meshes: problem.meshes()?,
+            objectives: problem.objectives()?,
+            inputs: problem.hash()?,
+            folder: folder.to_owned(),
+            problem,
+            scene,
+            design,
+            start,
+        })
+    }
+
     /// Runs from the start, or from where the folder's checkpoint says.
-    pub fn run(&self) -> Result<Finished> {
+    fn run(&self) -> Result<Finished> {
         for (i, level) in self.design.levels().iter().enumerate() {
             let scene = self.scene.with_fidelity(level);
             scene
@@ -135,6 +142,11 @@ impl Cascade<'_> {
                 checkpoint.check_inputs(&self.folder, &self.inputs)?;
                 checkpoint.check_files(&self.folder)?;
                 checkpoint.remove_other_runs(&self.folder)?;
+                ensure!(
+                    checkpoint.level < self.design.levels().len(),
+                    "the checkpoint is of level {}, which the design does not have; start over with --restart",
+                    checkpoint.level + 1
+                );
                 log::info!(
                     "continuing at level {}, iteration {}",
                     checkpoint.level + 1,
@@ -152,7 +164,7 @@ impl Cascade<'_> {
         loop {
             let body = self.body_of(&checkpoint, None)?;
             let outcome = self.run_level(body, &mut checkpoint);
-            let (level, evaluation) = match (outcome, before) {
+            let (level, at) = match (outcome, before) {
                 (Ok(reached), _) => reached,
                 // nothing of what was reached is lost where a finer level cannot begin
                 (Err(error), Some(before)) if error.is::<Unusable>() => {
@@ -164,17 +176,10 @@ impl Cascade<'_> {
             let reached = checkpoint.clone();
             let is_last = next == self.design.levels().len();
             if !is_last {
-                checkpoint = self.begin_level(next, &level, &evaluation, checkpoint)?;
+                checkpoint = self.begin_level(next, &level, &at, checkpoint)?;
             }
-            let finished = Finished {
-                level: reached.level,
-                body: level.shape(&evaluation),
-                theta: reached.theta.clone(),
-                endings: reached.all_endings(),
-                began_outside: reached.began_outside,
-                multipliers: reached.multipliers,
-                last: (level, evaluation),
-            };
+            let endings = reached.all_endings();
+            let finished = Finished { level, at, checkpoint: reached, endings };
             if is_last {
                 return Ok(finished);
             }
@@ -183,18 +188,13 @@ impl Cascade<'_> {
     }
 
     /// Linearises an evaluation, differentiates it, and asks how its shape can be cast.
-    fn take(
-        &self,
-        level: &mut Level,
-        theta: &[f64],
-        mut evaluation: Evaluation,
-    ) -> Result<Result<Taken, Rejected>> {
+    fn take(&self, level: &Level, mut evaluation: Evaluation) -> Result<Result<Taken, Rejected>> {
         let clock = Instant::now();
         level.linearize(&mut evaluation);
         let forward_s = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let bounds = level.bound_rows(theta, &evaluation);
-        let found = bounds.and_then(|bounds| Ok((bounds, level.gradient(theta, &evaluation)?)));
+        let bounds = level.bound_rows(&evaluation);
+        let found = bounds.and_then(|bounds| Ok((bounds, level.gradient(&evaluation)?)));
         let (bounds, gradient) = match found {
             Ok(found) => found,
             Err(rejected) => return Ok(Err(rejected)),
@@ -221,7 +221,7 @@ impl Cascade<'_> {
         let settings = &self.design.levels()[checkpoint.level];
         let optimizer = self.design.optimizer_of(settings);
         let scene = self.scene.with_fidelity(settings)?;
-        let mut level = Level::new(&scene, self.objectives, body, self.design, settings)?;
+        let mut level = Level::new(&scene, &self.objectives, body, self.design, settings)?;
         ensure!(
             level.is_small() || optimizer.method != Some(OptimizerMethod::GaussNewton),
             "level {}: {} variables, of which method = \"gauss-newton\" takes at most {MOST_VARIABLES}: expected fewer \
@@ -237,12 +237,12 @@ impl Cascade<'_> {
             && checkpoint.ending.is_none()
             && !checkpoint.flat
         {
-            match self.iterate(&mut level, checkpoint, &mut current, &optimizer)? {
+            match self.iterate(&level, checkpoint, &mut current, &optimizer)? {
                 Ok(step) => {
-                    current = self.accept(&mut level, checkpoint, step, &optimizer)?;
+                    current = self.accept(&level, checkpoint, step, &optimizer)?;
                 }
                 Err(End { rejections, .. })
-                    if rejections.flat >= FLAT_TRIALS && checkpoint.has_moved() =>
+                    if rejections.count(Cause::Flat) >= FLAT_TRIALS && checkpoint.has_moved() =>
                 {
                     checkpoint.flat = true;
                     checkpoint.write(&self.folder)?;
@@ -270,6 +270,7 @@ impl Cascade<'_> {
     /// The state to iterate from: solved at θ = 0, or read back.
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
+            checkpoint.check_numbers(&self.folder, level)?;
             let runs = checkpoint.read_runs(&self.folder)?;
             let mut evaluation = level.recall(&checkpoint.theta, runs)?;
             level.linearize(&mut evaluation);
@@ -284,7 +285,7 @@ impl Cascade<'_> {
         })?;
         let mut evaluation = match self.solve_near(level, &theta, checkpoint)? {
             Some(evaluation) => evaluation,
-            None => match level.evaluate(&theta, Start::Rest) {
+            None => match level.evaluate(&theta, &[]) {
                 Ok(evaluation) => evaluation,
                 Err(rejected) => return Err(self.no_start(level, checkpoint.level, &rejected)),
             },
@@ -294,7 +295,7 @@ impl Cascade<'_> {
             checkpoint.weights = level.weights();
         }
         let forward_s = evaluation.forward_s;
-        let mut taken = self.take(level, &theta, evaluation)?.with_context(context)?;
+        let mut taken = self.take(level, evaluation)?.with_context(context)?;
         taken.forward_s += forward_s;
         let at = &taken.evaluation;
         if checkpoint.penalties.is_empty() {
@@ -303,10 +304,9 @@ impl Cascade<'_> {
             checkpoint.began_outside = level.violated(at).is_some();
         }
         if checkpoint.history == 0 {
-            self.say_what_is_not_felt(level, &theta, at)?;
+            self.say_what_is_not_felt(level, at)?;
         }
         let step = Step {
-            theta,
             taken,
             motion: 0.0,
             predicted: 0.0,
@@ -319,17 +319,12 @@ impl Cascade<'_> {
     }
 
     /// Warns of terms that look at contact or at a probe and do not change with any variable: nothing leads them.
-    fn say_what_is_not_felt(
-        &self,
-        level: &mut Level,
-        theta: &[f64],
-        at: &Evaluation,
-    ) -> Result<()> {
+    fn say_what_is_not_felt(&self, level: &Level, at: &Evaluation) -> Result<()> {
         let asked = self.design.objective.iter();
         let asked = asked.filter(|term| term.kind().needs_contact || term.probe().is_some());
         for name in asked.map(ObjectiveConfig::name) {
             let swept = level.sweep(at, Some(name))?;
-            if norm(&level.vjp(theta, &swept)) == 0.0 {
+            if norm(&level.vjp(&at.theta, &swept)) == 0.0 {
                 log::warn!(
                     "objective \"{name}\" does not change with any variable at the start, so that the design cannot \
                      improve it: if it is a force, nothing touches there; begin from a shape or a pressure with which \
@@ -342,7 +337,7 @@ impl Cascade<'_> {
 
     /// The error of a level whose body has no usable state. Where there is no
     /// equilibrium, report.json and the last good state say more.
-    fn no_start(&self, level: &mut Level, index: usize, rejected: &Rejected) -> anyhow::Error {
+    fn no_start(&self, level: &Level, index: usize, rejected: &Rejected) -> anyhow::Error {
         let Some(diagnosis) = level.diagnose(rejected) else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };

@@ -32,15 +32,15 @@ pub fn say_gain(checkpoint: &Checkpoint) {
 pub fn say_bounds(level: &Level, checkpoint: &Checkpoint) {
     let Some((low, high)) = level.map().bounds(&checkpoint.theta) else { return };
     let first = level.map().shape_variables();
-    let named = level.map().named_load_variables().into_iter().enumerate();
-    let held: Vec<String> = named
+    let named = level.map().named_load_variables().iter().enumerate();
+    let held: Vec<&str> = named
         .filter(|(k, _)| {
             let i = first + k;
             let (own, slope) = (checkpoint.theta[i], checkpoint.gradient[i]);
             let near = 1e-6 * (high[i] - low[i]);
             own - low[i] <= near && slope > 0.0 || high[i] - own <= near && slope < 0.0
         })
-        .map(|(_, variable)| variable.path)
+        .map(|(_, variable)| variable.path.as_str())
         .collect();
     if let [first, others @ ..] = &held[..] {
         let more = match others.len() {

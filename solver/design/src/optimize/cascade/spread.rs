@@ -1,13 +1,13 @@
 //! Starts of a design beside the body as modelled: the surface that moves, and the loads, are changed at random.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use mechanics::body::Body;
 use mechanics::math::linear::norm;
 use mechanics::math::random::Random;
 use scene::config::LevelConfig;
 
 use super::Cascade;
-use crate::optimize::remesh::remesh;
+use crate::optimize::meshes::tidied;
 use crate::optimize::{Level, Rejected};
 
 /// Largest motion of the surface, over its mean edge [1].
@@ -27,7 +27,7 @@ impl Cascade<'_> {
         let settings = LevelConfig { mesh: None, body: None, ..settings.clone() };
         let scene = self.scene.with_fidelity(&settings)?;
         let body = scene.body.clone();
-        let level = Level::new(&scene, self.objectives, body, self.design, &settings)?;
+        let level = Level::new(&scene, &self.objectives, body, self.design, &settings)?;
         let mut random = Random::new(number as u64);
         let (shapes, count) = (level.map().shape_variables(), level.variables());
         let direction = random.numbers(count);
@@ -62,11 +62,6 @@ impl Cascade<'_> {
         }
         bail!("start {number}: no shape next to the body as modelled is valid: {why}")
     }
-}
-
-/// A body with better elements inside, and its surface as it is.
-pub(super) fn tidied(body: &Body, moving: &[[usize; 3]]) -> Result<Body> {
-    remesh(body, moving, Some(0.0)).context("its interior could not be re-meshed")
 }
 
 /// The variables next to these that keep the constraints, if they give a valid shape.

@@ -16,13 +16,13 @@ use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS, Taken};
 use crate::optimize::bounds::raise;
 use crate::optimize::checkpoint::Checkpoint;
 use crate::optimize::curvature::Curvature;
-use crate::optimize::ending::{End, Refused, Rejections};
+use crate::optimize::ending::{Cause, End, Refused, Rejections};
 use crate::optimize::kept::KeptRow;
-use crate::optimize::level::Start;
 use crate::optimize::quadratic::{Model, Problem, Row};
+use crate::optimize::scenario::Near;
 use crate::optimize::trust_region::{TrustRegion, step_within};
 use crate::optimize::vectors::{along, difference};
-use crate::optimize::{Evaluation, Level, Rejected, Run};
+use crate::optimize::{Evaluation, Level, Rejected};
 
 /// Variables for each step that a curvature is used for beyond the first: so many cost about as much as a trial.
 const VARIABLES_PER_STEP: usize = 16;
@@ -57,12 +57,12 @@ impl Cascade<'_> {
     /// One step within the trust region, and the model after it; the inner error is why there is none.
     pub(super) fn iterate(
         &self,
-        level: &mut Level,
+        level: &Level,
         checkpoint: &mut Checkpoint,
         current: &mut Evaluation,
         optimizer: &OptimizerConfig,
     ) -> Result<Result<Step, End>> {
-        let (theta, gradient) = (checkpoint.theta.clone(), checkpoint.gradient.clone());
+        let (theta, gradient) = (current.theta.clone(), checkpoint.gradient.clone());
         let mut slope = gradient.clone();
         let bounded = level.bounded(&checkpoint.bounds, &checkpoint.penalties, &mut slope);
         if norm(&slope) == 0.0 {
@@ -98,22 +98,13 @@ impl Cascade<'_> {
             }
             let there = along(&theta, &d, 1.0);
             let wanted = (before + ARMIJO * change, &checkpoint.penalties[..]);
-            let outcome = match curvature.as_ref().filter(|_| level.is_transient()) {
-                Some(curvature) => {
-                    let foreseen = level.foreseen(&theta, &d, current, curvature)?;
-                    lower(level, &there, Start::Foreseen(&foreseen, &current.runs), wanted)
-                }
-                None => {
-                    let predicted = level.predict(&there, current);
-                    let start = ahead(current, predicted.as_deref());
-                    lower(level, &there, level.near(current, &start), wanted)
-                }
-            };
+            let outcome =
+                lower(level, &there, &level.ahead(&d, current, curvature.as_ref())?, wanted);
             forward_s += clock.elapsed().as_secs_f64();
             let outcome = match outcome {
                 Ok(evaluation) => {
                     current.forget_tangents();
-                    self.take(level, &there, evaluation)?.map_err(Refused::from)
+                    self.take(level, evaluation)?.map_err(Refused::from)
                 }
                 Err(refused) => Err(refused),
             };
@@ -142,20 +133,19 @@ impl Cascade<'_> {
                     // a step as long as the first of a level is not held back
                     let short = motion < optimizer.first_step * edge;
                     return Ok(Ok(Step {
-                        theta: there,
                         taken,
                         motion,
                         predicted: -change,
                         trials,
-                        flat: short && rejections.flat >= FLAT_TRIALS,
+                        flat: short && rejections.count(Cause::Flat) >= FLAT_TRIALS,
                         rejections,
                         blind,
                     }));
                 }
                 Err(refused) => refused,
             };
-            log::info!("trial {trials} rejected: {}", refused.reason);
-            rejections.add(&refused);
+            log::info!("trial {trials} rejected: {}", refused.why);
+            rejections.add(refused.cause, &refused.why);
             region.radius = motion * refused.shorter(before, dot(&slope, &d));
         }
         let why = format!(
@@ -168,7 +158,7 @@ impl Cascade<'_> {
     /// The model of the objective at the state that was accepted last, and how far it is trusted.
     fn known(
         &self,
-        level: &mut Level,
+        level: &Level,
         checkpoint: &Checkpoint,
         region: &mut TrustRegion,
         current: &Evaluation,
@@ -183,7 +173,7 @@ impl Cascade<'_> {
             if region.is_empty() {
                 region.radius = region.radius.max(first);
             }
-            let curvature = renew(region, level, &checkpoint.theta, current)?;
+            let curvature = renew(region, level, current)?;
             if !region.is_empty() {
                 let model = Model::full(region.matrix());
                 return Ok(Known { model, curvature, from_terms: true });
@@ -205,44 +195,31 @@ impl Cascade<'_> {
 
 /// The evaluation at θ, if its merit with these penalties is at most `wanted`.
 fn lower(
-    level: &mut Level,
+    level: &Level,
     theta: &[f64],
-    start: Start,
+    near: &[Near],
     (wanted, penalties): (f64, &[f64]),
 ) -> Result<Evaluation, Refused> {
-    let evaluation = level.evaluate(theta, start)?;
+    let evaluation = level.evaluate(theta, near)?;
     let objective = level.merit(&evaluation, penalties);
     // a barrier with a negative weight may be −∞
     if !(objective.is_finite() && objective <= wanted) {
-        let reason = format!("objective {objective:.6e} is not low enough");
-        return Err(Refused { reason, objective: Some(objective), is_mold: false });
+        let why = format!("objective {objective:.6e} is not low enough");
+        return Err(Refused { cause: Cause::High, why, objective: Some(objective) });
     }
     Ok(evaluation)
-}
-
-/// u + du of each scenario, or u without a prediction.
-fn ahead(at: &Evaluation, predicted: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
-    let one = |(i, run): (usize, &Run)| {
-        let u = run.states.last();
-        match predicted {
-            None => u.into_owned(),
-            Some(all) => along(&u, &all[i], 1.0),
-        }
-    };
-    at.runs.iter().enumerate().map(one).collect()
 }
 
 /// The curvature of the objective, where the model has none or an old one.
 fn renew(
     region: &mut TrustRegion,
-    level: &mut Level,
-    theta: &[f64],
+    level: &Level,
     current: &Evaluation,
 ) -> Result<Option<Curvature>, Rejected> {
-    if region.is_good_for(theta.len() / VARIABLES_PER_STEP) {
+    if region.is_good_for(level.variables() / VARIABLES_PER_STEP) {
         return Ok(None);
     }
-    let found = level.curvature(theta, current)?;
+    let found = level.curvature(current)?;
     // changes of the first order grow without end where a motion does not forget its start
     let curvature = found.filter(|found| found.matrix.iter().all(|entry| entry.is_finite()));
     match &curvature {
@@ -297,8 +274,9 @@ fn propose(
                 return Some(Proposal { motion, d, change, multipliers });
             }
             Err(refused) => {
-                rejections
-                    .add_shape(level.check_flat(&along(theta, &found.d, 1.0)).is_err(), &refused);
+                log::debug!("a shape is not tried: {refused}");
+                let is_flat = level.check_flat(&along(theta, &found.d, 1.0)).is_err();
+                rejections.add(if is_flat { Cause::Flat } else { Cause::Shape }, &refused.why);
                 let cut = (2.0 * radius / motion(&found.d)).clamp(2.0, 1e3);
                 shorter *= cut;
                 // the region of a full model is kept by its metric
@@ -341,7 +319,7 @@ fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
 
 /// The step down the gradient of the merit that the constraints and bounds leave.
 fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
-    let (theta, mut gradient) = (&step.theta, step.taken.gradient.clone());
+    let (theta, mut gradient) = (&step.taken.evaluation.theta, step.taken.gradient.clone());
     let mut kept = level.kept_rows(theta, 0.0);
     kept.extend(level.bounded(&step.taken.bounds, penalties, &mut gradient));
     kept.retain(|kept| kept.row.c <= level.tolerance(kept));
@@ -361,7 +339,8 @@ pub(super) fn promise(level: &Level, step: &Step, penalties: &[f64], motion: f64
         return (0.0, 0.0);
     }
     let small = 1e-3 * level.map().mean_edge() / largest;
-    let there = along(&step.theta, &d, small);
-    let per_unit = level.map().motion(&step.theta, &there) / small;
+    let theta = &step.taken.evaluation.theta;
+    let there = along(theta, &d, small);
+    let per_unit = level.map().motion(theta, &there) / small;
     (largest, dot(&d, &d) / per_unit * motion)
 }

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::terms::add_partials;
-use super::{Rejected, Run, Scenario, Workspaces};
+use super::{Rejected, Run, Scenario};
 use crate::optimize::vectors::difference;
 
 /// Numbers of a vector in a piece.
@@ -27,13 +27,19 @@ impl Scenario {
     /// neighbours come with it. None where the run has no usable tangent.
     pub fn curvature(
         &self,
-        workspaces: &mut Workspaces,
         run: &Run,
         varied: &[Varied],
     ) -> Option<(DMatrix<f64>, Vec<Arc<Trajectory>>)> {
-        let (of, workspace) = ((&run.rest[..], &*run.states), &mut workspaces.equilibrium);
+        let of = (&run.rest[..], &*run.states);
         let begin = (&self.start, self.state_memory / varied.len() as f64);
-        let all = neighbours(&run.problem, workspace, of, &run.tangents, varied, begin)?;
+        let all = neighbours(
+            &run.problem,
+            &mut self.workspaces().equilibrium,
+            of,
+            &run.tangents,
+            varied,
+            begin,
+        )?;
         let as_run = |(varied, states): (&Varied, _)| Run {
             problem: Arc::clone(&varied.problem),
             rest: varied.rest.clone(),
@@ -46,10 +52,10 @@ impl Scenario {
             if self.terms.iter().all(|term| term.weight * term.factor * term.factors[n] == 0.0) {
                 continue;
             }
-            let (here, slope) = self.seen(workspaces, run, n);
+            let (here, slope) = self.seen(run, n);
             let (mut changes, mut bends) = (Vec::new(), Vec::new());
             for other in &all {
-                let (there, other_slope) = self.seen(workspaces, other, n);
+                let (there, other_slope) = self.seen(other, n);
                 changes.push(difference(&there, &here));
                 bends.push(difference(&other_slope, &slope));
             }
@@ -83,8 +89,8 @@ impl Scenario {
     }
 
     /// What terms look at in a moment of a run, (u, X, f, r) one after the other, and their derivatives by it.
-    fn seen(&self, workspaces: &mut Workspaces, run: &Run, n: usize) -> (Vec<f64>, Vec<f64>) {
-        let forces = self.forces(workspaces, run, n);
+    fn seen(&self, run: &Run, n: usize) -> (Vec<f64>, Vec<f64>) {
+        let forces = self.forces(run, n);
         let Forces { contact, reaction } = &forces;
         let rest: Vec<f64> = run.rest.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
         let all = [&run.states.state(n).u[..], &rest, contact, reaction].concat();

@@ -7,14 +7,13 @@ use mesh::Vec3;
 use scene::Weighted;
 
 use super::terms::add_partials;
-use super::{Bound, Rejected, Run, Scenario, Workspaces};
+use super::{Bound, Rejected, Run, Scenario};
 
 impl Scenario {
     /// dJ of all terms, of those of a name, or dc of a bound of a name, times a factor, by all that a run depends on, the designed rest
     /// shape among it. Where the run is linearised, that saves factorisations.
     pub fn sweep(
         &self,
-        workspaces: &mut Workspaces,
         run: &Run,
         designed: &[Vec3],
         wanted: Wanted,
@@ -22,7 +21,7 @@ impl Scenario {
     ) -> Result<Gradient, Rejected> {
         let (rest, states) = (&run.rest[..], &*run.states);
         let moments = 0..=states.steps();
-        let forces: Vec<Forces> = moments.map(|n| self.forces(workspaces, run, n)).collect();
+        let forces: Vec<Forces> = moments.map(|n| self.forces(run, n)).collect();
         let mut by_rest = vec![0.0; 3 * rest.len()];
         let terms = self.chosen(of);
         let partials = |_: &FunctionSpace, n: usize, out: &mut adjoint::Partials| {
@@ -31,9 +30,11 @@ impl Scenario {
             let mut out = Partials { u, rest: &mut by_rest, contact, reaction };
             add_partials(terms.iter().copied(), run, n, &forces[n], factor, &mut out);
         };
-        let (problem, workspace) = (&*run.problem, &mut workspaces.equilibrium);
-        let on = (rest, states);
-        let swept = adjoint::sweep_for(problem, workspace, on, &run.tangents, wanted, partials);
+        let (problem, on) = (&*run.problem, (rest, states));
+        let swept = {
+            let workspace = &mut self.workspaces().equilibrium;
+            adjoint::sweep_for(problem, workspace, on, &run.tangents, wanted, partials)
+        };
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         for (n, forces) in forces.iter().enumerate().skip(1) {
@@ -48,10 +49,10 @@ impl Scenario {
             }
         }
         if self.bounds.iter().any(|bound| bound.is_slope() && of == Some(&*bound.name)) {
-            self.add_slope(workspaces, run, factor, &mut gradient)?;
+            self.add_slope(run, factor, &mut gradient)?;
         }
-        if let Some(offset) = &self.offset {
-            offset.add_vjp(designed, &mut gradient.rest);
+        if let Some(walls) = &self.walls {
+            walls.add_vjp(designed, &self.config.walls(), &mut gradient.rest);
         }
         for plane in &self.body.planes {
             // no shape moves them there

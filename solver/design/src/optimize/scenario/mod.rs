@@ -1,20 +1,20 @@
 //! One scenario of a level: rest shape and loads → run through time → objective, and the
 //! derivatives of that by all that the run depends on.
 //!
-//! A [`Scenario`] is what does not change from one evaluation to the next, a [`Run`] what one evaluation has found, and
-//! [`Workspaces`] hold orders and factors of tangents between them.
+//! A [`Scenario`] is what does not change from one evaluation to the next, besides orders and factors of tangents, and a
+//! [`Run`] what one evaluation has found.
 
 mod bound;
 mod changes;
 mod curvature;
 mod gradient;
-mod run;
+mod outcome;
 mod slope;
 mod solve;
 mod terms;
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::Result;
 use mechanics::adjoint::Gradient;
@@ -28,13 +28,12 @@ use scene::{ObjectiveBuilder, Scene, Weighted};
 
 pub use self::bound::Bound;
 pub use self::changes::scene_of;
-pub use self::run::Run;
+pub use self::outcome::Run;
 pub use self::solve::Near;
-use super::offset::Offset;
 use super::validity;
 use crate::variables::LoadMap;
-use ::run::report::failure::Diagnosis;
-use scene::number::Swept;
+use run::report::failure::Diagnosis;
+use scene::number::{Swept, Walls};
 
 /// A shape that was not accepted, and why.
 #[derive(Debug, thiserror::Error)]
@@ -73,22 +72,19 @@ impl Rejected {
     }
 
     /// Explains why there is no equilibrium, if that was sought through time.
-    pub fn diagnose(
-        &self,
-        scenarios: &[Scenario],
-        workspaces: &mut [Workspaces],
-    ) -> Option<Diagnosis> {
+    pub fn diagnose(&self, scenarios: &[Scenario]) -> Option<Diagnosis> {
         let NotReached { scenario, problem, unreached } = &**self.unreached.as_ref()?;
-        let solver = (&**problem, &mut workspaces[*scenario].equilibrium);
         let scenario = &scenarios[*scenario];
+        let mut workspaces = scenario.workspaces();
+        let solver = (&**problem, &mut workspaces.equilibrium);
         let mut body = scenario.body.clone();
         body.mesh.vertices = scenario.rest(&body.mesh.vertices);
         Some(Diagnosis::new(&scenario.scene, &body, solver, unreached))
     }
 }
 
-/// Orders and factors of the tangents of a scenario, kept from one evaluation to the next.
-pub struct Workspaces {
+/// Orders and factors of tangents, kept from one evaluation to the next.
+struct Workspaces {
     equilibrium: Workspace,
     /// Of the slope of the pressure, once there is one.
     slope: Option<Workspace>,
@@ -100,7 +96,8 @@ pub struct Scenario {
     pub config: ScenarioConfig,
     /// With its changes, but for walls.
     pub scene: Scene,
-    offset: Option<Offset>,
+    /// Walls that are off.
+    walls: Option<Walls>,
     loads: LoadMap,
     /// The body at the beginning of the level.
     body: Body,
@@ -116,6 +113,7 @@ pub struct Scenario {
     terms: Vec<Weighted>,
     /// What its end keeps.
     bounds: Vec<Bound>,
+    workspaces: Mutex<Workspaces>,
 }
 
 impl Scenario {
@@ -129,7 +127,7 @@ impl Scenario {
         objectives: &ObjectiveBuilder,
         design: &DesignConfig,
         level: &LevelConfig,
-    ) -> Result<(Self, Workspaces)> {
+    ) -> Result<Self> {
         let scene = changes::under(scene, config)?;
         let (problem, equilibrium) = scene.problem(body)?;
         let mut terms = objectives.build(&scene, body, &problem.space)?;
@@ -144,8 +142,8 @@ impl Scenario {
         let bounds = Bound::all(design, &scene, body, &problem)?;
         let (chambers, parameters) = (&design.chamber, &design.parameter);
         let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
-        let scenario = Self {
-            offset: Offset::new(config, body)?,
+        Ok(Self {
+            walls: changes::walls(config, &scene, body)?,
             loads,
             stepping: scene.stepping(),
             start: scene.integrator(body, &problem),
@@ -157,8 +155,13 @@ impl Scenario {
             body: body.clone(),
             scene,
             problem,
-        };
-        Ok((scenario, Workspaces { equilibrium, slope: None }))
+            workspaces: Mutex::new(Workspaces { equilibrium, slope: None }),
+        })
+    }
+
+    /// One computation after the other; what calls another one must not hold them.
+    fn workspaces(&self) -> MutexGuard<'_, Workspaces> {
+        self.workspaces.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The discrete problem.
@@ -167,8 +170,8 @@ impl Scenario {
     }
 
     /// What its solves need; those of a slope have a factor of their own.
-    pub fn memory(&self, workspaces: &Workspaces) -> Need {
-        let one = workspaces.equilibrium.memory();
+    pub fn memory(&self) -> Need {
+        let one = self.workspaces().equilibrium.memory();
         std::iter::once(one).chain(self.keeps_slope().then_some(one)).sum()
     }
 
@@ -177,9 +180,9 @@ impl Scenario {
         self.scene.config.time.is_some()
     }
 
-    /// Number of time steps.
-    pub fn steps(&self) -> usize {
-        self.times.len()
+    /// Ends of the time steps [s].
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// Names of the terms, in the order of the design file.
@@ -202,9 +205,9 @@ impl Scenario {
 
     /// Rest vertices with walls that are off, from those of the design [m].
     fn rest(&self, designed: &[Vec3]) -> Vec<Vec3> {
-        match &self.offset {
+        match &self.walls {
             None => designed.to_vec(),
-            Some(offset) => offset.apply(designed),
+            Some(walls) => walls.moved(designed, &self.config.walls()),
         }
     }
 
@@ -213,7 +216,7 @@ impl Scenario {
     pub fn admit(&self, designed: &[Vec3], moving: &[[usize; 3]]) -> Result<(), Rejected> {
         let rest = self.rest(designed);
         // where walls are off, all of them move
-        let moving = self.offset.as_ref().map_or(moving, |_| self.body.boundary());
+        let moving = self.walls.as_ref().map_or(moving, |_| self.body.boundary());
         validity::check(&rest, &self.body, moving).map_err(|e| self.reject(e))?;
         // a term without weight is none
         for term in self.terms.iter().filter(|term| term.weight * term.factor != 0.0) {

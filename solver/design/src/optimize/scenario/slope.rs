@@ -10,7 +10,7 @@ use mechanics::forward::{Configuration, Problem, Trajectory, Workspace, solve_mu
 use mechanics::stability::PressureSlope;
 use mesh::Vec3;
 
-use super::{Bound, Rejected, Run, Scenario, Workspaces};
+use super::{Bound, Rejected, Run, Scenario};
 use run::limit::growing;
 
 /// The end of a run, with pressures that may be scaled.
@@ -30,7 +30,6 @@ impl Scenario {
     /// The slope at the end of some states; none where it is not kept.
     pub(super) fn slope(
         &self,
-        workspaces: &mut Workspaces,
         problem: &Problem,
         rest: &[Vec3],
         states: &Trajectory,
@@ -38,7 +37,7 @@ impl Scenario {
         if !self.keeps_slope() {
             return Ok(None);
         }
-        let slope = self.scaled_pressure(workspaces, problem, rest, states)?.slope;
+        let slope = self.scaled_pressure(problem, rest, states)?.slope;
         if slope.negative > 0 {
             return Err(self.reject("its equilibrium is not stable"));
         }
@@ -47,18 +46,19 @@ impl Scenario {
 
     fn scaled_pressure<'a>(
         &self,
-        Workspaces { equilibrium, slope: workspace }: &mut Workspaces,
         problem: &Problem,
         rest: &'a [Vec3],
         states: &Trajectory,
     ) -> Result<Scaled<'a>, Rejected> {
+        let mut workspaces = self.workspaces();
         let (u, time) = (states.last(), self.times[states.steps() - 1]);
-        let multipliers = solve_multipliers(problem, equilibrium, &problem.iterate(rest, &u, time));
+        let at = problem.iterate(rest, &u, time);
+        let multipliers = solve_multipliers(problem, &mut workspaces.equilibrium, &at);
         let end = Configuration { rest, time, step: None, u: u.into_owned(), multipliers };
         let chambers = growing(problem, &self.scene.config.limit.clone().unwrap_or_default());
         let problem = problem.with_scaled_pressures(time, &chambers);
         // the unknowns are those of the shape before
-        let workspace = workspace.get_or_insert_with(|| Workspace::new(&problem));
+        let workspace = workspaces.slope.get_or_insert_with(|| Workspace::new(&problem));
         let slope = PressureSlope::of(&problem, workspace, &end, &chambers);
         let slope =
             slope.map_err(|why| self.reject(format!("the pressure has no slope: {why}")))?;
@@ -68,15 +68,15 @@ impl Scenario {
     /// Adds the derivatives of the slope at the end of a run, times a factor.
     pub(super) fn add_slope(
         &self,
-        workspaces: &mut Workspaces,
         run: &Run,
         factor: f64,
         gradient: &mut Gradient,
     ) -> Result<(), Rejected> {
         let Run { problem, rest, states, .. } = run;
-        let scaled = self.scaled_pressure(workspaces, problem, rest, states)?;
+        let scaled = self.scaled_pressure(problem, rest, states)?;
         let Scaled { problem: held, chambers, end, slope } = &scaled;
         let scaled = ScaledPressure { problem, held, rest, time: end.time, chambers };
+        let mut workspaces = self.workspaces();
         let workspace = workspaces.slope.as_mut().expect("that of the slope");
         let by = scaled.gradient_of_slope(workspace, end, slope).map_err(|why| {
             self.reject(format!("the slope of the pressure has no gradient: {why}"))

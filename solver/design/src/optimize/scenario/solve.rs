@@ -10,7 +10,7 @@ use mechanics::forward::{
 use mesh::Vec3;
 use program::Heartbeat;
 
-use super::{NotReached, Rejected, Run, Scenario, Workspaces};
+use super::{NotReached, Rejected, Run, Scenario};
 use run::next_to::next_to;
 use run::report::failure::inverted;
 
@@ -32,18 +32,17 @@ const BALLOONED: f64 = 4.0;
 const FOR_TANGENTS: f64 = 0.25;
 
 /// Where a run is looked for.
-#[derive(Clone, Copy)]
-pub enum Near<'a> {
+pub enum Near {
     /// From rest.
     Rest,
     /// The one equilibrium of a scene without time, next to a displacement [m]: keeps a
     /// search on one branch of equilibria, and is several times cheaper.
-    Displacement(&'a [f64]),
+    Displacement(Vec<f64>),
     /// From rest through time, next to the states of another run, with tangents of one next to it.
-    Run(&'a Arc<Trajectory>, &'a Arc<Linearizations>),
+    Run(Arc<Trajectory>, Arc<Linearizations>),
     /// From rest through time, next to the states of a run on another mesh, with the patience of a
     /// run from rest; without time, the one equilibrium next to the end of that run.
-    Carried(&'a Arc<Trajectory>),
+    Carried(Arc<Trajectory>),
 }
 
 /// States of a run, and the Newton iterations that they took.
@@ -51,45 +50,33 @@ type Solved = (Trajectory, usize);
 
 impl Scenario {
     /// The run on a designed rest shape, with these variables of the loads.
-    pub fn run(
-        &self,
-        workspaces: &mut Workspaces,
-        loads: &[f64],
-        designed: &[Vec3],
-        near: Near,
-    ) -> Result<Run, Rejected> {
+    pub fn run(&self, loads: &[f64], designed: &[Vec3], near: &Near) -> Result<Run, Rejected> {
         let (rest, problem) = (self.rest(designed), self.under(loads)?);
-        let mut through_time = |stepping, guide, tangents| {
+        let through_time = |stepping, guide: Option<&Arc<_>>, tangents: &Arc<_>| {
             let stepper = TimeStepper::new(stepping, self.start.clone());
-            let stepper = stepper.guided(guide).with_factors(tangents);
-            self.solve(workspaces, &problem, &rest, stepper)
+            let stepper = stepper.guided(guide.cloned()).with_factors(Arc::clone(tangents));
+            self.solve(&problem, &rest, stepper)
         };
-        let (states, newton_iterations) = match near {
-            Near::Rest => through_time(self.patient(), None, Arc::default())?,
-            Near::Run(guide, tangents) => {
-                through_time(self.nearby(), Some(Arc::clone(guide)), Arc::clone(tangents))?
-            }
+        let solved = match near {
+            Near::Rest => through_time(self.patient(), None, &Arc::default()),
+            Near::Run(guide, tangents) => through_time(self.nearby(), Some(guide), tangents),
             Near::Carried(guide) if self.is_transient() => {
-                through_time(self.patient(), Some(Arc::clone(guide)), Arc::default())?
+                through_time(self.patient(), Some(guide), &Arc::default())
             }
-            Near::Carried(run) => self.solve_next_to(workspaces, &problem, &rest, &run.last())?,
-            Near::Displacement(u) => self.solve_next_to(workspaces, &problem, &rest, u)?,
+            Near::Carried(run) => self.solve_next_to(&problem, &rest, &run.last()),
+            Near::Displacement(u) => self.solve_next_to(&problem, &rest, u),
         };
-        self.evaluated(workspaces, problem, rest, (states, newton_iterations))
+        self.evaluated(problem, rest, solved?)
     }
 
-    /// A run as it was, from its displacements at the ends of time steps [m].
-    pub fn recall<E: Into<anyhow::Error>>(
+    /// A run as it was, from its states at the ends of time steps.
+    pub fn recall(
         &self,
-        workspaces: &mut Workspaces,
         loads: &[f64],
         designed: &[Vec3],
-        displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
-    ) -> Result<Run> {
-        let times = self.times.clone().into_iter();
-        let states = self.states(loads, designed, times.zip(displacements))?;
-        let (problem, rest) = (self.under(loads)?, self.rest(designed));
-        Ok(self.evaluated(workspaces, problem, rest, (states, 0))?)
+        states: Trajectory,
+    ) -> Result<Run, Rejected> {
+        self.evaluated(self.under(loads)?, self.rest(designed), (states, 0))
     }
 
     /// States with displacements at times [s, m], as those of a run.
@@ -109,12 +96,11 @@ impl Scenario {
 
     fn evaluated(
         &self,
-        workspaces: &mut Workspaces,
         problem: Arc<Problem>,
         rest: Vec<Vec3>,
         (states, newton_iterations): Solved,
     ) -> Result<Run, Rejected> {
-        let slope = self.slope(workspaces, &problem, &rest, &states)?;
+        let slope = self.slope(&problem, &rest, &states)?;
         let run = Run {
             problem,
             rest,
@@ -126,14 +112,15 @@ impl Scenario {
             kept: Vec::new(),
             newton_iterations,
         };
-        Ok(self.rated(workspaces, &run))
+        Ok(self.rated(&run))
     }
 
     /// Makes a run ready for [`Self::sweep`], [`Self::curvature`], [`Self::predict`] and runs next to it. What follows
     /// depends on that run alone, not on how it was reached: an interrupted search continues with the same bits.
-    pub fn linearize(&self, workspaces: &mut Workspaces, run: &mut Run) {
+    pub fn linearize(&self, run: &mut Run) {
         run.tangents = Arc::default();
-        let (Run { problem, rest, states, .. }, workspace) = (&*run, &mut workspaces.equilibrium);
+        let Run { problem, rest, states, .. } = &*run;
+        let workspace = &mut self.workspaces().equilibrium;
         let known = if !self.is_transient() {
             Linearizations::at_end(problem, workspace, rest, states)
         } else if problem.energies.contact_terms().next().is_none() {
@@ -148,19 +135,14 @@ impl Scenario {
 
     /// First-order change of the equilibrium of a run, which is linearised, to another
     /// designed shape. None where the equilibrium is not stable, or of a run through time.
-    pub fn predict(
-        &self,
-        workspaces: &mut Workspaces,
-        run: &Run,
-        designed: &[Vec3],
-    ) -> Option<Vec<f64>> {
+    pub fn predict(&self, run: &Run, designed: &[Vec3]) -> Option<Vec<f64>> {
         if self.is_transient() {
             return None;
         }
         let rest = self.rest(designed);
         let motion: Vec<Vec3> = rest.iter().zip(&run.rest).map(|(a, b)| a - b).collect();
         let tangent = run.tangents.step(1)?;
-        follow(&run.problem, &mut workspaces.equilibrium, tangent, &run.rest, &motion)
+        follow(&run.problem, &mut self.workspaces().equilibrium, tangent, &run.rest, &motion)
     }
 
     /// How a run from rest steps, or one next to a run on another mesh.
@@ -181,15 +163,14 @@ impl Scenario {
     /// All states from rest.
     fn solve(
         &self,
-        workspaces: &mut Workspaces,
         problem: &Arc<Problem>,
         rest: &[Vec3],
         mut stepper: TimeStepper,
     ) -> Result<Solved, Rejected> {
         let mut heartbeat = Heartbeat::start();
-        let (workspace, times) = (&mut workspaces.equilibrium, &self.times);
+        let workspace = &mut self.workspaces().equilibrium;
         let title = self.config.title().map(|title| format!("{title}: ")).unwrap_or_default();
-        let run = stepper.run(problem, workspace, rest, times, self.state_memory, |step| {
+        let run = stepper.run(problem, workspace, rest, &self.times, self.state_memory, |step| {
             heartbeat.say(|| format!("  {title}a run is at {}", self.scene.progress(step.time)));
         });
         match run {
@@ -206,7 +187,6 @@ impl Scenario {
     /// The one equilibrium next to a displacement.
     fn solve_next_to(
         &self,
-        workspaces: &mut Workspaces,
         problem: &Problem,
         rest: &[Vec3],
         u: &[f64],
@@ -216,7 +196,7 @@ impl Scenario {
             ballooned: Some(BALLOONED_NEARBY),
             ..self.stepping.newton
         };
-        let (workspace, on) = (&mut workspaces.equilibrium, (rest, self.times[0]));
+        let (workspace, on) = (&mut self.workspaces().equilibrium, (rest, self.times[0]));
         let found = next_to(&self.start, (problem, workspace), on, u, &newton);
         let solution = found.map_err(|failure| match inverted(&problem.space, rest, u) {
             Some(said) if matches!(failure, Failure::Inadmissible) => {

@@ -7,7 +7,7 @@ use mechanics::energy::Iterate;
 use mechanics::forward::solve_multipliers;
 use scene::Weighted;
 
-use super::{Bound, Run, Scenario, Workspaces};
+use super::{Bound, Run, Scenario};
 
 /// Adds the partial derivatives of some terms, times a factor, by what they look at in a moment.
 pub(super) fn add_partials<'a>(
@@ -40,24 +40,22 @@ impl Scenario {
     }
 
     /// A run with its terms as they are weighted now.
-    pub fn rated(&self, workspaces: &mut Workspaces, run: &Run) -> Run {
-        let is_weighted = |term: &Weighted| term.weight * term.factor != 0.0;
-        let values = self.values(workspaces, run, is_weighted);
+    pub fn rated(&self, run: &Run) -> Run {
+        let values = self.values(run, |term| term.weight * term.factor != 0.0);
         let mut terms = BTreeMap::new();
         for (term, value) in self.terms.iter().zip(values) {
             *terms.entry(term.name.clone()).or_insert(0.0) += term.weight * term.factor * value;
         }
-        let kept = self.kept(workspaces, run);
-        Run { objective: terms.values().sum(), terms, kept, ..run.clone() }
+        Run { objective: terms.values().sum(), terms, kept: self.kept(run), ..run.clone() }
     }
 
     /// c of each bound at the end of a run.
-    fn kept(&self, workspaces: &mut Workspaces, run: &Run) -> Vec<f64> {
+    fn kept(&self, run: &Run) -> Vec<f64> {
         if self.bounds.is_empty() {
             return Vec::new();
         }
         let end = run.states.steps();
-        let (state, forces) = (run.states.state(end), self.forces(workspaces, run, end));
+        let (state, forces) = (run.states.state(end), self.forces(run, end));
         let at = run.equilibrium(end, &state, &forces);
         let one = |bound: &Bound| match bound.probe() {
             Some(probe) => bound.kept(probe.quantity.value(&at)),
@@ -67,15 +65,10 @@ impl Scenario {
     }
 
     /// Values over a run of the terms that are wanted, without weights; zero of the others.
-    pub fn values(
-        &self,
-        workspaces: &mut Workspaces,
-        run: &Run,
-        wanted: impl Fn(&Weighted) -> bool,
-    ) -> Vec<f64> {
+    pub fn values(&self, run: &Run, wanted: impl Fn(&Weighted) -> bool) -> Vec<f64> {
         let mut values = vec![0.0; self.terms.len()];
         for n in 0..=run.states.steps() {
-            let (forces, state) = (self.forces(workspaces, run, n), run.states.state(n));
+            let (forces, state) = (self.forces(run, n), run.states.state(n));
             let at = run.equilibrium(n, &state, &forces);
             for (term, value) in self.terms.iter().zip(&mut values) {
                 let factor = term.factors[n];
@@ -88,7 +81,7 @@ impl Scenario {
     }
 
     /// Forces on the nodes at a moment, where a term looks at them; at t = 0 there are none.
-    pub(super) fn forces(&self, workspaces: &mut Workspaces, run: &Run, n: usize) -> Forces {
+    pub(super) fn forces(&self, run: &Run, n: usize) -> Forces {
         let Run { problem, rest, states, .. } = run;
         let looks = |uses: fn(&dyn Quantity) -> bool| {
             let bounds = self.bounds.iter().filter_map(Bound::probe);
@@ -108,7 +101,7 @@ impl Scenario {
             forces.contact = problem.energies.contact_forces(&at);
         }
         if uses_reaction {
-            let multipliers = solve_multipliers(problem, &mut workspaces.equilibrium, &at);
+            let multipliers = solve_multipliers(problem, &mut self.workspaces().equilibrium, &at);
             let at = Iterate { multipliers: &multipliers, ..at };
             forces.reaction = problem.gradient(&at).0;
         }

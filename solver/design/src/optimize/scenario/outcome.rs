@@ -11,7 +11,7 @@ use mechanics::energy::Iterate;
 use mechanics::forward::{Linearizations, Problem, State, Trajectory};
 use mesh::Vec3;
 
-use super::Scenario;
+use super::{Near, Scenario};
 use run::report::crossing::Crossing;
 use run::report::results::{displacements, grid_with_fields};
 
@@ -56,6 +56,11 @@ impl Run {
         let (u, load) = (states.last(), states.times[states.steps()]);
         let step = states.step(problem, rest, states.steps());
         look(&Iterate { step: Some(&step), ..problem.iterate(rest, &u, load) })
+    }
+
+    /// Next to this one, with its tangents.
+    pub fn near(&self) -> Near {
+        Near::Run(Arc::clone(&self.states), Arc::clone(&self.tangents))
     }
 
     /// The solution's grid for ParaView, at the end.
