@@ -211,7 +211,10 @@ mod tests {
             ("", "at least one selection"),
             ("sigma = 1\n", "unknown field `sigma`"),
             ("epsilon = -1.0\n[[tag]]\nname = \"a\"\ncomponent = 0\n", "must be positive"),
-            ("epsilon = 1\nrelative_epsilon = 1\n[[tag]]\n", "give one of them"),
+            (
+                "epsilon = 1\nrelative_epsilon = 1\n[[tag]]\nname = \"a\"\ncomponent = 0\n",
+                "give one of them",
+            ),
             (
                 "[[tag]]\nname = \"a\"\nptach = \"a.stl\"\n",
                 "unknown field `ptach`; did you mean `patch`? expected one of `name`, `patch`, `volume`",

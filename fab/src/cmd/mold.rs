@@ -30,16 +30,13 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let task = &args.task;
-    let _lock = FolderLock::new(&task.output)?;
-    // An older mold goes first, so that nobody takes it for the one that was asked for last.
-    remove_old(&task.output)?;
-    let (planned, molds) = proved(task, task.plan()?)?;
+    let (planned, molds) =
+        task.plan().and_then(|planned| proved(task, planned)).inspect_err(|_| {
+            if PlanReport::read(&task.output).is_ok() {
+                log::warn!("{}: an older mold is still there", task.output.display());
+            }
+        })?;
     let Planned { layers, report: planned, .. } = planned;
-    for entry in &planned.molds {
-        let folder = task.output.join(&entry.folder);
-        remove_litter(&folder);
-        remove_litter(&folder.join("reference"));
-    }
     let laid = |layer: &&Layer| {
         molds.iter().any(|(_, files)| files.report.layers.iter().any(|one| one.tag == layer.tag))
     };
@@ -50,6 +47,13 @@ pub fn run(args: &Args) -> Result<()> {
             layer.tag
         );
         return task.named(Err(Unusable(message)));
+    }
+    let _lock = FolderLock::new(&task.output)?;
+    remove_old(&task.output)?;
+    for entry in &planned.molds {
+        let folder = task.output.join(&entry.folder);
+        remove_litter(&folder);
+        remove_litter(&folder.join("reference"));
     }
     if let Err(error) = write_all(&molds, &planned, args) {
         // Only the first error is reported.

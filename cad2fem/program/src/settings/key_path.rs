@@ -128,7 +128,7 @@ impl KeyPath {
     }
 
     /// The keys with numbers of items, for values that are in no file: `chamber 1 fill`.
-    fn words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let word = |step: &Step| match step {
             Step::Table(name) | Step::List(name) | Step::Key(name) | Step::Value(name) => {
                 Some(name.clone())
@@ -183,15 +183,6 @@ impl Misfit {
     /// Puts a title before the message.
     pub fn titled(self, title: impl Display) -> Self {
         Self { message: format!("{title}: {}", self.message), ..self }
-    }
-
-    /// The message with the keys in front, which some messages name themselves.
-    pub(super) fn in_words(&self) -> String {
-        let keys = self.path.words();
-        match keys.is_empty() || self.message.starts_with('[') {
-            true => self.message.clone(),
-            false => format!("{keys}: {}", self.message),
-        }
     }
 
     /// Puts a step before the keys.

@@ -120,3 +120,15 @@ pub fn move_paths(table: &mut DeTable, keys: &[&str], folder: &Path) {
 fn move_path(path: &mut Cow<'_, str>, folder: &Path) {
     *path = folder.join(path.as_ref()).display().to_string().into();
 }
+
+/// Whether a value of a table comes from a source.
+pub fn uses(table: &DeTable, source: &Range<usize>) -> bool {
+    fn value_uses(value: &Spanned<DeValue>, source: &Range<usize>) -> bool {
+        match value.get_ref() {
+            DeValue::Table(below) => uses(below, source),
+            DeValue::Array(list) if !list.is_empty() => list.iter().any(|v| value_uses(v, source)),
+            _ => source.contains(&value.span().start),
+        }
+    }
+    table.iter().any(|(_, value)| value_uses(value, source))
+}

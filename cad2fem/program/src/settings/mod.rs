@@ -95,6 +95,7 @@ impl Settings {
         for change in changes {
             settings.add(Origin::Change(change.clone()), change.text());
         }
+        settings.require_use()?;
         Ok(settings)
     }
 
@@ -122,7 +123,7 @@ impl Settings {
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T> {
         let read = |table| magnitude::check(table).and_then(|()| read_table(table));
         if let Some(values) = &self.values {
-            return read(values).map_err(|misfit| Placed(misfit.in_words()).into());
+            return read(values).map_err(|misfit| Placed(in_words(&misfit)).into());
         }
         let tree = self.tree()?;
         let root = Spanned::new(self.whole(), tree.clone());
@@ -299,6 +300,27 @@ impl Settings {
         Ok(tree)
     }
 
+    /// Refuses a file of which nothing is used: who includes it expects otherwise.
+    fn require_use(&self) -> Result<()> {
+        let tree = self.tree()?;
+        for (i, source) in self.sources.iter().enumerate() {
+            let Origin::File { path, .. } = &source.origin else { continue };
+            let again = self.sources[i + 1..].iter().any(|s| s.sha256 == source.sha256);
+            if i != self.own
+                && !again
+                && has_own(&source.text)
+                && !merge::uses(&tree, &source.range())
+            {
+                let (own, other) = (self.name_of(self.own), path.display());
+                bail!(
+                    "{own}: nothing of {other} is used, as {own} or a later file gives all of it \
+                     again: take it out there, or include both in a third file, {other} last"
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn is_inline(&self, span: &Range<usize>) -> bool {
         let source = self.source_at(span.start);
         let text = source.and_then(|source| source.text.get(span.start - source.start..));
@@ -347,6 +369,24 @@ impl Settings {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct Placed(String);
+
+/// A message with the keys in front, which some messages name themselves.
+fn in_words(misfit: &Misfit) -> String {
+    let (keys, text) = (misfit.path.words(), misfit.to_string());
+    match keys.is_empty() || text.starts_with('[') {
+        true => text,
+        false => format!("{keys}: {text}"),
+    }
+}
+
+/// Keys of every file.
+const OWN_KEYS: [&str; 2] = ["puffer", "include"];
+
+/// Whether a text has keys besides those of every file.
+fn has_own(text: &str) -> bool {
+    let keys = |tree: &DeTable| tree.keys().any(|key| !OWN_KEYS.contains(&key.get_ref().as_ref()));
+    DeTable::parse(text).is_ok_and(|tree| keys(tree.get_ref()))
+}
 
 /// The files that a text includes; none of one that is no TOML, which is refused later.
 fn included(text: &str) -> Vec<PathBuf> {
