@@ -84,6 +84,7 @@ table! {
 /// The schema of a tag file.
 pub const FORMAT: Format = Format::of::<Config>("tags", "tags.toml");
 
+#[allow(clippy::ptr_arg, reason = "the rule of a key of this type")]
 fn is_named(at: &KeyPath, name: &String) -> Result<(), Misfit> {
     if name.is_empty() { Err(at.clone().says(" is empty")) } else { Ok(()) }
 }

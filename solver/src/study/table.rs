@@ -95,6 +95,7 @@ impl Table {
 }
 
 /// The rule of a list of a file that has an entry or more.
+#[allow(clippy::ptr_arg, reason = "the rule of a key of this type")]
 pub fn some<T>(at: &KeyPath, list: &Vec<T>) -> Result<(), Misfit> {
     match list.is_empty() {
         true => Err(misfit!(at.clone(), " = []: expected one or more")),

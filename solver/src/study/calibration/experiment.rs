@@ -152,13 +152,16 @@ impl Quantity {
     }
 }
 
-/// The unit of a table, and what one is in the `wanted` one; the times and numbers of its lines.
+/// A unit as a table writes it, and what one is in the unit that is wanted.
+type MeasuredIn = (String, f64);
+
+/// The unit of a table, and the times and numbers of its lines.
 fn table_of(
     own: &ExperimentConfig,
     path: &Path,
     wanted: &str,
     end: f64,
-) -> Result<((String, f64), Vec<(f64, f64)>)> {
+) -> Result<(MeasuredIn, Vec<(f64, f64)>)> {
     let table = Table::read(path, &own.r#where)?;
     let first = own.columns.first();
     let first =

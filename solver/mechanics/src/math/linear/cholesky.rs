@@ -137,6 +137,7 @@ impl Tree {
 }
 
 /// A factored matrix.
+#[allow(clippy::large_enum_variant, reason = "there are few, and each has vectors of millions")]
 pub enum Factor {
     /// L Lᵀ in single precision.
     Single { tree: Arc<Tree>, values: InSingle },

@@ -45,7 +45,7 @@ fn elements_of(fibre: &FibreConfig, ground: &Ground) -> Result<Range<usize>> {
         let what = unknown("unknown body or volume", on, names(), ';', &has);
         return Err(misfit!(fibre.title().key("on"), ": {what}").into());
     };
-    Ok(first.elements.start..own.last().unwrap_or(first).elements.end)
+    Ok(first.elements.start..own.next_back().unwrap_or(first).elements.end)
 }
 
 /// Whether the mirror images of all fibres in a plane are fibres.
