@@ -245,7 +245,7 @@ impl Level {
         rejected.diagnose(&self.scenarios)
     }
 
-    /// Makes an evaluation ready for [`Self::gradient`], [`Self::predict`] and trials at or
+    /// Makes an evaluation ready for [`Self::gradient`], predictions and trials at or
     /// next to it. What follows depends on the evaluation alone, not on how it was reached: an interrupted search
     /// continues with the same bits.
     pub fn linearize(&self, at: &mut Evaluation) {

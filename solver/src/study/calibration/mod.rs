@@ -3,7 +3,7 @@
 //! Each `[[experiment]]` names a scene and what was measured: a table or a value of one of its probes, the mass of the
 //! body, or the thickness of a wall. So walls are found that are off in a body as it was cast.
 //! The numbers minimise the sum of the squared differences over their standard uncertainties
-//! ([`least_squares`](super::least_squares)), with derivatives by the adjoint method ([`run::sensitivity`]).
+//! ([`least_squares`]), with derivatives by the adjoint method ([`run::sensitivity`]).
 
 mod experiment;
 mod shape;
