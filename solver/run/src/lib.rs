@@ -212,6 +212,9 @@ impl Run {
         scene.parts.iter_mut().zip(meshes).for_each(|(part, mesh)| part.mesh_path = mesh);
         let _lock = FolderLock::new(folder)?;
         results::remove_stale(folder, 0)?;
+        let mut report = simulation::begun(&scene, &self.problem, folder)?;
+        // surfaces of obstacles lie beside the file that was read
+        scene.path.clone_from(&self.scene.path);
         let on = (&self.problem, &self.probes[..]);
         let mut recorder = Recorder::new(&scene, on, folder, true, None)?;
         self.finished().try_for_each(|finished| recorder.write(finished))?;
@@ -226,7 +229,6 @@ impl Run {
             equilibrium_s: self.seconds,
             predicted_s: predicted_time(&self.problem, &workspace, steps),
         };
-        let mut report = simulation::begun(&scene, &self.problem, folder)?;
         // the file that was written has it already
         report.set = self.scene.file.changes();
         simulation::follow(&mut report, &recorder, &workspace);
