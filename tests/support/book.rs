@@ -14,7 +14,7 @@ use crate::workdir::{Workdir, program, repository};
 
 /// A chapter.
 pub struct Chapter {
-    /// Its file.
+    /// The file of the chapter.
     pub path: PathBuf,
     /// Its Markdown.
     pub text: String,

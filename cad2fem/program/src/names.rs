@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// One name, or a list of names.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-#[serde(untagged, expecting = "expected a name, or a list of names")]
+#[serde(untagged, expecting = "expected a name in quotes, or a list of names")]
 pub enum Names {
     /// One.
     One(String),

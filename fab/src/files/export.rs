@@ -45,8 +45,8 @@ pub fn printable(name: &str, solid: &Solid, turn: Turn) -> Result<SurfaceMesh> {
         log::debug!("{name}: rounded it has {}", findings.join("; "));
     }
     bail!(
-        "{name}: no valid surface within {} µm of the solid after rounding to 32-bit millimetres: {}; move the parting or the \
-         design a little, or mesh the design anew",
+        "{name}: no valid surface within {} µm of the solid after rounding to 32-bit millimetres: {}; move the parting \
+         a little, or mesh the design again",
         OFF * 1e3,
         findings.join("; ")
     );

@@ -88,7 +88,7 @@ impl Line {
         Self::new(name, value <= limit, found, &format!("at most {} {unit}", number(limit)))
     }
 
-    /// The same check, of which a person should know if it does not hold.
+    /// This check, with a warning in place of a failure.
     pub fn or_warning(mut self) -> Self {
         if self.status == Status::Fail {
             self.status = Status::Warn;

@@ -20,13 +20,12 @@ use mechanics::contact::images::Mirrored;
 use mechanics::contact::pairs::Pair;
 use mesh::Vec3;
 use program::table::{Range, Table as _};
-use program::{KeyPath, Misfit, misfit};
+use program::{KeyPath, Misfit, Names, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::bound::{ProbeBound, SlopeBound};
 use crate::quantity::{Axis, Cores, Walls};
-use crate::written::Names;
 
 /// Tolerance of a constraint over its size.
 const TOLERANCE: f64 = 1e-3;

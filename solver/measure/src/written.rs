@@ -12,27 +12,7 @@ use mechanics::forward::Method;
 use mechanics::schedule::{Malformed, Schedule, Written, axes};
 use program::{KeyPath, Misfit, did_you_mean, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
-
-/// A name of a tag or a body, or several.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a name in quotes, or a list of names")]
-pub enum Names {
-    /// One name.
-    One(String),
-    /// A list of names.
-    Several(Vec<String>),
-}
-
-impl Names {
-    /// All names.
-    pub fn all(&self) -> &[String] {
-        match self {
-            Self::One(name) => std::slice::from_ref(name),
-            Self::Several(names) => names,
-        }
-    }
-}
+use serde::Serialize;
 
 /// The rule of axes.
 pub fn some_axes(at: &KeyPath, components: &String) -> Result<(), Misfit> {
@@ -139,6 +119,8 @@ pub enum DensitySchema {
 
 #[cfg(test)]
 mod tests {
+    use serde::Deserialize;
+
     use super::*;
 
     #[derive(Debug, Serialize, Deserialize)]

@@ -97,19 +97,7 @@ impl Run {
         workspace.watch = None;
         let seconds = begin.elapsed().as_secs_f64();
         Ok(match found {
-            Ok((states, load_steps, newton_iterations)) => {
-                let workspace = Mutex::new(workspace);
-                Ok(Self {
-                    scene,
-                    problem,
-                    probes,
-                    states,
-                    load_steps,
-                    newton_iterations,
-                    seconds,
-                    workspace,
-                })
-            }
+            Ok(found) => Ok(Self::made(scene, (problem, workspace, probes), found, seconds)),
             Err(unreached) => Err(NoEquilibrium { scene, problem, workspace, unreached }),
         })
     }
@@ -131,17 +119,18 @@ impl Run {
             let made = Arc::new(states.step(&problem, &scene.body.mesh.vertices, n));
             steps.iter_mut().for_each(|step| step.step = Some(Arc::clone(&made)));
         }
+        let found = (states, load_steps, newton_iterations);
+        Ok(Self::made(scene, (problem, workspace, probes), found, seconds))
+    }
+
+    fn made(
+        scene: Arc<Scene>,
+        (problem, workspace, probes): (Problem, Workspace, Vec<Probe>),
+        (states, load_steps, newton_iterations): Found,
+        seconds: f64,
+    ) -> Self {
         let workspace = Mutex::new(workspace);
-        Ok(Self {
-            scene,
-            problem,
-            probes,
-            states,
-            load_steps,
-            newton_iterations,
-            seconds,
-            workspace,
-        })
+        Self { scene, problem, probes, states, load_steps, newton_iterations, seconds, workspace }
     }
 
     /// What derivatives are computed with; one computation after the other.
@@ -268,7 +257,7 @@ impl Run {
 }
 
 /// States at the ends of time steps, all load steps, and the number of Newton iterations.
-type Reached = Result<(Trajectory, Vec<LoadStep>, usize), Unreached>;
+type Found = (Trajectory, Vec<LoadStep>, usize);
 
 /// Solves a scene: next to a displacement [m] if there is one and the way there does not matter; from rest where nothing
 /// is found there.
@@ -276,7 +265,7 @@ fn go(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),
     near: Option<&[f64]>,
-) -> Reached {
+) -> Result<Found, Unreached> {
     let rest = &scene.body.mesh.vertices[..];
     let near = near.filter(|u| u.len() == problem.dofs() && is_free_of_history(scene));
     let (start, newton) = (scene.integrator(&scene.body, problem), scene.stepping().newton);

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use program::{KeyPath, Keys, Picked, Recognized, Settings, fits, misfit, read_table};
+use program::{KeyPath, Keys, Names, Picked, Recognized, Settings, fits, misfit, read_table};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -82,22 +82,6 @@ struct Faces {
     inside: bool,
 }
 
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a text or a list of texts")]
-enum Names {
-    One(String),
-    Several(Vec<String>),
-}
-
-impl Names {
-    fn all(self) -> Vec<String> {
-        match self {
-            Self::One(name) => vec![name],
-            Self::Several(names) => names,
-        }
-    }
-}
-
 impl Given {
     /// Reads a tag file for a body.
     pub fn read(path: &Path, body: &Body) -> Result<Self> {
@@ -169,7 +153,7 @@ impl Given {
         let Faces { name, patch, pressure, rim, plug, inside } = read_table(&table)?;
         let own = i64::try_from(self.list.len())?;
         for pattern in patch.all() {
-            let file = match recognized.file(&pattern) {
+            let file = match recognized.file(pattern) {
                 Ok(file) => file,
                 Err(gone) => {
                     self.remarks.push(format!("{name}: {gone}."));
@@ -192,7 +176,7 @@ impl Given {
             }
         }
         self.list.push(Tag { name, chamber: pressure, plug, kept: None, rim: Vec::new() });
-        Ok(rim.map_or_else(Vec::new, Names::all))
+        Ok(rim.map_or_else(Vec::new, |rim| rim.all().to_vec()))
     }
 
     /// What holds the opening of a chamber: the page finds tags around its faces by itself.

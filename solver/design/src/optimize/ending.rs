@@ -77,7 +77,7 @@ impl Cause {
 /// A trial that was not taken.
 pub struct Refused {
     pub cause: Cause,
-    /// The same in words.
+    /// The cause in words.
     pub why: String,
     /// What it came to, where it had a value.
     pub objective: Option<f64>,

@@ -13,7 +13,7 @@ const OF_START: [&str; 2] = ["checkpoint.json", "history.jsonl"];
 /// What else an optimisation writes.
 const OF_DESIGN: [&str; 5] =
     ["report.json", "result.vtu", "pressures.toml", "parameters.toml", results::FAILED];
-/// What the meshes begin with that it writes, but for those that levels begin with.
+/// Beginnings of the names of meshes that it writes. Meshes at the start of levels have other names.
 const MESHES: [&str; 4] = ["design.", "latest.", "castable.", "remeshed-"];
 
 /// The report of a design in the folder, if there is one; those of other commands are none.

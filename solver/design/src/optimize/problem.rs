@@ -14,7 +14,7 @@ use super::{Evaluation, Level, Meshes};
 
 /// A design problem and its scene.
 pub struct Problem {
-    /// Its file.
+    /// The file of the design.
     pub path: PathBuf,
     /// What is written there.
     pub file: Settings,

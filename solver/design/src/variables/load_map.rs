@@ -73,9 +73,9 @@ pub struct LoadVariable {
     pub unit: &'static str,
     /// Change of that by a metre of the variable, r.
     pub per_metre: f64,
-    /// Its smallest and largest value [m].
+    /// Smallest and largest value of the variable [m].
     bounds: [f64; 2],
-    /// Its largest change in one iteration [m].
+    /// Largest change of the variable in one iteration [m].
     change: f64,
 }
 

@@ -15,9 +15,9 @@
 
 use anyhow::bail;
 use mechanics::element;
+use program::Names;
 
 use super::*;
-use crate::written::Names;
 
 pub(super) const ALONG: Kind = Kind {
     key: "contact-force",

@@ -28,9 +28,10 @@ use mechanics::contact::potential::{Contacts, Partners, Potential};
 use mechanics::contact::surface::Surface;
 use mechanics::element::FunctionSpace;
 use mechanics::symmetry::Plane;
+use program::Names;
 
 use super::*;
-use crate::written::{DensitySchema, Names};
+use crate::written::DensitySchema;
 
 pub(super) const KIND: Kind = Kind {
     key: "contact-proxy",

@@ -14,10 +14,11 @@
 //! Source: Gjoka et al. 2024, the worm's and the walker's objective.
 
 use mechanics::schedule::{Field, WrittenField, axes};
+use program::Names;
 
 use super::*;
 use crate::quantity::surface_integral::{Density, Place};
-use crate::written::{FieldSchema, Names, some_axes};
+use crate::written::{FieldSchema, some_axes};
 
 pub(super) const DISPLACEMENT: Kind = Kind {
     key: "displacement",

@@ -19,10 +19,10 @@
 
 use mechanics::symmetry::Plane;
 use mesh::topology;
+use program::Names;
 
 use super::*;
 use crate::quantity::RestTerm;
-use crate::written::Names;
 
 pub(super) const KIND: Kind = Kind {
     key: "smoothness",

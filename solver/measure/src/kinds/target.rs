@@ -10,10 +10,11 @@
 
 use std::path::{Path, PathBuf};
 
+use program::Names;
+
 use super::*;
 use crate::quantity::surface_integral::{Density, Place};
 use crate::quantity::{DistanceField, DistanceKind};
-use crate::written::Names;
 
 pub(super) const KIND: Kind = Kind {
     key: "target",

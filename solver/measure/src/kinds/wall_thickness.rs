@@ -31,10 +31,11 @@ use mechanics::contact::pairs::Pair;
 use mechanics::contact::rest_potential;
 use mechanics::element::at;
 use mechanics::symmetry::Plane;
+use program::Names;
 
 use super::*;
 use crate::quantity::{SidesTouch, Walls};
-use crate::written::{DensitySchema, Names};
+use crate::written::DensitySchema;
 
 pub(super) const KIND: Kind = Kind {
     key: "wall-thickness",

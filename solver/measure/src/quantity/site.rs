@@ -10,10 +10,10 @@ use mechanics::element::FunctionSpace;
 use mechanics::material::Specification;
 use mechanics::schedule::{Field, WrittenField};
 use mesh::Vec3;
-use program::{KeyPath, misfit};
+use program::{KeyPath, Names, misfit};
 
 use super::{Quantity, Targets};
-use crate::written::{Names, values};
+use crate::written::values;
 
 /// What a quantity is built on.
 pub struct Site<'a> {

@@ -3,10 +3,9 @@
 
 use std::borrow::Cow;
 
-use measure::written::Names;
 use program::schema::{add_table, take_keys};
 use program::table::Range;
-use program::{KeyPath, Misfit, misfit};
+use program::{KeyPath, Misfit, Names, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

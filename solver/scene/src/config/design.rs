@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use measure::objective::check_shares;
-use measure::written::Names;
 use mechanics::symmetry::AXES;
 use program::table::{Range, Table, direction, each, nested};
-use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
+use program::{Change, KeyPath, Keys, Misfit, Names, Settings, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
-use measure::written::Names;
 use program::table::{Numbers, Range, Table, named, nested};
-use program::{KeyPath, misfit};
+use program::{KeyPath, Names, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

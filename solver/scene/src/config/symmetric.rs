@@ -1,9 +1,8 @@
 //! `[[shape.symmetric]]`: tags of a whole body that move alike.
 
 use anyhow::{Result, ensure};
-use measure::written::Names;
 use program::table::{Range, direction, nested};
-use program::{KeyPath, Misfit};
+use program::{KeyPath, Misfit, Names};
 
 use super::{Axis, HandlesConfig, LevelConfig, Moves, ShapeConfig};
 

@@ -1,8 +1,7 @@
 //! `[[symmetry]]`: a plane in which bodies are cut that are a part of symmetric ones.
 
 use anyhow::{Result, ensure};
-use measure::written::Names;
-use program::KeyPath;
+use program::{KeyPath, Names};
 
 use super::SimConfig;
 use crate::meaning::cut;

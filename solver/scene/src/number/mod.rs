@@ -238,16 +238,10 @@ impl Number {
     pub fn value(&self, scene: &Scene) -> f64 {
         match self.kind {
             Kind::Row(row) => (row.value)(scene, self.place),
-            Kind::Room(..) if self.is_added(scene) => 0.0,
-            Kind::Room(..) => self.constant(scene).unwrap_or_default(),
-        }
-    }
-
-    /// Whether a value is added to a function of time.
-    fn is_added(&self, scene: &Scene) -> bool {
-        match self.kind {
-            Kind::Row(row) => matches!(row.set, Setting::AddedTo(_)),
-            Kind::Room(list, _) => room::written(self, list, scene).1,
+            Kind::Room(list, _) => match room::written(self, list, scene) {
+                (_, true) => 0.0,
+                (value, false) => value.number().unwrap_or_default(),
+            },
         }
     }
 
@@ -266,17 +260,15 @@ impl Number {
     /// Gives it a value. Several numbers may have to change before a scene admits them:
     /// [`Self::check`] says whether it does.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
-        if let Some(written) = self.added_to(&mut scene.config) {
-            return Ok(written.add(value)?);
-        }
         match self.kind {
-            Kind::Row(Row { set: Setting::By(set), .. }) => set(scene, walls, self.place, value)?,
-            Kind::Row(_) => {}
-            Kind::Room(list, _) => {
-                if let Place::Value(number) = room::place(self, list, &mut scene.config) {
-                    *number = value;
-                }
+            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => {
+                return Ok(of(&mut scene.config, self.place).add(value)?);
             }
+            Kind::Row(Row { set: Setting::By(set), .. }) => set(scene, walls, self.place, value)?,
+            Kind::Room(list, _) => match room::place(self, list, &mut scene.config) {
+                Place::AddedTo(written) => return Ok(written.add(value)?),
+                Place::Value(number) => *number = value,
+            },
         }
         let given = scene.given.entry(self.path.clone()).or_default();
         *given = if self.is_wall() { *given + value } else { value };

@@ -182,9 +182,14 @@ impl Outcome {
                 left = &left[LONGEST..];
                 continue;
             }
-            let (term, finding) = (term.to_owned(), finding.after(&before));
+            let term = term.to_owned();
             return Self { term, directional: slope, epsilon, remainder, finding, before };
         }
+    }
+
+    /// The same, of which there are no shorter steps to come.
+    fn at_last(self) -> Self {
+        Self { finding: self.finding.after(&self.before), ..self }
     }
 }
 
@@ -252,7 +257,7 @@ impl Case<'_> {
                 Some(why) if found.iter().all(|o| o.finding == Finding::TooLong) => {
                     Err(why.context("a trial"))
                 }
-                _ => Ok(found),
+                _ => Ok(found.into_iter().map(Outcome::at_last).collect()),
             };
         }
     }

@@ -93,7 +93,7 @@ impl Cascade<'_> {
         )
     }
 
-    /// The report of the design, but for how it is on another mesh and whether it crosses itself.
+    /// The report of the design. Its states on another mesh and its crossings are added later.
     fn designed(
         &self,
         finished: &Finished,

@@ -4,12 +4,11 @@ mod lay; // threads of a body
 mod measures; // what a report says of them
 
 use anyhow::{Result, ensure};
-use measure::written::Names;
 use mechanics::body::Body;
 use mechanics::energy::{Profile, Term, Winding};
 use mechanics::material::slack::DEFAULT_SLACK;
 use program::table::{Range, nested};
-use program::{KeyPath, misfit};
+use program::{KeyPath, Names, misfit};
 use reports::Terms;
 
 use super::line::AroundConfig;
