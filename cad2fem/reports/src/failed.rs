@@ -14,7 +14,6 @@ pub struct Failed {
 
 /// What is known of the load step that failed.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Failure {
     /// Load or time of the last equilibrium.
     pub load_reached: f64,
@@ -39,7 +38,6 @@ pub struct Failure {
 
 /// The element that most likely causes a failure, and its state in the failing step.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct WorstElement {
     /// Index of the tetrahedron in the mesh.
     pub id: usize,
@@ -55,7 +53,6 @@ pub struct WorstElement {
 
 /// Smallest pivot of a Hessian.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Pivot {
     /// The pivot [N/m].
     pub value: f64,
@@ -69,7 +66,6 @@ pub struct Pivot {
 
 /// Stiffness of the softest motion.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct SoftestStiffness {
     /// At rest [N/m].
     pub at_rest: Option<f64>,
@@ -79,7 +75,6 @@ pub struct SoftestStiffness {
 
 /// Pairs of triangles of surfaces that run through each other.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Crossing {
     /// How many there are.
     pub pairs: usize,

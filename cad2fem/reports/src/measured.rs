@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 /// Measures of one tag.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Tag {
     /// Rest area [m²].
     pub area: f64,
@@ -24,7 +23,6 @@ pub struct Tag {
 
 /// Measures of one chamber.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Chamber {
     /// Volume behind the rest wall; an open one is closed by a cap over its rim
     /// [m³].
@@ -39,7 +37,6 @@ pub struct Chamber {
 
 /// Value of a probe.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Probe {
     /// What it measures.
     pub kind: String,
@@ -51,7 +48,6 @@ pub struct Probe {
 
 /// Principal stretches of a state, beside what the material allows.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct StretchRange {
     /// Smallest principal stretch of a quadrature point [1].
     pub smallest: f64,
@@ -79,7 +75,6 @@ pub struct StretchRange {
 
 /// Principal stretches of one material, beside those of its tests.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct MaterialRange {
     /// The body or volume, where there are several materials.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,7 +101,6 @@ pub struct MaterialRange {
 
 /// By how much a state would change without locking.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Locking {
     /// Degree of the elements.
     pub degree: usize,
@@ -128,7 +122,6 @@ pub struct Locking {
 
 /// What a probe changes by where numbers are off.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct ErrorBars {
     /// Value of the probe.
     pub value: f64,
@@ -142,7 +135,6 @@ pub struct ErrorBars {
 
 /// What one number does to a probe.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct ErrorBar {
     /// `modulus`, `creep`, `mullins`, `wall`, `pressure`, `density`, `membrane`, `friction`, or the
     /// path of a number.

@@ -7,7 +7,6 @@ use crate::numbers::Numbers;
 
 /// How far a body or volume with `[[mullins]]` is softened.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Mullins {
     /// The body or volume.
     pub on: String,
@@ -25,7 +24,6 @@ pub struct Mullins {
 
 /// A largest pressure of a chamber between two smaller ones, or at the end of the run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Inflation {
     /// The chamber, by the tag of its wall.
     pub chamber: String,
@@ -40,7 +38,6 @@ pub struct Inflation {
 
 /// A state of an inflation.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Inflated {
     /// Time [s].
     pub t: f64,

@@ -11,7 +11,6 @@ use crate::simulation::{CutPlane, Inputs};
 
 /// What `solver optimize` found, and what it was found from.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("additionalProperties" = false))]
 pub struct Optimization {
     /// How it ended.
     pub status: Ended,
@@ -142,7 +141,6 @@ pub struct Designed {
 
 /// A design on another mesh of the same shape.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Remeshed {
     /// The objective.
     pub objective: Option<f64>,
@@ -152,7 +150,6 @@ pub struct Remeshed {
 
 /// How a level ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct LevelEnd {
     /// The number of the level, counted from 1.
     pub level: usize,
@@ -164,7 +161,6 @@ pub struct LevelEnd {
 
 /// A constraint at the end of a design.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Kept {
     /// Unit of its numbers.
     pub unit: String,
@@ -182,7 +178,6 @@ pub struct Kept {
 
 /// What a probe was and has become.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct DesignedProbe {
     /// Unit of its values.
     pub unit: String,
@@ -207,7 +202,6 @@ pub struct NoStart {
 
 /// A line of `history.jsonl`: the shape that a level begins with, or an accepted iteration.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Iteration {
     /// Number of the level.
     pub level: usize,
@@ -272,7 +266,6 @@ pub enum Handles {
 
 /// What a scenario comes to.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct ScenarioRun {
     /// Sum of the terms.
     pub objective: Option<f64>,
@@ -290,7 +283,6 @@ pub struct ScenarioRun {
 /// How a shape can be cast.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-#[schemars(deny_unknown_fields)]
 pub enum Castable {
     /// It can be cast.
     Planned {

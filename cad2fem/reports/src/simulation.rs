@@ -16,7 +16,6 @@ use crate::terms::Terms;
 
 /// What `solver simulate` found, and what it was found from.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("additionalProperties" = false))]
 pub struct Simulation {
     /// Whether there is an equilibrium, and one that can be.
     pub status: Status,
@@ -165,7 +164,6 @@ impl<T> OneOrList<T> {
 
 /// Files that a result was made from.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Inputs {
     /// Mesh of each body.
     pub mesh: OneOrList<InputFile>,
@@ -187,7 +185,6 @@ pub struct Inputs {
 
 /// Law of a body or volume.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Material {
     /// The law.
     pub kind: String,
@@ -204,7 +201,6 @@ pub struct Material {
 
 /// Moduli at rest.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Moduli {
     /// Shear modulus [Pa].
     pub shear: f64,
@@ -214,7 +210,6 @@ pub struct Moduli {
 
 /// Where the law of a silicone comes from.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Silicone {
     /// Key of the silicone.
     pub name: String,
@@ -230,7 +225,6 @@ pub struct Silicone {
 
 /// A plane of symmetry that cuts the body.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct CutPlane {
     /// Tags of the cut.
     pub on: Vec<String>,
@@ -242,7 +236,6 @@ pub struct CutPlane {
 
 /// Work of the loads beside the energy that is stored.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct EnergyBalance {
     /// Work of gas, dead loads and moving supports, by the trapezoidal rule over the load steps [J].
     pub work_of_loads: f64,
@@ -261,7 +254,6 @@ pub struct EnergyBalance {
 
 /// Time of a task.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Task {
     /// Time on the clock [s].
     pub wall_s: f64,
@@ -271,7 +263,6 @@ pub struct Task {
 
 /// Where the time went.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Timings {
     /// Sparsity pattern, nested dissection and symbolic factorisation, again where contact adds entries.
     pub ordering: Task,

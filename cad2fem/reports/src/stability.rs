@@ -9,7 +9,6 @@ use crate::measured::{Chamber, ErrorBars};
 
 /// A state on a path that is followed by its arc length.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct PathState {
     /// Arc length from rest [1].
     pub arc_length: f64,
@@ -24,7 +23,6 @@ pub struct PathState {
 
 /// A point of a path at which the tangent stiffness is singular.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct PassedPoint {
     /// What becomes of the path there.
     pub kind: PointKind,
@@ -44,7 +42,6 @@ pub enum PointKind {
 
 /// How far an equilibrium is from losing its stability at a held load.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Stability {
     /// Number of negative eigenvalues of the exact tangent stiffness; none of a stable state.
     pub negative_eigenvalues: usize,
@@ -59,7 +56,6 @@ pub struct Stability {
 
 /// How much more pressure than the full load the state at the end bears, while all else is held.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Limit {
     /// Whether a limit was found.
     pub status: LimitStatus,
@@ -102,7 +98,6 @@ pub struct Limit {
 
 /// A state on the way to a limit.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct LimitState {
     /// Factor on the pressures [1].
     pub factor: f64,
@@ -130,7 +125,6 @@ pub enum LimitStatus {
 
 /// What an iterate of the direct method leaves of its equations.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct DirectIterate {
     /// Norm of the unbalanced force [N].
     pub residual: f64,

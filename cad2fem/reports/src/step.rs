@@ -11,7 +11,6 @@ use crate::stability::PathState;
 
 /// One state of a run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Step {
     /// Time [s]; of a static scene the fraction of the full load.
     pub t: f64,
@@ -64,7 +63,6 @@ pub struct Step {
 
 /// Motion of a rigid part.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct RigidPart {
     /// Displacement of its middle [m].
     pub displacement: [f64; 3],
@@ -84,7 +82,6 @@ pub struct ForceBalance {
 
 /// Forces between surfaces.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Collisions {
     /// Number of pairs of features that repel each other.
     pub pairs: usize,
@@ -98,7 +95,6 @@ pub struct Collisions {
 
 /// Force between two bodies.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct PairForce {
     /// The two bodies.
     pub bodies: [String; 2],

@@ -24,7 +24,6 @@ pub struct Terms {
 
 /// Thickness, law and measures of a sheet.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Membrane {
     /// Tag that it is bonded to.
     pub on: String,
@@ -52,7 +51,6 @@ pub struct Membrane {
 
 /// Measures of a family of fibres.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Fibre {
     /// Name of the family.
     pub name: String,
@@ -70,7 +68,6 @@ pub struct Fibre {
 
 /// Measures of a thread.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Winding {
     /// Name of the winding.
     pub name: String,

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 /// What `solver validate` writes to `errors.json`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Validation {
     /// The program that wrote it, with its version.
     pub program: String,
@@ -15,7 +14,6 @@ pub struct Validation {
 
 /// A measured point.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct MeasuredPoint {
     /// Abscissa.
     pub x: f64,
@@ -27,7 +25,6 @@ pub struct MeasuredPoint {
 
 /// A simulation that is an end of a band.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct BandEnd {
     /// Name of the run.
     pub run: String,
@@ -37,7 +34,6 @@ pub struct BandEnd {
 
 /// A simulation beside measured points.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields)]
 pub struct Comparison {
     /// Name of the row.
     pub row: String,
