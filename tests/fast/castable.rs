@@ -1,7 +1,9 @@
-//! `[mold]` in a design: what `fab plan` says of every accepted shape. And constraints of kind `draft`.
+//! `[mold]` in a design: what `fab plan` says of every accepted shape. Constraints of kind `draft`. And the casting sheet of a
+//! body that is wound, with `mold.json`, which is what its schema says.
 
 use serde_json::Value;
-use tests::chamber::{DESIGN, SIM, workdir};
+use tests::chamber::{self, DESIGN, SIM, workdir};
+use tests::reported::check_mold;
 use tests::workdir::Workdir;
 
 /// The walls lean away from the pull of the core by a degree; they are straight as modelled.
@@ -97,10 +99,52 @@ fn a_wrong_file_of_the_mold_is_refused() {
 #[test]
 fn draft_is_kept_by_a_design() {
     let dir = folder("", DRAFT);
-    let run = dir.solver("optimize design.toml -o out");
-    run.assert_refused(2, &["[[constraint]] \"pull\"", "at least 1.00° is to be kept"]);
+    dir.solver("optimize design.toml -o out")
+        .assert_refused(2, &["[[constraint]] \"pull\"", "at least 1.00° is to be kept"]);
     dir.write("design.toml", &dir.text("design.toml").replace("least = 1", "least = 0"));
-    dir.solver("optimize design.toml -o out").assert_good();
-    let kept = dir.json("out/report.json")["constraints"]["pull"]["found"].as_f64().unwrap();
+    let kept =
+        dir.report("optimize design.toml -o out")["constraints"]["pull"]["found"].as_f64().unwrap();
     assert!(kept > -1e-3, "{kept}");
+}
+
+/// Along the line on its top that the scene lays a thread on.
+#[test]
+fn the_casting_sheet_says_how_to_wind() {
+    let dir = chamber::workdir();
+    dir.write("bare.toml", SIM);
+    let line = "[[winding]]\nname = \"seam\"\non = \"top\"\nstiffness = 50\nstrength = 5\n\
+                points = [[0.006, 0.02, 0.04], [0.034, 0.02, 0.04]]\n";
+    dir.write("wound.toml", &format!("{SIM}\n{line}"));
+    for scene in ["bare", "wound"] {
+        dir.solver(&format!("simulate {scene}.toml --final-only -o {scene}")).assert_good();
+    }
+    let mold = |config: &str| {
+        dir.write("mold.toml", config);
+        dir.run("fab", "mold body.msh --config mold.toml --no-pictures -o mold")
+    };
+    for (report, words) in [
+        ("bare/report.json", "no threads in it"),
+        ("wound.toml", "not a report of `solver simulate`"),
+        ("nowhere.json", "nowhere.json"),
+    ] {
+        mold(&format!("wound = \"{report}\"\n")).assert_refused(2, &[words]);
+    }
+    let words = "mL already; expected the mesh of a body within";
+    mold("around = \"body.msh\"\n").assert_refused(1, &[words]);
+    mold("[casting]\nfirst_shot = true\n").assert_good();
+    let first = dir.text("mold/cast.html");
+    assert!(first.contains("Leave the core inside") && !first.contains("Glue the tube"), "{first}");
+    mold("wound = \"wound/report.json\"\n").assert_good();
+    let report = dir.json("mold/mold.json");
+    check_mold(&report);
+    let length = report["threads"][0]["length"].as_f64().unwrap();
+    assert!((length / 28.0 - 1.0).abs() < 1e-6, "{length}");
+    let sheet = dir.text("mold/cast.html");
+    for words in [
+        "0.2 m of thread that bears 5.0 N (<code>seam</code>)",
+        "Lay the thread <code>seam</code> on <code>top</code>",
+        "28 mm, without slack",
+    ] {
+        assert!(sheet.contains(words), "{words}: {sheet}");
+    }
 }

@@ -18,9 +18,7 @@ fn a_line_becomes_a_design_that_reaches_its_value() {
     let wanted = 1.2 * start;
     let line =
         format!("design p1.toml --probe top={wanted} --pressure 12e3 --wall 2e-3 -o line.toml");
-    let run = dir.solver(&line);
-    run.assert_good();
-    assert!(run.stderr.contains("solver optimize line.toml -o optimize"), "{}", run.stderr);
+    dir.solver(&line).assert_says(&["solver optimize line.toml -o optimize"]);
     let text = dir.text("line.toml");
     // The seat holds the rim of the chamber: it is no other side of a wall.
     assert!(text.contains("against = [\"top\", \"skin\"]"), "{text}");
@@ -66,8 +64,8 @@ fn the_core_is_that_of_the_line_or_of_the_mold() {
     assert!(line(" --core 2e-3", "line.toml").contains(&format!("{kept}0.002 ")));
     dir.solver("check line.toml --design-only --handles 1").assert_good();
     dir.write("mold.toml", "casting.least_core = \"thin\"\n");
-    let run = dir.solver("design p1.toml --probe top=1e-3 -o bad.toml");
-    run.assert_refused(2, &["mold.toml", "casting.least_core must be a number above 0"]);
+    dir.solver("design p1.toml --probe top=1e-3 -o bad.toml")
+        .assert_refused(2, &["mold.toml", "casting.least_core must be a number above 0"]);
 }
 
 #[test]

@@ -47,8 +47,7 @@ fn softening_of_the_material_has_bars() {
     let soft = sound.replacen("d1 = 1e6", "d1 = 1e6\ncreep = 0.25\nmullins = 0.1", 1);
     let bars = |scene: &str| {
         dir.write("sim.toml", scene);
-        dir.solver("simulate sim.toml -o out --restart").assert_good();
-        let report = dir.json("out/report.json");
+        let report = dir.report("simulate sim.toml -o out --restart");
         report["error_bars"]["top"]["bars"].as_array().unwrap().clone()
     };
     let of = |bars: &[serde_json::Value], of: &str| bars.iter().find(|b| b["of"] == of).cloned();
@@ -76,8 +75,7 @@ fn softening_of_the_material_has_bars() {
 fn bars_are_derivatives_times_what_the_numbers_are_off() {
     let dir = workdir("");
     let run = dir.solver("simulate sim.toml -o out");
-    run.assert_good();
-    assert!(run.stderr.contains("error bars, to first order"), "{}", run.stderr);
+    run.assert_says(&["error bars, to first order"]);
     let report = dir.json("out/report.json");
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     for (name, found) in report["error_bars"].as_object().unwrap() {

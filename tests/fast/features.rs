@@ -7,7 +7,6 @@ use tests::chamber::{self, VOLUME_DESIGN};
 use tests::workdir::Workdir;
 
 use crate::samples::*;
-use crate::{alike, keep};
 
 struct Feature {
     name: &'static str,
@@ -169,7 +168,7 @@ const FEATURES: &[Feature] = &[
     },
     Feature {
         name: "tag that moves as its own image",
-        folder: || alike::folder(alike::OWN),
+        folder: || alike(OWN),
         says: &[],
         report: &[],
         check: "--handles 2 --design-only",
@@ -177,7 +176,7 @@ const FEATURES: &[Feature] = &[
     },
     Feature {
         name: "two tags that move alike",
-        folder: alike::two_chambers,
+        folder: two_chambers,
         says: &[],
         report: &[],
         check: "--handles 1 --design-only",
@@ -185,7 +184,7 @@ const FEATURES: &[Feature] = &[
     },
     Feature {
         name: "face that keeps its plane",
-        folder: || keep::folder("[[shape.level]]\nhandles = 3\niterations = 3\n"),
+        folder: kept,
         says: &[],
         report: &[],
         check: "--handles 3 --design-only",
@@ -297,8 +296,7 @@ fn numbers_that_are_left_open_have_gradients() {
     );
     let dir = check(0.0403, &inflated, &["material.body", "contact.friction"]);
     // the report says what was taken
-    dir.solver("simulate p1.toml -o out --final-only").assert_good();
-    let contact = &dir.json("out/report.json")["config"]["contact"];
+    let contact = &dir.report("simulate p1.toml -o out --final-only")["config"]["contact"];
     assert!(
         (contact["stiffness"].as_f64().unwrap() / (3e5 / 2.8) - 1.0).abs() < 1e-12,
         "{contact}"

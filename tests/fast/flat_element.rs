@@ -3,7 +3,6 @@
 
 use mechanics::body::Body;
 use mesh::Vec3;
-use mesh::io::write_tets;
 use tests::chamber::{DESIGN, SIM, workdir};
 use tests::workdir::Workdir;
 use tests::{block, tag};
@@ -59,7 +58,7 @@ fn body_with_needles() -> Body {
 fn folder(body: &Body) -> Workdir {
     let dir = workdir();
     assert_eq!(mesh::check::check_tets(&body.mesh).len(), 0, "nothing is inverted");
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    dir.put("body.msh", body);
     dir.write("p1.toml", &SIM.replace("degree = 2", "degree = 1"));
     let (first, rest) = DESIGN.split_once("[[shape.level]]").unwrap();
     let (_, terms) = rest.split_once("[[objective]]").unwrap();
@@ -84,11 +83,7 @@ fn a_flat_element_is_meshed_away_and_the_level_goes_on() {
     assert!(motion(4) > 10.0 * motion(2), "{} and {}", motion(2), motion(4));
     let volume = |file: &str| {
         let mesh = mesh::io::read_tets(&dir.path(file)).unwrap().mesh;
-        let volume = |t: usize| {
-            let [a, b, c, d] = mesh.corners(t);
-            mesh::measure::tet_volume(a, b, c, d)
-        };
-        (0..mesh.tets.len()).map(volume).fold(f64::INFINITY, f64::min)
+        (0..mesh.tets.len()).map(|t| mesh.volume(t)).fold(f64::INFINITY, f64::min)
     };
     assert!(volume("out/remeshed-1-2.msh") > 20.0 * volume("body.msh"));
 }
@@ -112,8 +107,7 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
     dir.write("kept.toml", &design.replace(level, &kept));
 
     let run = dir.solver("optimize design.toml -o out");
-    run.assert_good();
-    assert!(run.stderr.contains("re-meshed the surface: "), "{}", run.stderr);
+    run.assert_says(&["re-meshed the surface: "]);
     let [before, after] = ["level-1", "level-2"].map(|at| format!("out/{at}.msh"));
     let (many, area) = tagged(&dir, &before, "cavity");
     let (fewer, new) = tagged(&dir, &after, "cavity");
@@ -139,8 +133,7 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
     let without = objectives("kept");
     assert!(with[4] < without[4], "{with:?} {without:?}");
     dir.write("bad.toml", &dir.text("kept.toml").replace("tolerance = 0", "tolerance = -1e-4"));
-    let run = dir.solver("optimize bad.toml -o bad");
-    run.assert_refused(
+    dir.solver("optimize bad.toml -o bad").assert_refused(
         2,
         &["bad.toml", "surface_tolerance = -0.0001 m: must be finite and not negative"],
     );
@@ -149,11 +142,10 @@ fn needles_of_the_surface_that_moves_are_meshed_away_and_the_rest_stays() {
 #[test]
 fn a_surface_is_remeshed_by_a_program_alone() {
     let dir = folder(&body_with_needles());
-    let run = dir.run("cad2fem", "remesh body.msh --surface cavity --tolerance 1e-3 -o better.msh");
-    run.assert_good();
-    assert!(run.stderr.contains("1.0000 mm allowed"), "{}", run.stderr);
+    dir.run("cad2fem", "remesh body.msh --surface cavity --tolerance 1e-3 -o better.msh")
+        .assert_says(&["1.0000 mm allowed"]);
     assert!(tagged(&dir, "better.msh", "cavity").0 < tagged(&dir, "body.msh", "cavity").0);
     assert_eq!(tagged(&dir, "better.msh", "skin").0, tagged(&dir, "body.msh", "skin").0);
-    let run = dir.run("cad2fem", "remesh body.msh --surface hole -o none.msh");
-    run.assert_refused(2, &["body.msh: no tag `hole`; the mesh has: seat, cavity, top, skin"]);
+    dir.run("cad2fem", "remesh body.msh --surface hole -o none.msh")
+        .assert_refused(2, &["body.msh: no tag `hole`; the mesh has: seat, cavity, top, skin"]);
 }

@@ -6,7 +6,7 @@ use fab::verify::{Against, Line, Status, before_writing};
 use mesh::io::read_surface;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
-use std::process::Output;
+use reports::Segment;
 use tests::workdir::Workdir;
 
 use crate::samples;
@@ -33,11 +33,6 @@ pub fn wound() -> Workdir {
     dir
 }
 
-fn mold(dir: &Workdir) -> Output {
-    let command = "mold body.msh --config mold.toml --no-pictures -o mold";
-    dir.command_of("fab", command).output().unwrap()
-}
-
 /// The surfaces of a mold in the order of its report, as they are in their files [mm].
 fn surfaces(dir: &Workdir, report: &MoldReport) -> Vec<SurfaceMesh> {
     report.files().map(|file| read_surface(&dir.path("mold").join(file)).unwrap()).collect()
@@ -53,18 +48,14 @@ fn checked(dir: &Workdir, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<
 
 /// Ends of the segments of the threads at rest [m].
 fn segments(dir: &Workdir) -> Vec<[Vec3; 2]> {
-    let row = |row: &str| {
-        let x: Vec<f64> = row.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
-        [Vec3::new(x[0], x[1], x[2]), Vec3::new(x[6], x[7], x[8])]
-    };
-    dir.text("out/windings.csv").lines().skip(1).map(row).collect()
+    let segments = Segment::all(&dir.text("out/windings.csv")).unwrap();
+    segments.into_iter().map(|one| one.ends.map(|end| Vec3::from(end.rest))).collect()
 }
 
 #[test]
 fn a_ridge_leaves_room_for_the_thread_and_comes_out() {
     let dir = wound();
-    let run = mold(&dir);
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    dir.run("fab", "mold body.msh --config mold.toml --no-pictures -o mold").assert_good();
     let report = MoldReport::read(&dir.path("mold")).unwrap();
     let groove = report.groove.as_ref().unwrap();
     // On faces along the pull, threads climb: they may go by half a diameter until they leave the face. Pieces of up to

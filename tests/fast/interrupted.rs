@@ -427,9 +427,7 @@ fn unfinished_work_on_other_inputs_is_not_thrown_away() {
     dir.solver(&format!("{DESIGN} --restart")).assert_good();
     // a finished one is used again
     dir.write("p1.toml", &dir.text("p1.toml").replace("8e3", "7e3"));
-    let run = dir.solver(DESIGN);
-    run.assert_good();
-    assert!(run.stderr.contains("the finished design there is replaced"), "{}", run.stderr);
+    dir.solver(DESIGN).assert_says(&["the finished design there is replaced"]);
 
     let dir = CONTACT.unfinished("checkpoint.json", 1);
     let words = ["checkpoint.json", "another scene", "steps", "--restart"];

@@ -7,8 +7,7 @@ use crate::samples::{HOLLOW, RESISTANCE, supplied as on, twins};
 
 /// Pressure of a chamber at the end of each time step [Pa].
 fn pressures(dir: &Workdir, chamber: &str) -> Vec<f64> {
-    dir.solver("simulate p1.toml -o out").assert_good();
-    let report = dir.json("out/report.json");
+    let report = dir.report("simulate p1.toml -o out");
     let steps = report["steps"].as_array().unwrap().iter();
     steps.map(|step| number(&step["chambers"][chamber]["pressure"])).collect()
 }
@@ -37,7 +36,6 @@ fn without_time_the_flow_has_settled() {
     let dir = twins(200e3, &on("on = \"left\"", "supply = 20e3", 1.0 / RESISTANCE));
     let scene = dir.text("p1.toml");
     dir.write("p1.toml", scene.split("[time]").next().unwrap());
-    dir.solver("simulate p1.toml -o out").assert_good();
-    let pressure = &dir.json("out/report.json")["chambers"]["left"]["pressure"];
+    let pressure = &dir.report("simulate p1.toml -o out")["chambers"]["left"]["pressure"];
     assert!((pressure.as_f64().unwrap() - 10e3).abs() < 1e-6, "{pressure}");
 }

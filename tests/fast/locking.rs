@@ -1,7 +1,7 @@
 //! What elements hold back: the estimate of `solver simulate` against the same scene with the next degree,
 //! when it is made, and what is said of bodies that hardly change their volume.
 
-use mesh::io::{npy, write_tets};
+use mesh::io::npy;
 use serde_json::Value;
 use tests::chamber::{self, PROBES};
 use tests::workdir::Workdir;
@@ -15,29 +15,25 @@ fn scene(poisson: &str, load: &str, solver: &str) -> String {
 }
 
 fn workdir() -> Workdir {
-    let (dir, body) = (Workdir::new(), chamber::chamber());
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
-    dir
+    Workdir::with(&chamber::chamber())
 }
 
 /// The report of a scene with a degree, and the root of the mean square of its displacement.
 fn simulate(dir: &Workdir, scene: &str, degree: usize) -> (Value, f64) {
     dir.write("sim.toml", scene);
-    dir.solver(&format!("simulate sim.toml --degree {degree} -o out --restart --final-only"))
-        .assert_good();
+    let run = format!("simulate sim.toml --degree {degree} -o out --restart --final-only");
+    let report = dir.report(&run);
     let (u, _) = npy::read_f64(&dir.path("out/displacement.npy")).unwrap();
     let mesh = chamber::chamber().mesh;
     let mut volumes = vec![0.0; mesh.vertices.len()];
     for (t, tet) in mesh.tets.iter().enumerate() {
-        let [a, b, c, d] = mesh.corners(t);
-        let volume = mesh::measure::tet_volume(a, b, c, d);
-        tet.iter().for_each(|&v| volumes[v] += volume / 4.0);
+        tet.iter().for_each(|&v| volumes[v] += mesh.volume(t) / 4.0);
     }
     let square = |(v, volume): (usize, &f64)| {
         volume * u[3 * v..3 * v + 3].iter().map(|u| u * u).sum::<f64>()
     };
     let size = volumes.iter().enumerate().map(square).sum::<f64>().sqrt();
-    (dir.json("out/report.json"), size)
+    (report, size)
 }
 
 /// At small loads the Newton step is all that there is: the estimate is the truth, also where a chamber has

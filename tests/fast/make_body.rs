@@ -4,10 +4,9 @@
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
-use std::process::Command;
 use std::time::{Duration, SystemTime};
 
-use tests::workdir::{Workdir, repository};
+use tests::workdir::{Workdir, make, repository};
 
 /// Writes what make expects of each verb, and what it was called with into the files `calls` and `commands` beside it. A
 /// scene with the word `fails` has no usable result.
@@ -65,8 +64,7 @@ impl Body {
         let calls = self.0.path("bin/calls");
         fs::write(&calls, "").unwrap();
         fs::write(self.0.path("bin/commands"), "").unwrap();
-        let mut make = Command::new("make");
-        make.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
+        let mut make = make();
         make.arg("--silent").arg(format!("BIN={}", self.0.path("bin").display()));
         if self.0.path("mine/Makefile").exists() {
             make.arg("-C").arg(self.0.path("mine")).current_dir("/");

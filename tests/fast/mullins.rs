@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use mesh::io::write_tets;
 use tests::meshes::shell_octant;
 use tests::reported::number;
 use tests::tag;
@@ -27,7 +26,6 @@ const B: f64 = 0.015;
 
 /// An octant of a thick sphere, whose bulk modulus is 1000 shear moduli.
 fn sphere(pressure: &str, [end, steps]: [usize; 2]) -> Workdir {
-    let dir = Workdir::new();
     let body = tag(
         shell_octant(A, B, 6, 3),
         &[
@@ -37,7 +35,7 @@ fn sphere(pressure: &str, [end, steps]: [usize; 2]) -> Workdir {
             ("inside", &|p| p.norm() < 0.5 * (A + B)),
         ],
     );
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let dir = Workdir::with(&body);
     let mut scene = format!("mesh = \"body.msh\"\ndegree = 1\n{}{SOFTENING}", silicone(92e6));
     for axis in ["x", "y", "z"] {
         writeln!(scene, "[[symmetry]]\non = \"{axis}\"").unwrap();

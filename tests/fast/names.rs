@@ -3,17 +3,22 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use tests::workdir::{Workdir, repository};
+use tests::workdir::{self, Workdir, repository};
 
-/// Runs make in a folder, without the flags of a make that runs this test.
+/// What make reads in the checkout, with no body.
+const RULES: [&str; 6] = [
+    "Makefile",
+    "pipelines/chain.mk",
+    "pipelines/rules.mk",
+    "pipelines/folder.mk",
+    "pipelines/gripper/rules.mk",
+    "pipelines/validation/rules.mk",
+];
+
 fn make_in(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new("make");
-    for flags in ["MAKEFLAGS", "MFLAGS", "MAKELEVEL"] {
-        command.env_remove(flags);
-    }
-    command.args(["--dry-run"]).args(arguments).current_dir(folder).output().unwrap()
+    workdir::make().arg("--dry-run").args(arguments).current_dir(folder).output().unwrap()
 }
 
 fn make(arguments: &[&str]) -> Output {
@@ -63,12 +68,10 @@ const HOSTILE: [&str; 7] = [
     "\u{e9}\u{1b}[31m",
 ];
 
-/// What make reads in the checkout, with no body.
+/// A folder with the rules.
 fn rules() -> Workdir {
     let dir = Workdir::new();
-    let of = |name: &str| format!("pipelines/{name}.mk");
-    let files = ["chain", "rules", "folder", "gripper/rules", "validation/rules"].map(of);
-    for file in files.iter().map(String::as_str).chain(["Makefile"]) {
+    for file in RULES {
         fs::create_dir_all(dir.path(file).parent().unwrap()).unwrap();
         fs::copy(repository().join(file), dir.path(file)).unwrap();
     }
@@ -140,9 +143,7 @@ fn names_of_scenes_are_their_own() {
 /// What `files` of chain.mk finds has been looked at; no other pattern brings names past it.
 #[test]
 fn patterns_go_through_one_check() {
-    let of = |name: &str| format!("pipelines/{name}.mk");
-    let files = ["chain", "rules", "folder", "gripper/rules", "validation/rules"].map(of);
-    for file in files.iter().map(String::as_str).chain(["Makefile"]) {
+    for file in RULES {
         let text = fs::read_to_string(repository().join(file)).unwrap();
         for rest in text.split("$(wildcard ").skip(1) {
             let line = rest.lines().next().unwrap();

@@ -1,7 +1,7 @@
 //! Bodies and obstacles that lie in the solid of another one at the start are refused, with and without
 //! contact; those in a chamber, a container or a mirrored scene's air are not.
 
-use mesh::io::{write_surface, write_tets};
+use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
 use tests::workdir::Workdir;
 use tests::{block, tag};
@@ -29,7 +29,7 @@ fn workdir() -> Workdir {
                 ("rest", &|_| true),
             ],
         );
-        write_tets(&dir.path(name), &body.mesh, &body.tags).unwrap();
+        dir.put(name, &body);
     };
     write("base.msh", [4, 4, 4], 5e-3, |_| false);
     write("hollow.msh", [4, 4, 4], 5e-3, |cell| cell.iter().all(|k| (1..3).contains(k)));

@@ -1,4 +1,4 @@
-//! `solver optimize` and `solver check` on a design problem of two levels.
+//! `solver optimize` and `solver check` on a design problem of two levels, and on those that they cannot use.
 
 use serde_json::Value;
 use tests::chamber;
@@ -62,8 +62,7 @@ fn the_design_moves_the_cavity_and_nothing_else() {
     assert!(largest > 1e-3, "{largest}");
     assert!((0..moves.len()).filter(|&v| !moves[v]).all(|v| moved(v) == 0.0));
 
-    dir.solver("simulate p1.toml --mesh out/design.msh -o again").assert_good();
-    let tags = dir.json("again/report.json")["tags"].clone();
+    let tags = dir.report("simulate p1.toml --mesh out/design.msh -o again")["tags"].clone();
     for (tag, mean) in lines[7]["mean_displacement"].as_object().unwrap() {
         let again = number(&tags[tag]["mean_displacement"]);
         // both equilibria are sought to 1e-10 of the forces
@@ -131,6 +130,42 @@ fn a_motion_lost_in_rounding_fails_the_check() {
 fn nothing_to_gain_is_no_result() {
     let dir = chamber::workdir();
     dir.write("design.toml", &dir.text("design.toml").replace("iterations = 3", "iterations = 0"));
-    let run = dir.solver("optimize design.toml -o out");
-    run.assert_refused(1, &["design.toml", "no step lowered the objective", "report.json"]);
+    dir.solver("optimize design.toml -o out")
+        .assert_refused(1, &["design.toml", "no step lowered the objective", "report.json"]);
+}
+
+/// A first try that was refused must not obstruct the second.
+#[test]
+fn a_corrected_problem_starts_in_the_same_folder() {
+    let dir = chamber::workdir();
+    let sound = dir.text("design.toml");
+    dir.write("design.toml", &sound.replace("handles = 1\n", "handles = 1000\n"));
+    dir.solver("optimize design.toml -o out").assert_refused(2, &["1000 handles"]);
+    dir.write("design.toml", &sound);
+    dir.solver("optimize design.toml -o out").assert_good();
+}
+
+#[test]
+fn arguments_of_the_check() {
+    let dir = chamber::workdir();
+    let words: &[&str] = &["1000 handles", "33 vertices"];
+    dir.solver("check design.toml --handles 1000").assert_refused(2, words);
+    dir.solver("check design.toml --steps many").assert_refused(2, &["--steps", "many"]);
+    // none of these could give a slope
+    for [option, value] in [["--handles", "0"], ["--steps", "1"], ["--motion", "0"]] {
+        dir.solver(&format!("check design.toml {option} {value}"))
+            .assert_refused(2, &[option, value]);
+    }
+}
+
+#[test]
+fn gauss_newton_is_refused_for_more_variables_than_it_takes() {
+    let dir = chamber::workdir();
+    let body = chamber::refined(2);
+    dir.put("body.msh", &body);
+    let free = dir.text("design.toml").replace("handles = 1\n", "vertices = true\n");
+    dir.write("design.toml", &free);
+    dir.solver("optimize design.toml -o out --set optimizer.method=gauss-newton")
+        .assert_refused(2, &["level 1: ", "variables, of which", "at most 400", "l-bfgs"]);
+    assert!(!dir.path("out/report.json").exists());
 }

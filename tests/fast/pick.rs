@@ -54,6 +54,15 @@ fn write_bar(dir: &Workdir, [longer, wider]: [f64; 2]) {
     mesh::io::write_surface(&dir.path("bar.stl"), &surface).unwrap();
 }
 
+/// The bar and a browser that shows the page of its faces.
+fn shown() -> Option<(Workdir, Chromium)> {
+    let dir = bar();
+    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
+    let mut browser = Chromium::start([1200, 800])?;
+    browser.show(&dir.path("pick.html"));
+    Some((dir, browser))
+}
+
 /// The numbers of faces that stand on the body.
 fn numbers(browser: &mut Chromium) -> Vec<String> {
     let labels = "[...document.querySelectorAll('#labels span')].map((l) => l.textContent).sort()";
@@ -76,15 +85,17 @@ fn face_at(browser: &mut Chromium, middle: [f64; 3]) -> usize {
     faces.as_array().unwrap().iter().position(close).unwrap_or_else(|| panic!("{faces:#}"))
 }
 
+/// What the page knows of a face by a key.
+fn said_of(browser: &mut Chromium, face: usize, key: &str) -> String {
+    let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
+    browser.evaluate(&format!("{faces}[{face}].{key}")).as_str().unwrap().to_owned()
+}
+
 #[test]
 fn faces_that_are_clicked_are_those_that_are_tagged() {
-    let Some(program) = Chromium::installed() else { return };
-    let dir = bar();
-    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
-    let mut browser = Chromium::start(program, [1200, 800]);
+    let Some((dir, mut browser)) = shown() else { return };
     fs::create_dir(dir.path("saved")).unwrap();
     browser.save_in(&dir.path("saved"));
-    browser.show(&dir.path("pick.html"));
     let whole = browser.picture();
     assert_eq!(browser.state()["faces"], json!(11), "six outside, five of the channel");
 
@@ -153,19 +164,19 @@ fn faces_that_are_clicked_are_those_that_are_tagged() {
     assert_eq!(browser.complaints(), [""; 0]);
     assert_eq!(browser.requests().iter().filter(|url| !url.starts_with("blob:")).count(), 2);
 
-    let tagged = |config: &str, output: &str| {
-        let of = "tag volume.msh --patches model/patches";
-        dir.run("tagger", &format!("{of} --config {config} -o {output}")).assert_good();
-        fs::read(dir.path(output)).unwrap()
-    };
     dir.write("hand.toml", BY_HAND);
-    for folder in ["by-page", "by-hand"] {
-        fs::create_dir(dir.path(folder)).unwrap();
-    }
-    let by_page = tagged("saved/tags.toml", "by-page/tagged.msh");
-    assert_eq!(by_page, tagged("hand.toml", "by-hand/tagged.msh"));
-    assert!(dir.text("by-page/tags.txt").contains("fixed"));
+    assert_eq!(tagged(&dir, "saved/tags.toml"), tagged(&dir, "hand.toml"));
+    assert!(dir.text("hand.toml.d/tags.txt").contains("fixed"));
     in_a_changed_body(&dir, &text);
+}
+
+/// The bar as the tags of a file make it, in a folder beside that.
+fn tagged(dir: &Workdir, config: &str) -> Vec<u8> {
+    let output = format!("{config}.d/tagged.msh");
+    fs::create_dir(dir.path(&format!("{config}.d"))).unwrap();
+    let of = "tag volume.msh --patches model/patches";
+    dir.run("tagger", &format!("{of} --config {config} -o {output}")).assert_good();
+    fs::read(dir.path(&output)).unwrap()
 }
 
 /// The same file of the page in a bar that is longer and wider, whose faces have other numbers.
@@ -205,9 +216,8 @@ fn in_a_changed_body(dir: &Workdir, text: &str) {
         &["`cavity`", "no face is like outer-11.stl any more", "the nearest is"],
     );
     // the page shows what is left, and says what is not
-    let page = dir.run("cad2fem", "pick model --tags gone.toml -o pick.html");
-    page.assert_good();
-    assert!(page.stderr.contains("cavity: no face is like outer-11.stl"), "{}", page.stderr);
+    dir.run("cad2fem", "pick model --tags gone.toml -o pick.html")
+        .assert_says(&["cavity: no face is like outer-11.stl"]);
 }
 
 /// Tags of the bar: two of faces, and between them one by a plane; a part, and a selection distance.
@@ -235,16 +245,9 @@ box = { min = [-1, -1, -1], max = [0.005, 1, 1] }
 
 #[test]
 fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
-    let Some(program) = Chromium::installed() else { return };
-    let dir = bar();
-    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
-    let mut browser = Chromium::start(program, [1200, 800]);
-    browser.show(&dir.path("pick.html"));
+    let Some((dir, mut browser)) = shown() else { return };
     let far = face_at(&mut browser, [0.0, 10.0, 10.0]);
-    let file = |browser: &mut Chromium, face: usize| {
-        let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
-        browser.evaluate(&format!("{faces}[{face}].file")).as_str().unwrap().to_owned()
-    };
+    let file = |browser: &mut Chromium, face: usize| said_of(browser, face, "file");
     let channel = [[10.0, 10.0, 10.0], [25.0, 6.667, 10.0], [25.0, 13.333, 10.0]];
     let channel = [&channel[..], &[[25.0, 10.0, 6.667], [25.0, 10.0, 13.333]]].concat();
     let walls: Vec<String> = channel
@@ -273,14 +276,7 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
     // the plane, the part and the distance are in the file, which tags as the first one does
     let again = browser.evaluate("window.puffer.toml()").as_str().unwrap().to_owned();
     dir.write("again.toml", &again);
-    let tagged = |config: &str| {
-        let output = format!("{config}.d/tagged.msh");
-        fs::create_dir(dir.path(&format!("{config}.d"))).unwrap();
-        let of = "tag volume.msh --patches model/patches";
-        dir.run("tagger", &format!("{of} --config {config} -o {output}")).assert_good();
-        fs::read(dir.path(&output)).unwrap()
-    };
-    assert_eq!(tagged("given.toml"), tagged("again.toml"));
+    assert_eq!(tagged(&dir, "given.toml"), tagged(&dir, "again.toml"));
 
     // what the page wrote comes back word for word, and a click makes a tag of its own
     from("again.toml");
@@ -300,16 +296,10 @@ fn tags_of_a_file_are_shown_and_come_back_as_they_were() {
 
 #[test]
 fn faces_that_are_seen_have_numbers() {
-    let Some(program) = Chromium::installed() else { return };
-    let dir = bar();
-    dir.run("cad2fem", "pick bar.stl -o pick.html").assert_good();
-    let mut browser = Chromium::start(program, [1200, 800]);
-    browser.show(&dir.path("pick.html"));
+    let Some((_dir, mut browser)) = shown() else { return };
     let name = |browser: &mut Chromium, middle: [f64; 3]| {
         let face = face_at(browser, middle);
-        let faces = "JSON.parse(document.getElementById('data').textContent).body.faces";
-        let name = browser.evaluate(&format!("{faces}[{face}].name"));
-        name.as_str().unwrap().trim_start_matches("face-").to_owned()
+        said_of(browser, face, "name").trim_start_matches("face-").to_owned()
     };
     assert_eq!(numbers(&mut browser), [""; 0]);
     browser.evaluate("document.querySelector('canvas').focus()");
@@ -330,12 +320,11 @@ fn faces_that_are_seen_have_numbers() {
 
 #[test]
 fn a_finger_chooses_on_a_phone_and_titles_are_text() {
-    let Some(program) = Chromium::installed() else { return };
     let dir = bar();
     dir.run("cad2fem", "import bar.stl --split 40 -o model").assert_good();
     let mut pick = dir.command_of("cad2fem", "pick model -o pick.html --title");
     Run::from(pick.arg(HOSTILE).output().unwrap()).assert_good();
-    let mut browser = Chromium::start(program, [390, 844]);
+    let Some(mut browser) = Chromium::start([390, 844]) else { return };
     browser.become_phone();
     browser.show(&dir.path("pick.html"));
     let wide = "document.documentElement.scrollWidth > innerWidth";

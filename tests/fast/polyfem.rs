@@ -1,8 +1,8 @@
-//! The first steps of published scenes against those of PolyFEM.
+//! Scenes of PolyFEM: the first steps of published ones against those of PolyFEM, what `solver import` says and what it
+//! refuses.
 
 use mechanics::element::at;
 use mesh::Vec3;
-use mesh::io::write_tets;
 use polyfem::Options;
 use scene::Scene;
 use serde_json::Value;
@@ -169,8 +169,7 @@ fn agree(steps: &[Compared], contact: usize, before: f64, after: f64) {
 fn gripper_at_rest(degree: usize) {
     let Some(reference) = reference(&format!("gripper_static5k_p{degree}")) else { return };
     let Some(body) = gripper() else { return };
-    let dir = Workdir::new();
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let dir = Workdir::with(&body);
     dir.write(
         "sim.toml",
         &format!(
@@ -272,4 +271,39 @@ fn the_worm_falls_and_lands() {
     let [force, gap] = [apart(&steps, |t| t.force.z), apart(&steps, |t| t.gap.unwrap())];
     eprintln!("force off by {force:.1e}, gap by {gap:.1e}");
     assert!(force < 1e-6 && gap < 1e-6, "{force:e} {gap:e}");
+}
+
+#[test]
+fn what_cannot_be_imported_leaves_nothing_behind() {
+    for (file, words) in [
+        (
+            "frog/state_frog_quasistatic.json",
+            &["state_frog_quasistatic.json", "frog_base_mesh.msh"],
+        ),
+        ("finger/state_finger.json", &["state_finger.json", "finger_base_mesh.msh"]),
+    ] {
+        let Some(path) = tests::shared(&format!("{FOLDER}/{file}")) else { return };
+        let dir = Workdir::new();
+        let run = dir.solver(&format!("import {} -o out", path.display()));
+        run.assert_refused(2, words);
+        run.assert_refused(2, &["/geometry/0/mesh: there is no file", "put it there"]);
+        assert_eq!(dir.files("out"), [""; 0]);
+    }
+    let dir = Workdir::new();
+    dir.write("bad.json", "{");
+    dir.solver("import bad.json -o out").assert_refused(2, &["bad.json: not JSON"]);
+    dir.solver("import absent.json -o out").assert_refused(2, &["absent.json"]);
+}
+
+#[test]
+fn the_program_warns_and_writes_what_it_says() {
+    let Some(path) = tests::shared(&format!("{FOLDER}/walker/state_walker.json")) else { return };
+    let dir = Workdir::new();
+    let run = dir.solver(&format!("import {} -o out --thickness 0.01", path.display()));
+    run.assert_good();
+    for words in ["/solver/linear/solver", "0.010000 m thick", "wrote out/sim.toml"] {
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+    let names = ["import.report.json", "sim.toml", "square.msh", "walker.msh"];
+    assert_eq!(dir.files("out"), names);
 }

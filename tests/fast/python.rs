@@ -1,14 +1,18 @@
-//! The Python package on a small body: `tests/python/package.py`, with the module as it was compiled.
+//! The Python package on a small body: `tests/python/package.py`, with the module as it was compiled. And
+//! `solver/python.md`: every piece of Python in it runs, and says what the reports say.
 
 use std::collections::BTreeSet;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
-
+use tests::chamber;
 use tests::reported::check_simulation;
 use tests::skip::skip;
 use tests::workdir::{Workdir, program, repository};
+
+use crate::sweep::{python, said};
 
 /// A folder with the package, and in it the module as it is now.
 fn package() -> Workdir {
@@ -236,4 +240,48 @@ fn scenes(folder: &Path) -> Vec<PathBuf> {
         false => Vec::from_iter(Some(path).filter(|path| is_scene(path))),
     };
     entries.into_iter().flat_map(of).collect()
+}
+
+#[test]
+fn every_piece_of_python_runs() {
+    let Some(python) = python() else { return };
+    let page = fs::read_to_string(repository().join("solver/python.md")).unwrap();
+    let pieces: Vec<&str> =
+        page.split("```python\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert_eq!(pieces.len(), 5);
+    for piece in &pieces {
+        assert!(piece.lines().count() <= 5, "more than five lines:\n{piece}");
+    }
+    let dir = chamber::workdir();
+    dir.solver("simulate p1.toml -o inflated").assert_good();
+    dir.solver("optimize design.toml --set shape.level.0.iterations=1 --set shape.level.1.iterations=1 -o optimize").assert_good();
+    // a sweep is too long for this test; it writes its table with pandas as well
+    fs::create_dir(dir.path("sweep")).unwrap();
+    let table = "import pandas; t = pandas.DataFrame({'status': ['ok', 'failed'], 'volume': [1.0, None]}); \
+                 t.to_parquet('sweep/table.parquet')";
+    let run = |code: &str| {
+        let output = Command::new(&python).args(["-c", code]).current_dir(dir.path("")).output();
+        let output = output.unwrap();
+        assert!(output.status.success(), "{code}\n{}", said(&output));
+        said(&output)
+    };
+    run(table);
+    let printed: Vec<String> = pieces.iter().map(|piece| run(piece)).collect();
+
+    let report = dir.json("inflated/report.json");
+    let number = |text: &str| text.trim().parse::<f64>().unwrap_or_else(|_| panic!("{text}"));
+    let (volume, largest) = printed[0].trim().split_once(' ').unwrap();
+    assert_eq!(Some(number(volume)), report["chambers"]["cavity"]["volume"].as_f64());
+    let tags = report["tags"].as_object().unwrap();
+    let on_tags =
+        tags.values().filter_map(|tag| tag["max_displacement"].as_f64()).fold(0.0, f64::max);
+    assert!(number(largest) >= on_tags && number(largest) < 1.5 * on_tags, "{largest} {on_tags}");
+    let steps = report["steps"].as_array().unwrap().len();
+    assert_eq!(printed[1].lines().count(), 1 + steps, "{}", printed[1]);
+    let last = dir.lines("optimize/history.jsonl").pop().unwrap();
+    let objective = number(printed[2].split_whitespace().last().unwrap());
+    let expected = last["objective"].as_f64().unwrap();
+    assert!((objective / expected - 1.0).abs() < 1e-5, "{objective} {expected}");
+    assert!(printed[3].contains("displacement"), "{}", printed[3]);
+    assert!(printed[4].contains("count") && printed[4].contains("1.0"), "{}", printed[4]);
 }

@@ -10,9 +10,7 @@ use tests::chamber;
 use tests::workdir::{Workdir, repository};
 
 use crate::samples::*;
-use crate::{
-    alike, as_cast, calibrate, error_bars, groove, keep, probes, scenarios, symmetry, validate,
-};
+use crate::{as_cast, calibrate, error_bars, groove, probes, scenarios, symmetry, validate};
 
 pub struct Section<'a> {
     pub sample: &'a str,
@@ -65,8 +63,8 @@ pub fn sample(name: &str) -> Workdir {
         "calibration" => calibrate::measured(),
         "scenarios" => scenarios::workdir(""),
         "pulse" => pulsed(),
-        "alike" => alike::folder(alike::OWN),
-        "keep" => keep::folder("[[shape.level]]\nhandles = 3\niterations = 3\n"),
+        "alike" => alike(OWN),
+        "keep" => kept(),
         "part" => symmetry::quarter(),
         "validation" => validate::workdir(),
         "mold" => groove::wound(),

@@ -2,7 +2,7 @@
 
 use mesh::io::{read_tets, write_surface, write_tets};
 use mesh::{Vec3, Volumes};
-use tests::chamber::{self, PROBES, SIM, VOLUME_DESIGN};
+use tests::chamber::{self, DESIGN, PROBES, SIM, VOLUME_DESIGN};
 use tests::workdir::Workdir;
 use tests::{block, plate, tag};
 
@@ -149,7 +149,6 @@ pub fn half(tables: &str) -> Workdir {
 
 /// A block with a closed chamber `air`, a rigid plate glued to its top, and more keys of the plate.
 pub fn glued(keys: &str) -> Workdir {
-    let dir = Workdir::new();
     let hollow = |c: [usize; 3]| c == [1, 1, 1] || c == [1, 1, 2];
     let body = tag(
         block([3, 3, 4], 5e-3, hollow, |p| p),
@@ -160,7 +159,7 @@ pub fn glued(keys: &str) -> Workdir {
             ("air", &|_| true),
         ],
     );
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let dir = Workdir::with(&body);
     let scene = format!(
         "mesh = \"body.msh\"\ndegree = 1\ngravity = [0, 0, -9.81]\n\n{}density = 1000.0\n\n\
          [[fixed]]\non = \"bottom\"\n\n[[chamber]]\non = \"air\"\npressure = 2e3\n\n\
@@ -179,7 +178,6 @@ pub fn glued(keys: &str) -> Workdir {
 
 /// A cube of 20 mm with a law, which contracts freely while its top is pulled or moved as `loads` say, in tables of time.
 pub fn cube(law: &str, loads: &str) -> Workdir {
-    let dir = Workdir::new();
     let body = tag(
         block([2, 2, 2], 0.01, |_| false, |p| p),
         &[
@@ -189,7 +187,7 @@ pub fn cube(law: &str, loads: &str) -> Workdir {
             ("front", &|p| p.y < 1e-9),
         ],
     );
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let dir = Workdir::with(&body);
     let fixed = [("bottom", "z"), ("left", "x"), ("front", "y")]
         .map(|(on, axis)| format!("[[fixed]]\non = \"{on}\"\ncomponents = \"{axis}\"\n"));
     let scene = format!("mesh = \"body.msh\"\ndegree = 1\n{law}{}{loads}{TIGHT}", fixed.concat());
@@ -249,7 +247,6 @@ pub const RESISTANCE: f64 = 0.1 * AMBIENT / HOLLOW;
 
 /// A block of 70 x 30 x 30 mm with two hollows of 1 mL, and a scene of it through half a second.
 pub fn twins(young: f64, chambers: &str) -> Workdir {
-    let dir = Workdir::new();
     let inside = |p: Vec3, x: f64| (p - Vec3::new(x, 0.015, 0.015)).amax() < 0.006;
     let hole = |cell: [usize; 3]| cell == [1, 1, 1] || cell == [5, 1, 1];
     let body = tag(
@@ -260,7 +257,7 @@ pub fn twins(young: f64, chambers: &str) -> Workdir {
             ("seat", &|p| p.z < 1e-9),
         ],
     );
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).unwrap();
+    let dir = Workdir::with(&body);
     let scene = format!(
         "mesh = \"body.msh\"\ndegree = 1\n\n[material]\nkind = \"neo-hookean\"\nyoung = {young:e}\npoisson = 0.3\n\n\
          [[fixed]]\non = \"seat\"\n\n{chambers}\n[time]\nend = 0.5\nsteps = 10\nmethod = \"quasistatic\"\n"
@@ -301,7 +298,7 @@ pub fn plugged() -> Workdir {
 pub fn falling() -> Workdir {
     let dir = Workdir::new();
     let block = tag(block([2, 2, 2], 5e-3, |_| false, |p| p), &[("skin", &|_| true)]);
-    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
+    dir.put("block.msh", &block);
     write_surface(&dir.path("floor.stl"), &plate([-1.0, 1.0], [-1.0, 1.1], 0.0)).unwrap();
     dir.write(
         "p1.toml",
@@ -325,7 +322,7 @@ pub fn sliding() -> Workdir {
     let top = |p: Vec3| p.z > 12e-3 - 1e-9;
     let block = block([1, 1, 1], 12e-3, |_| false, |p| p);
     let block = tag(block, &[("top", &top), ("skin", &|_| true)]);
-    write_tets(&dir.path("block.msh"), &block.mesh, &block.tags).unwrap();
+    dir.put("block.msh", &block);
     let floor = plate([-1.0, 1.0], [-1.0, 1.1], 0.0);
     write_surface(&dir.path("floor.stl"), &floor).unwrap();
     let material = "{ kind = \"neo-hookean\", young = 3e4, poisson = 0.4, density = 1000.0 }";
@@ -366,3 +363,60 @@ pub fn pulsed() -> Workdir {
 /// The material of blocks that fall and touch.
 pub const SOLID: &str =
     "material = { kind = \"neo-hookean\", young = 1e5, poisson = 0.35, density = 1000.0 }\n";
+
+/// A design of the shape of the chamber at one level, with more in its `[shape]`.
+fn shaped(more: &str, handles: usize) -> Workdir {
+    let dir = chamber::workdir();
+    let (first, rest) = DESIGN.split_once("[[shape.level]]").unwrap();
+    let (_, terms) = rest.split_once("[[objective]]").unwrap();
+    let level = format!("[[shape.level]]\nhandles = {handles}\niterations = {handles}\n");
+    let design = format!("{first}surface_tolerance = 0\n{more}\n{level}\n[[objective]]{terms}");
+    dir.write("design.toml", &design.replace("sim.toml", "p1.toml"));
+    dir
+}
+
+/// The floor of the chamber stays flat.
+pub fn kept() -> Workdir {
+    shaped("keep = [{ axis = \"z\", at = 0.01 }]", 3)
+}
+
+/// The chamber is its own mirror image.
+pub const OWN: &str =
+    "[[shape.symmetric]]\nof = \"cavity\"\nmirror = { axis = \"y\", at = 0.02 }\n";
+
+/// A design of the chamber with what [`OWN`] may stand for, on a target that is higher on one side.
+pub fn alike(symmetric: &str) -> Workdir {
+    let dir = shaped(symmetric, 4);
+    let mut target = plate([-0.02, 0.07], [-0.02, 0.07], 0.0);
+    target.vertices.iter_mut().for_each(|x| x.z = 0.0405 + 0.1 * (x.y - 0.02));
+    write_surface(&dir.path("target.stl"), &target).unwrap();
+    dir
+}
+
+/// A bar of 90 mm with a chamber in each end, both open to the end, as images of each other.
+pub fn two_chambers() -> Workdir {
+    let dir = alike(
+        "[[shape.symmetric]]\nof = [\"cavity\", \"other\"]\nmirror = { axis = \"x\", at = 0.045 }\n",
+    );
+    let middle = |i: usize| (1..3).contains(&i);
+    let hollow = |c: [usize; 3]| c[0] != 4 && middle(c[1]) && middle(c[2]);
+    let mesh = block([9, 4, 4], 0.01, hollow, |p| p);
+    let inner = |x: f64| x > 0.009 && x < 0.031;
+    let body = tag(
+        mesh,
+        &[
+            ("seat", &|p| p.x < 1e-6 || p.x > 0.09 - 1e-6),
+            ("cavity", &|p| p.x < 0.041 && inner(p.y) && inner(p.z)),
+            ("other", &|p| p.x > 0.049 && inner(p.y) && inner(p.z)),
+            ("top", &|p| p.z > 0.04 - 1e-6),
+            ("skin", &|_| true),
+        ],
+    );
+    dir.put("body.msh", &body);
+    let design = dir.text("design.toml");
+    dir.write(
+        "design.toml",
+        &design.replacen("on = \"cavity\"", "on = [\"cavity\", \"other\"]", 1),
+    );
+    dir
+}

@@ -3,7 +3,7 @@
 use mechanics::body::Body;
 use mechanics::extension::Extension;
 use mesh::Vec3;
-use mesh::io::{read_tets, write_tets};
+use mesh::io::read_tets;
 use mesh::offset::shifts;
 use rayon::prelude::*;
 use serde_json::Value;
@@ -66,7 +66,7 @@ fn move_walls(dir: &Workdir, distance: f64) {
     }
     Extension::new(&body).unwrap().apply(&mut moves);
     body.mesh.vertices.iter_mut().zip(moves).for_each(|(x, d)| *x += distance * d);
-    write_tets(&dir.path("moved.msh"), &body.mesh, &body.tags).unwrap();
+    dir.put("moved.msh", &body);
 }
 
 /// A scenario, and the scene that it stands for.

@@ -166,6 +166,15 @@ fn a_file_that_includes_others_may_be_a_part() {
     assert_eq!(problem(design, &value(part)), None);
     let slip = part.replace("on =", "onto =");
     assert!(problem(design, &value(&slip)).unwrap().contains("onto"));
+    // an objective has a weight or a share
+    let objective =
+        "include = 'a.toml'\n[[objective]]\nkind = 'smoothness'\nname = 'n'\non = 'a'\n";
+    for (keys, valid) in
+        [("weight = 1", true), ("share = 1", true), ("weight = 1\nshare = 1", false), ("", false)]
+    {
+        let problem = problem(design, &value(&format!("{objective}{keys}")));
+        assert_eq!(problem.is_none(), valid, "{keys}: {problem:?}");
+    }
     for (text, valid) in [
         ("include = ['a.toml', 'b.toml']\nmaterial = 'ecoflex-00-30'", true),
         ("include = 'a.toml'\nmaterial = 'ecoflex-00-31'", false),
@@ -175,25 +184,6 @@ fn a_file_that_includes_others_may_be_a_part() {
         ("include = 'a.toml'\ngravity = [0, 0]", false),
     ] {
         assert_eq!(problem(sim, &value(text)).is_none(), valid, "{text}");
-    }
-}
-
-#[test]
-fn an_objective_has_a_weight_or_a_share() {
-    let kinds = kinds();
-    let design = kinds.iter().find(|kind| kind.prefix == "design").unwrap();
-    for (keys, valid) in
-        [("weight = 1", true), ("share = 1", true), ("weight = 1\nshare = 1", false), ("", false)]
-    {
-        let text = format!(
-            "scene = 'sim.toml'\n[shape]\non = 'a'\n[[shape.level]]\nhandles = 1\niterations = 1\n\
-             [[objective]]\nkind = 'smoothness'\nname = 'n'\non = 'a'\n{keys}\n"
-        );
-        let problem = problem(design, &toml::from_str(&text).unwrap());
-        assert_eq!(problem.is_none(), valid, "{keys}: {problem:?}");
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("design.toml"), text).unwrap();
-        assert_eq!((design.read)(&folder.path().join("design.toml")).is_ok(), valid, "{keys}");
     }
 }
 

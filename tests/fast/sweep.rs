@@ -106,8 +106,7 @@ fn cases_become_one_table_and_a_page() {
 
 /// Choices on an axis choose cases, and no name of a parameter becomes markup.
 fn page(dir: &Workdir) {
-    let Some(program) = Chromium::installed() else { return };
-    let mut browser = Chromium::start(program, [1200, 900]);
+    let Some(mut browser) = Chromium::start([1200, 900]) else { return };
     browser.open(&dir.path("out/sweep.html"));
     browser.wait("document.getElementById('count')?.textContent.startsWith('3 cases, 1 failed')");
     let count = |browser: &mut Chromium, what: &str| {

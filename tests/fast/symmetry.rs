@@ -99,22 +99,6 @@ fn a_mirrored_result_is_that_of_the_whole() {
     dir.solver("mirror whole -o out").assert_refused(2, &["report.json", "no [[symmetry]]"]);
     dir.solver("mirror quarter --on cavity -o out").assert_refused(2, &["--on cavity"]);
     dir.solver("mirror quarter -o quarter").assert_refused(2, &["another folder"]);
-}
-
-/// A mesh that is mirrored twice is closed and sound, and its cuts are gone.
-#[test]
-fn the_mirrored_mesh_has_no_cuts() {
-    let dir = workdir(false);
-    let [quarter, whole] =
-        ["quarter", "whole"].map(|name| read_tets(&dir.path(&format!("{name}.msh"))).unwrap());
-    assert_eq!(whole.mesh.tets.len(), 4 * quarter.mesh.tets.len());
-    assert!(mesh::check::check_tets(&whole.mesh).is_empty());
-    assert_eq!(whole.tags.names, ["seat", "cavity", "top", "skin"]);
-    let ratio = mesh::measure::volume(&whole.mesh) / mesh::measure::volume(&quarter.mesh);
-    assert!((ratio - 4.0).abs() < 1e-12, "{ratio}");
-    let facets = mesh::topology::boundary(&whole.mesh).facets;
-    assert!(facets.iter().all(|&f| whole.tags.get(f).is_some()));
-    assert_eq!(facets.len(), whole.tags.facets.len());
     dir.solver("mirror quarter.msh --on cut_y -o half.msh").assert_refused(2, &["\"cut_y\""]);
     dir.solver("mirror quarter.msh -o out.msh").assert_refused(2, &["--on TAG"]);
     dir.solver("mirror quarter.msh --on skin -o out.msh").assert_refused(2, &["one plane"]);

@@ -3,9 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use tests::workdir::repository;
+use tests::workdir::{self, repository};
 
 /// Longest source file [lines].
 const LONGEST: usize = 500;
@@ -403,10 +402,7 @@ fn make_help_lists_every_goal_with_one_line() {
 }
 
 fn make(arguments: &[&str]) -> String {
-    let mut command = Command::new("make");
-    // a make that runs these tests must not hand its own flags down
-    command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL");
-    let output = command.args(arguments).current_dir(repository()).output().unwrap();
+    let output = workdir::make().args(arguments).current_dir(repository()).output().unwrap();
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 

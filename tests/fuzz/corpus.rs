@@ -23,26 +23,26 @@ fn tetrahedron() -> SurfaceMesh {
     SurfaceMesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] }
 }
 
-pub fn surface(extension: &str) -> Vec<Vec<u8>> {
+pub fn surface(file: &str) -> Vec<Vec<u8>> {
     let write = |path: &Path| write_surface(path, &tetrahedron()).expect("a sound surface");
-    let mut all = vec![written(&format!("a.{extension}"), write)];
-    let ascii: &[u8] = match extension {
-        "stl" => b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
-        "ply" => b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+    let mut all = vec![written(file, write)];
+    let ascii: &[u8] = match file {
+        "a.stl" => b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
+        "a.ply" => b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
         _ => b"# square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf -4/1 2//1 3/1/1 4\n",
     };
     all.push(ascii.to_vec());
     all
 }
 
-pub fn msh() -> Vec<Vec<u8>> {
+pub fn msh(file: &str) -> Vec<Vec<u8>> {
     let body = tag(block([1, 1, 1], 0.01, |_| false, |p| p), &[("all", &|_| true)]);
-    let ours = written("a.msh", |path| write_tets(path, &body.mesh, &body.tags).expect("sound"));
+    let ours = written(file, |path| write_tets(path, &body.mesh, &body.tags).expect("sound"));
     let v4 = b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 1\n1 0 0 0 1 1 1 1 7 0\n1 0 0 0 1 1 1 0 1 1\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n2 2 1 2\n2 1 2 1\n1 1 3 2\n3 1 4 1\n2 1 2 3 4\n$EndElements\n";
     vec![ours, v4.to_vec()]
 }
 
-pub fn vtu() -> Vec<Vec<u8>> {
+pub fn vtu(file: &str) -> Vec<Vec<u8>> {
     let body = block([1, 1, 1], 0.01, |_| false, |p| p);
     let field = |name: &str, count: usize, components: usize| Field {
         name: name.into(),
@@ -57,22 +57,22 @@ pub fn vtu() -> Vec<Vec<u8>> {
         cell_type: CellType::Tet4,
         points: body.vertices,
     };
-    vec![written("a.vtu", |path| write_vtu(path, &grid).expect("a sound grid"))]
+    vec![written(file, |path| write_vtu(path, &grid).expect("a sound grid"))]
 }
 
-pub fn npy() -> Vec<Vec<u8>> {
+pub fn npy(file: &str) -> Vec<Vec<u8>> {
     let write = |path: &Path| npy::write_f64(path, &[0.0, 1.5, -2.0, 3.0], &[2, 2]).expect("fits");
-    vec![written("a.npy", write)]
+    vec![written(file, write)]
 }
 
-pub fn checkpoint() -> Vec<Vec<u8>> {
+pub fn checkpoint(file: &str) -> Vec<Vec<u8>> {
     let write = |path: &Path| {
         program::write_checkpoint(path, "fuzz 1", &vec![0.1, -2.0, 1e-300]).expect("writable");
     };
-    vec![written("checkpoint.json", write)]
+    vec![written(file, write)]
 }
 
-pub fn threemf() -> Vec<Vec<u8>> {
+pub fn threemf(file: &str) -> Vec<Vec<u8>> {
     let shape = |name: &str| Shape {
         name: name.into(),
         surface: tetrahedron(),
@@ -80,7 +80,7 @@ pub fn threemf() -> Vec<Vec<u8>> {
     };
     let write =
         |path: &Path| threemf::write(path, "fab", "two", &[shape("a"), shape("b")]).expect("sound");
-    vec![written("a.3mf", write)]
+    vec![written(file, write)]
 }
 
 /// The files of this name of all pipelines.
@@ -93,7 +93,7 @@ pub fn pipelines(name: &str) -> Vec<Vec<u8>> {
     found
 }
 
-pub fn polyfem() -> Vec<Vec<u8>> {
+pub fn polyfem(_: &str) -> Vec<Vec<u8>> {
     vec![
         br#"{"geometry": [{"mesh": "a.msh", "volume_selection": 1, "transformation": {"scale": [1, 1, 1]}, "surface_selection": [{"id": 2, "box": [[0, 0, 0], [1, 1, 1]], "relative": true}]}], "space": {"discr_order": 2}, "time": {"tend": 1, "time_steps": 10, "integrator": "BDF2"}, "materials": {"type": "NeoHookean", "E": 1e5, "nu": 0.4, "rho": 1000}, "boundary_conditions": {"rhs": [0, 9.81, 0], "dirichlet_boundary": [{"id": 2, "value": ["0", "sin(t)*0.1", 0]}], "pressure_boundary": [{"id": 3, "value": 1000}]}, "contact": {"enabled": true, "dhat": 1e-3}}"#.to_vec(),
     ]

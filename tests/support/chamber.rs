@@ -2,7 +2,7 @@
 //! and design problem of most tests.
 
 use mechanics::body::Body;
-use mesh::io::{write_surface, write_tets};
+use mesh::io::write_surface;
 
 use crate::workdir::Workdir;
 use crate::{Place, block, plate, tag};
@@ -146,9 +146,8 @@ pub fn body(n: usize, outside: &[(&str, Place)]) -> Body {
 /// A folder with `body.msh`, `sim.toml`, `design.toml` and `target.stl`. The
 /// designs are made with linear elements, which are fast.
 pub fn workdir() -> Workdir {
-    let dir = Workdir::new();
     let body = chamber();
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).expect("a sound body");
+    let dir = Workdir::with(&body);
     dir.write("sim.toml", SIM);
     dir.write("p1.toml", &SIM.replace("degree = 2", "degree = 1"));
     dir.write("design.toml", &DESIGN.replace("sim.toml", "p1.toml"));
@@ -161,7 +160,7 @@ pub fn workdir() -> Workdir {
 /// [`workdir`] with another body, and more tables in its scene of linear elements.
 pub fn with(body: &Body, tables: &str) -> Workdir {
     let dir = workdir();
-    write_tets(&dir.path("body.msh"), &body.mesh, &body.tags).expect("a sound body");
+    dir.put("body.msh", body);
     dir.write("p1.toml", &(dir.text("p1.toml") + tables));
     dir
 }

@@ -60,26 +60,22 @@ impl Picture {
 }
 
 impl Chromium {
-    /// The Chromium of this machine; none where there is none, and the test is counted as skipped.
-    pub fn installed() -> Option<&'static str> {
+    /// Starts a browser whose page has `size` pixels; none where this machine has none, and the test is counted as
+    /// skipped.
+    pub fn start(size: [u32; 2]) -> Option<Self> {
         let known = |name: &&&str| {
             let found = Command::new("bash").args(["-c", "command -v \"$0\"", name]).output();
             found.is_ok_and(|found| found.status.success())
         };
-        let found = NAMES.iter().find(known).copied();
-        if found.is_none() {
+        let Some(program) = NAMES.iter().find(known) else {
             skip("Chromium is not on this machine");
-        }
-        found
-    }
-
-    /// Starts a browser whose page has `size` pixels.
-    pub fn start(program: &str, size: [u32; 2]) -> Self {
+            return None;
+        };
         let profile = tempfile::tempdir().expect("a temporary folder");
         // what is given to the shell as its input and output becomes 3 and 4
         let script = "exec timeout \"$0\" \"$@\" 3<&0 4>&1 0</dev/null 1>/dev/null 2>/dev/null";
         let mut child = Command::new("bash")
-            .args(["-c", script, &LIFE.to_string(), program])
+            .args(["-c", script, &LIFE.to_string(), *program])
             .args(["--headless", "--no-sandbox", "--remote-debugging-pipe", "--hide-scrollbars"])
             .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
             // no server is reached, whatever a page asks for
@@ -113,7 +109,7 @@ impl Chromium {
         let screen =
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         browser.call("Emulation.setDeviceMetricsOverride", &screen);
-        browser
+        Some(browser)
     }
 
     /// Calls a method of the protocol.

@@ -1,7 +1,7 @@
 //! A body with two planes of symmetry, as its quarter, its half and the whole.
 
 use mesh::Vec3;
-use mesh::io::{npy, write_tets};
+use mesh::io::npy;
 
 use crate::workdir::{Run, Workdir};
 use crate::{block, tag};
@@ -67,7 +67,7 @@ pub fn workdir(open: bool) -> Workdir {
         ],
     );
     let dir = Workdir::new();
-    write_tets(&dir.path("quarter.msh"), &body.mesh, &body.tags).expect("a sound body");
+    dir.put("quarter.msh", &body);
     for (part, whole, plane) in [("quarter", "half", "cut y"), ("half", "whole", "cut z")] {
         let mut command = dir.command(&format!("mirror {part}.msh -o {whole}.msh --on"));
         Run::from(command.arg(plane).output().expect("the program starts")).assert_good();

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use mechanics::body::Body;
+use mesh::io::write_tets;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -62,10 +64,31 @@ fn build_programs() -> PathBuf {
     folder.to_path_buf()
 }
 
+/// `make`, without the flags of a make that runs these tests, which it would hand down.
+pub fn make() -> Command {
+    let mut make = Command::new("make");
+    for flags in ["MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES"] {
+        make.env_remove(flags);
+    }
+    make
+}
+
 impl Workdir {
     /// An empty folder.
     pub fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    /// A folder with a body in `body.msh`.
+    pub fn with(body: &Body) -> Self {
+        let dir = Self::new();
+        dir.put("body.msh", body);
+        dir
+    }
+
+    /// Writes the mesh of a body.
+    pub fn put(&self, name: &str, body: &Body) {
+        write_tets(&self.path(name), &body.mesh, &body.tags).expect("a sound body");
     }
 
     /// A path in the folder.
@@ -136,15 +159,19 @@ impl Workdir {
         run
     }
 
+    /// Runs `solver` to a good end: the report in the folder that it writes.
+    pub fn report(&self, arguments: &str) -> Value {
+        self.solver(arguments).assert_good();
+        let folder = output(arguments).expect("a folder of results");
+        self.json(&format!("{folder}/report.json"))
+    }
+
     /// Asserts that the report of a simulation, or the report and the history of an optimisation, have what their
     /// schemas say.
     fn check_reports(&self, arguments: &str) {
-        let verbs = ["simulate", "optimize"];
-        let mut words = arguments.split_whitespace().skip_while(|word| !verbs.contains(word));
-        let Some(verb) = words.next() else { return };
-        let Some(folder) = words.find(|word| *word == "-o").and_then(|_| words.next()) else {
-            return;
-        };
+        let mut words = arguments.split_whitespace();
+        let verb = words.find(|word| ["simulate", "optimize"].contains(word));
+        let (Some(verb), Some(folder)) = (verb, output(arguments)) else { return };
         let read = |name| std::fs::read_to_string(self.path(folder).join(name)).unwrap_or_default();
         let report: Option<Value> = serde_json::from_str(&read("report.json")).ok();
         match (verb, report) {
@@ -171,6 +198,11 @@ impl Workdir {
     }
 }
 
+/// What stands after `-o`.
+fn output(arguments: &str) -> Option<&str> {
+    arguments.split_whitespace().skip_while(|word| *word != "-o").nth(1)
+}
+
 impl Default for Workdir {
     fn default() -> Self {
         Self::new()
@@ -192,6 +224,14 @@ impl Run {
     /// Asserts that the program ended well.
     pub fn assert_good(&self) {
         assert_eq!(self.code, Some(0), "{}\n{}", self.stdout, self.stderr);
+    }
+
+    /// Asserts that the program ended well and that its messages have all of `words`.
+    pub fn assert_says(&self, words: &[&str]) {
+        self.assert_good();
+        for word in words {
+            assert!(self.stderr.contains(word), "does not say {word:?}:\n{}", self.stderr);
+        }
     }
 
     /// Asserts that the program ended with an exit code and a message that has

@@ -24,7 +24,7 @@ mod surface;
 mod tags;
 mod tet;
 
-pub use places::{first_at_place, place_key, triangle_key};
+pub use places::{first_at_place, place_key, triangle_key, welded};
 pub use surface::SurfaceMesh;
 pub use tags::{Tags, Volumes, facet_key};
 pub use tet::TetMesh;

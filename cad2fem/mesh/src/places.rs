@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::Vec3;
+use crate::{SurfaceMesh, Vec3};
 
 /// The key of a place [m]: the bits of its coordinates, those of −0 as of 0.
 pub fn place_key(place: &Vec3) -> [u64; 3] {
@@ -21,6 +21,19 @@ pub fn triangle_key(corners: &[Vec3; 3]) -> [[u64; 3]; 3] {
 pub fn first_at_place(places: &[Vec3]) -> Vec<usize> {
     let mut first = HashMap::with_capacity(places.len());
     places.iter().enumerate().map(|(i, p)| *first.entry(place_key(p)).or_insert(i)).collect()
+}
+
+/// The surface of triangles by their corners: of those at the same place the first is a vertex.
+pub fn welded(corners: &[[Vec3; 3]]) -> SurfaceMesh {
+    let (mut vertices, mut ids) = (Vec::new(), HashMap::with_capacity(corners.len() / 2));
+    let mut id = |corner: Vec3| {
+        *ids.entry(place_key(&corner)).or_insert_with(|| {
+            vertices.push(corner);
+            vertices.len() - 1
+        })
+    };
+    let triangles = corners.iter().map(|triangle| triangle.map(&mut id)).collect();
+    SurfaceMesh { vertices, triangles }
 }
 
 #[cfg(test)]

@@ -4,11 +4,11 @@
 //! needles over, so the rounded surface is welded and checked again. If it is no longer
 //! valid, the needles that cross others are taken out one by one.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use crate::SurfaceMesh;
 use crate::check::check_surface;
 use crate::needles::take_out;
+use crate::{SurfaceMesh, welded};
 
 /// A surface whose coordinates 32-bit floats hold exactly.
 pub struct Rounded {
@@ -45,17 +45,10 @@ impl Rounded {
 /// Makes one vertex of those that coincide, as whoever reads the file does, and nothing of
 /// two triangles that lie upside down on each other.
 fn weld(surface: &SurfaceMesh, source: &[usize]) -> (SurfaceMesh, Vec<usize>) {
-    let mut vertices = Vec::new();
-    let mut index = BTreeMap::new();
-    let mut id = |v: usize| {
-        let p = surface.vertices[v];
-        *index.entry([p.x, p.y, p.z].map(f64::to_bits)).or_insert_with(|| {
-            vertices.push(p);
-            vertices.len() - 1
-        })
-    };
-    let triangles = surface.triangles.iter().map(|t| t.map(&mut id));
+    let corners: Vec<_> = (0..surface.triangles.len()).map(|t| surface.corners(t)).collect();
+    let SurfaceMesh { vertices, triangles } = welded(&corners);
     let mut welded: Vec<([usize; 3], usize)> = triangles
+        .into_iter()
         .zip(source.iter().copied())
         .filter(|([a, b, c], _)| a != b && b != c && c != a)
         .collect();

@@ -25,4 +25,11 @@ impl TetMesh {
         let [a, b, c, d] = self.corners(t);
         tet_volume(a, b, c, d)
     }
+
+    /// Swaps two corners of tetrahedra with negative volume; their number.
+    pub fn turn_inverted(&mut self) -> usize {
+        let inverted: Vec<usize> = (0..self.tets.len()).filter(|&t| self.volume(t) < 0.0).collect();
+        inverted.iter().for_each(|&t| self.tets[t].swap(2, 3));
+        inverted.len()
+    }
 }

@@ -335,16 +335,6 @@ mod tests {
     }
 
     #[test]
-    fn two_tetrahedra_that_share_a_vertex_are_pinched_there() {
-        let shell = |[a, b, c, d]: [usize; 4]| TET_FACETS.map(|f| f.map(|i| [a, b, c, d][i]));
-        let mut triangles = shell([0, 1, 2, 3]).to_vec();
-        assert!(is_manifold(&triangles));
-        triangles.extend(shell([3, 4, 5, 6]));
-        assert_eq!(pinched_vertices(&triangles), [3]);
-        assert_eq!(components(&triangles), [[0, 1, 2, 3], [4, 5, 6, 7]]);
-    }
-
-    #[test]
     fn manifolds_need_two_opposite_triangles_at_an_edge() {
         assert!(is_manifold(&[[0, 1, 2], [1, 0, 3]]));
         assert!(!is_manifold(&[[0, 1, 2], [0, 1, 3]]));

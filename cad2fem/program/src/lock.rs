@@ -46,23 +46,3 @@ impl Drop for FolderLock {
         let _ = self.file.unlock();
     }
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_has_one_writer() {
-        let folder = tempfile::tempdir().unwrap();
-        let inner = folder.path().join("out");
-        let lock = FolderLock::new(&inner).unwrap();
-        let refused = FolderLock::new(&inner).unwrap_err().to_string();
-        assert!(refused.contains("another process writes to this folder"), "{refused}");
-        drop(lock);
-        assert!(!inner.join(NAME).exists());
-        // what a killed process leaves
-        std::fs::write(inner.join(NAME), "").unwrap();
-        drop(FolderLock::new(&inner).unwrap());
-    }
-}

@@ -3,7 +3,6 @@
 use anyhow::{Result, bail};
 use mechanics::body::Body;
 use mesh::Vec3;
-use mesh::io::write_tets;
 use scene::Scene;
 use tests::published::{WORM_CHAMBERS, gripper, worm};
 use tests::workdir::Workdir;
@@ -47,8 +46,7 @@ pub fn scene(name: &str) -> Result<Option<Scene>> {
     };
     let Some(body) = body else { return Ok(None) };
     // the way of the programs, so that what is timed is what they run
-    let folder = Workdir::new();
-    write_tets(&folder.path("body.msh"), &body.mesh, &body.tags)?;
+    let folder = Workdir::with(&body);
     folder.write("sim.toml", &text);
     Scene::read(&folder.path("sim.toml")).map(Some)
 }

@@ -1,12 +1,9 @@
 //! A finger of ours that bends onto a rod and presses on it, with friction.
 
-use std::fmt::Write;
-use std::path::Path;
-
-use anyhow::Result;
 use mechanics::body::Body;
-use mesh::io::{write_surface, write_tets};
+use mesh::io::write_surface;
 use mesh::{SurfaceMesh, Vec3};
+use tests::workdir::Workdir;
 use tests::{block, tag};
 
 /// Time steps of 10 ms.
@@ -22,24 +19,22 @@ const ROD: [f64; 3] = [0.08, -0.010, 0.008];
 const ROUND: usize = 48;
 
 /// Writes `scene/sim.toml` and its meshes.
-pub fn write(folder: &Path) -> Result<bool> {
-    let scene = folder.join("scene");
-    std::fs::create_dir_all(&scene)?;
-    let body = finger();
-    write_tets(&scene.join("finger.msh"), &body.mesh, &body.tags)?;
-    write_surface(&scene.join("rod.stl"), &rod())?;
-    let mut text = String::from(
+pub fn write(dir: &Workdir) -> bool {
+    std::fs::create_dir(dir.path("scene")).expect("an empty folder");
+    dir.put("scene/finger.msh", &finger());
+    write_surface(&dir.path("scene/rod.stl"), &rod()).expect("a sound rod");
+    let end = 0.01 * STEPS as f64;
+    let text = format!(
         "mesh = \"finger.msh\"\ndegree = 2\n\
          [material]\nkind = \"mooney-rivlin\"\nc1 = 55e3\nc2 = 5e3\nc3 = 1.7e3\nd1 = 1e6\ndensity = 1000\n\
          [[fixed]]\non = \"seat\"\n\
          [[obstacle]]\nname = \"rod\"\nsurface = \"rod.stl\"\n\
-         [contact]\nactivation = 2e-4\nstiffness = 1e5\nfriction = 0.5\n",
+         [contact]\nactivation = 2e-4\nstiffness = 1e5\nfriction = 0.5\n\
+         [[chamber]]\non = \"cavity\"\npressure = \"{PRESSURE:e}*t/{end}\"\n\
+         [time]\nend = {end}\nsteps = {STEPS}\nmethod = \"implicit-euler\"\n"
     );
-    let end = 0.01 * STEPS as f64;
-    write!(text, "[[chamber]]\non = \"cavity\"\npressure = \"{PRESSURE:e}*t/{end}\"\n")?;
-    write!(text, "[time]\nend = {end}\nsteps = {STEPS}\nmethod = \"implicit-euler\"\n")?;
-    std::fs::write(scene.join("sim.toml"), text)?;
-    Ok(true)
+    dir.write("scene/sim.toml", &text);
+    true
 }
 
 /// At the end [Pa].

@@ -5,13 +5,12 @@
 //! here, because that crate rounds ASCII files to 32 bits and takes a binary file
 //! that begins with "solid" for an ASCII one.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::Parsed;
 use super::bytes::Cursor;
 use crate::measure::triangle_normal;
-use crate::{SurfaceMesh, Vec3, place_key};
+use crate::{SurfaceMesh, Vec3, welded};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
@@ -26,7 +25,7 @@ pub fn parse(bytes: &[u8]) -> Parsed<SurfaceMesh> {
         return parse_ascii(bytes);
     }
     match (announced, size) {
-        (Some(count), Some(size)) if size == bytes.len() => parse_binary(&bytes[HEADER..], count),
+        (_, Some(size)) if size == bytes.len() => Ok(parse_binary(&bytes[HEADER..])),
         (Some(count), Some(size)) => Err(format!(
             "neither ASCII STL nor complete binary STL: {count} triangles announced need {size} \
              bytes, the file has {}",
@@ -36,32 +35,31 @@ pub fn parse(bytes: &[u8]) -> Parsed<SurfaceMesh> {
     }
 }
 
-fn parse_binary(records: &[u8], count: usize) -> Parsed<SurfaceMesh> {
-    let mut weld = Weld::with_capacity(count);
-    for record in records.chunks_exact(RECORD) {
+fn parse_binary(records: &[u8]) -> SurfaceMesh {
+    let corners = |record: &[u8]| {
         let number = |i: usize| {
             let bytes = record[4 * i..4 * i + 4].try_into().expect("four bytes");
             f64::from(f32::from_le_bytes(bytes))
         };
         // Numbers 0 to 2 are the normal.
-        weld.add([3, 6, 9].map(|i| Vec3::new(number(i), number(i + 1), number(i + 2))));
-    }
-    Ok(weld.finish())
+        [3, 6, 9].map(|i| Vec3::new(number(i), number(i + 1), number(i + 2)))
+    };
+    of_corners(&records.chunks_exact(RECORD).map(corners).collect::<Vec<_>>())
 }
 
 fn parse_ascii(bytes: &[u8]) -> Parsed<SurfaceMesh> {
     let mut cursor = Cursor::new(bytes);
-    let mut weld = Weld::with_capacity(0);
+    let mut facets = Vec::new();
     let mut complete = false;
     loop {
         match cursor.word() {
-            Some("facet") => weld.add(ascii_facet(&mut cursor)?),
+            Some("facet") => facets.push(ascii_facet(&mut cursor)?),
             // The name of the solid follows, which may be any text.
             Some(word @ ("solid" | "endsolid")) => {
                 complete = word == "endsolid";
                 cursor.line();
             }
-            None if complete => return Ok(weld.finish()),
+            None if complete => return Ok(of_corners(&facets)),
             other => return Err(unexpected(&cursor, "facet or endsolid", other)),
         }
     }
@@ -103,44 +101,15 @@ fn unexpected(cursor: &Cursor, needed: &str, found: Option<&str>) -> String {
     format!("line {}: found {found} where ASCII STL needs {needed}", cursor.line_number())
 }
 
-/// Makes one vertex of bit-equal corners.
-struct Weld {
-    surface: SurfaceMesh,
-    ids: HashMap<[u64; 3], usize>,
-    collapsed: usize,
-}
-
-impl Weld {
-    fn with_capacity(triangles: usize) -> Self {
-        let mut surface = SurfaceMesh::default();
-        surface.triangles.reserve(triangles);
-        Self { surface, ids: HashMap::with_capacity(triangles / 2), collapsed: 0 }
+/// One vertex of bit-equal corners, without the triangles that have two of them.
+fn of_corners(corners: &[[Vec3; 3]]) -> SurfaceMesh {
+    let mut surface = welded(corners);
+    surface.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
+    let collapsed = corners.len() - surface.triangles.len();
+    if collapsed > 0 {
+        log::warn!("STL: left out {collapsed} triangles with two equal corners");
     }
-
-    fn add(&mut self, corners: [Vec3; 3]) {
-        let [a, b, c] = corners.map(|corner| self.vertex(corner));
-        if a == b || b == c || c == a {
-            self.collapsed += 1;
-        } else {
-            self.surface.triangles.push([a, b, c]);
-        }
-    }
-
-    fn vertex(&mut self, corner: Vec3) -> usize {
-        let key = place_key(&corner);
-        let vertices = &mut self.surface.vertices;
-        *self.ids.entry(key).or_insert_with(|| {
-            vertices.push(corner);
-            vertices.len() - 1
-        })
-    }
-
-    fn finish(self) -> SurfaceMesh {
-        if self.collapsed > 0 {
-            log::warn!("STL: left out {} triangles with two equal corners", self.collapsed);
-        }
-        self.surface
-    }
+    surface
 }
 
 pub fn write(surface: &SurfaceMesh, out: &mut dyn Write) -> io::Result<()> {

@@ -119,6 +119,7 @@ fn bad_content_is_named() {
         ("obj", "v 0 0 0\nf 1 1\n", "at least 3 corners"),
         ("obj", "v 0 nan 0\nv 0 0 0\nf 1 2 2\n", "1 of 2 vertices are not finite"),
         ("obj", "v 0 0 1e999\nf 1 1 1\n", "not finite"),
+        ("obj", "v 0 0 0\nv 1e155 0 0\nf 1 2 2\n", "1 of 2 vertices are beyond 1e9"),
         ("obj", "v 0 0 0\n", "empty: 1 vertices, no triangles"),
         ("stl", "", "0 bytes"),
         ("stl", "solid\nfacet normal 0 0 0 outer loop vertex 0 0 x", "\"x\""),
@@ -229,6 +230,12 @@ fn what_is_no_file_is_named() {
         let full = write_atomic(Path::new("/dev/full"), |out| write!(out, "x"));
         assert!(full.expect_err("always full").to_string().contains("No space left"));
         assert!(!std::fs::metadata("/dev/full").expect("there").is_file());
+        // and a pipe that the shell has opened is read, as `<(...)` is
+        let (pipe, mut writer) = io::pipe().expect("a pipe");
+        writer.write_all(b"text").expect("it is open");
+        drop(writer);
+        let path = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&pipe));
+        assert_eq!(read_text(Path::new(&path)).expect("a pipe"), "text");
     }
 }
 

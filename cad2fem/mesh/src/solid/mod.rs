@@ -168,11 +168,6 @@ impl Solid {
         self.kernel.genus()
     }
 
-    /// Triangles of the boundary.
-    pub fn triangle_count(&self) -> usize {
-        self.kernel.num_tri()
-    }
-
     /// Whether the solid has no points.
     pub fn is_empty(&self) -> bool {
         self.kernel.is_empty()

@@ -19,7 +19,7 @@ pub use tables::{
     add_keys, add_kind, add_table, one_of, one_of_these, one_of_these_or_none, partial,
 };
 
-use crate::nearest::did_you_mean;
+use crate::nearest::unknown;
 
 /// A format of files that a program reads or writes.
 pub struct Format {
@@ -78,7 +78,10 @@ impl SchemaArguments {
             None => formats.iter().map(|f| format!("{:12} {}\n", f.name, f.file)).collect(),
             Some(name) => {
                 let found = formats.iter().find(|format| format.name == name);
-                let format = found.with_context(|| unknown(name, names()))?;
+                let format = found.with_context(|| {
+                    let known = format!("expected one of {}", Vec::from_iter(names()).join(", "));
+                    unknown(&format!("no file \"{name}\""), name, names(), ';', &known)
+                })?;
                 let schema = (format.schema)();
                 match self.markdown {
                     true => markdown(&schema, format.is_report),
@@ -89,10 +92,4 @@ impl SchemaArguments {
         std::io::stdout().lock().write_all(text.as_bytes())?;
         Ok(())
     }
-}
-
-fn unknown<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
-    let proposal = did_you_mean(name, known.clone());
-    let known: Vec<&str> = known.collect();
-    format!("no file \"{name}\"{proposal} expected one of {}", known.join(", "))
 }

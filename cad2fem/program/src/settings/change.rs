@@ -10,7 +10,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::merge::{identity, shifted_value};
-use crate::nearest::did_you_mean;
+use crate::nearest::unknown;
 
 /// Values from outside in place of those of a file; flatten it into the arguments of a verb.
 #[derive(Args, Clone, Debug, Default)]
@@ -228,8 +228,6 @@ fn element(
 
 fn nothing<'b>(table: &str, wanted: &str, known: impl Iterator<Item = &'b str>) -> String {
     let known: Vec<&str> = known.collect();
-    let proposal = did_you_mean(wanted, known.iter().copied());
     let there = if known.is_empty() { "nothing".into() } else { known.join(", ") };
-    let separator = if proposal.is_empty() { ";" } else { "" };
-    format!("{table} has no {wanted}{proposal}{separator} it has {there}")
+    unknown(&format!("{table} has no {wanted}"), wanted, known, ';', &format!("it has {there}"))
 }

@@ -48,15 +48,19 @@ fn place(p: &Vec3) -> [u64; 3] {
     [p.x, p.y, p.z].map(f64::to_bits)
 }
 
-/// The facets without a tag, by the places of their corners.
-fn untouched(mesh: &TetMesh, tags: &Tags) -> BTreeSet<[[u64; 3]; 3]> {
-    let facets = boundary(mesh).facets.into_iter().filter(|&f| tags.get(f).is_none());
-    let key = |f: [usize; 3]| {
-        let mut places = f.map(|v| place(&mesh.vertices[v]));
+/// Facets by the places of their corners.
+fn places(mesh: &TetMesh, facets: impl IntoIterator<Item = [usize; 3]>) -> BTreeSet<[[u64; 3]; 3]> {
+    let key = |facet: [usize; 3]| {
+        let mut places = facet.map(|v| place(&mesh.vertices[v]));
         places.sort_unstable();
         places
     };
-    facets.map(key).collect()
+    facets.into_iter().map(key).collect()
+}
+
+/// The facets of the boundary without a tag.
+fn untouched(mesh: &TetMesh, tags: &Tags) -> BTreeSet<[[u64; 3]; 3]> {
+    places(mesh, boundary(mesh).facets.into_iter().filter(|&f| tags.get(f).is_none()))
 }
 
 /// A tetrahedron that lies on the boundary like a scale, with four vertices there: it closes a
@@ -110,15 +114,10 @@ fn a_flat_tetrahedron_on_the_surface_is_taken_off() {
     assert_eq!(tags.volumes.of, of);
 }
 
-/// The facets inside with the second tag, by the places of their corners.
+/// The facets inside with the second tag.
 fn sheet_of(mesh: &TetMesh, tags: &Tags) -> BTreeSet<[[u64; 3]; 3]> {
-    let places = |facet: [usize; 3]| {
-        let mut places = facet.map(|v| place(&mesh.vertices[v]));
-        places.sort_unstable();
-        places
-    };
     let all = mesh.tets.iter().flat_map(|tet| TET_FACETS.map(|f| f.map(|c| tet[c])));
-    all.filter(|&facet| tags.get(facet) == Some(2)).map(places).collect()
+    places(mesh, all.filter(|&facet| tags.get(facet) == Some(2)))
 }
 
 fn shape_of(mesh: &TetMesh, tet: [usize; 4]) -> f64 {

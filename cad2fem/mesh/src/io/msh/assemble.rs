@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::{BODY, MshFile, Raw};
 use crate::io::{Parsed, require_finite};
-use crate::measure::tet_volume;
 use crate::topology::TET_FACETS;
 use crate::{Tags, TetMesh, Volumes, facet_key};
 
@@ -20,7 +19,7 @@ pub fn assemble(raw: Raw) -> Parsed<(MshFile, Vec<String>)> {
     let mut notes = Vec::new();
     let (mut mesh, index) = mesh_of(&raw, &mut notes)?;
     require_finite(&mesh.vertices)?;
-    let turned = turn_inverted(&mut mesh);
+    let turned = mesh.turn_inverted();
     if turned > 0 {
         log::debug!("turned {turned} of {} tetrahedra", mesh.tets.len());
     }
@@ -57,19 +56,6 @@ fn mesh_of(raw: &Raw, notes: &mut Vec<String>) -> Parsed<(TetMesh, HashMap<u64, 
         })?);
     }
     Ok((TetMesh { vertices, tets }, index))
-}
-
-/// Swaps two corners of tetrahedra with negative volume; their number.
-fn turn_inverted(mesh: &mut TetMesh) -> usize {
-    let mut turned = 0;
-    for t in 0..mesh.tets.len() {
-        let [a, b, c, d] = mesh.corners(t);
-        if tet_volume(a, b, c, d) < 0.0 {
-            mesh.tets[t].swap(2, 3);
-            turned += 1;
-        }
-    }
-    turned
 }
 
 fn tags_of(raw: &Raw, mesh: &TetMesh, index: &HashMap<u64, usize>) -> Parsed<Tags> {

@@ -9,43 +9,23 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::{Mutex, Once, PoisonError};
 
-use tests::workdir::repository;
+use tests::workdir::{self, repository};
 
-#[path = "slow/book.rs"]
 mod book;
-
-#[path = "slow/molds.rs"]
 mod molds;
-
-#[path = "slow/new.rs"]
 mod new;
-
-#[path = "slow/notebooks.rs"]
 mod notebooks;
-
-#[path = "slow/results.rs"]
 mod results;
-
-#[path = "slow/sweep.rs"]
 mod sweep;
-
-#[path = "slow/validation.rs"]
 mod validation;
-
-#[path = "slow/wheel.rs"]
 mod wheel;
-
-#[path = "slow/windows.rs"]
 mod windows;
 
 /// Runs `make` with a goal, and values for it after blanks, in this checkout, one at a time, and returns what it printed.
 fn make(goal: &str) -> String {
     static ONE: Mutex<()> = Mutex::new(());
     let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut command = Command::new("make");
-    // a make that runs these tests must not hand its own flags down
-    command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL").env_remove("MAKEOVERRIDES");
-    run(command.args(goal.split_whitespace()).current_dir(repository()))
+    run(workdir::make().args(goal.split_whitespace()).current_dir(repository()))
 }
 
 /// The folder of the results of `make beam`; made once for all tests here.

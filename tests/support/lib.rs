@@ -1,28 +1,16 @@
 //! Small bodies and helpers that the tests share.
 
-#[path = "support/book.rs"]
 pub mod book;
-#[path = "support/chamber.rs"]
 pub mod chamber;
-#[path = "support/chromium.rs"]
 pub mod chromium;
-#[path = "support/equilibrium.rs"]
 pub mod equilibrium;
-#[path = "support/judges.rs"]
 pub mod judges;
-#[path = "support/meshes.rs"]
 pub mod meshes;
-#[path = "support/motion.rs"]
 pub mod motion;
-#[path = "support/published.rs"]
 pub mod published;
-#[path = "support/reported.rs"]
 pub mod reported;
-#[path = "support/skip.rs"]
 pub mod skip;
-#[path = "support/symmetric.rs"]
 pub mod symmetric;
-#[path = "support/workdir.rs"]
 pub mod workdir;
 
 use std::path::PathBuf;

@@ -1,12 +1,15 @@
-//! Threads and directions of fibres on the page of a simulation, in a real browser.
+//! Parts of the page of a simulation in a real browser: threads and directions of fibres, and the path with what lies on it.
 
 use mesh::Vec3;
 use mesh::io::vtu::{Grid, read_vtu};
+use reports::{Segment, SegmentEnd};
 use serde_json::{Value, json};
+use tests::chamber;
 use tests::chromium::Chromium;
 use tests::reported::number;
 use tests::workdir::Workdir;
 
+use crate::page::set;
 use crate::samples::{WINDING, wound};
 
 /// One direction, so that the stretch of a linear element is one number.
@@ -25,14 +28,12 @@ fn page(degree: usize) -> Workdir {
 
 /// Lengths of all threads at rest and now [mm].
 fn lengths(dir: &Workdir) -> [f64; 2] {
-    let mut found = [0.0; 2];
-    for line in dir.text("out/run/windings.csv").lines().skip(1) {
-        let cells: Vec<f64> = line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
-        let at = |k: usize| Vec3::from_column_slice(&cells[k..k + 3]);
-        found[0] += 1e3 * (at(6) - at(0)).norm();
-        found[1] += 1e3 * (at(9) - at(3)).norm();
-    }
-    found
+    let segments = Segment::all(&dir.text("out/run/windings.csv")).unwrap();
+    let length = |of: fn(&SegmentEnd) -> [f64; 3]| -> f64 {
+        let ends = segments.iter().map(|segment| segment.ends.each_ref().map(of).map(Vec3::from));
+        ends.map(|[start, end]| 1e3 * (end - start).norm()).sum()
+    };
+    [length(|end| end.rest), length(|end| end.now)]
 }
 
 /// Smallest and largest stretch of the cells behind the boundary, and the number of its facets.
@@ -60,21 +61,17 @@ fn click(browser: &mut Chromium, id: &str) {
 }
 
 fn step(browser: &mut Chromium, place: usize) {
-    browser.evaluate(&format!(
-        "(() => {{ const c = document.getElementById('step'); c.value = {place}; \
-         c.dispatchEvent(new Event('input')); }})()"
-    ));
+    set(browser, "step", &json!(place));
     browser.wait(&format!("window.puffer.state().each[0].place === {place}"));
 }
 
 /// Lengths agree to the 16 bits of positions and displacements on the page: thresholds of 1e-4, set before.
 #[test]
 fn threads_and_fibres_move_with_the_body() {
-    let Some(program) = Chromium::installed() else { return };
     for degree in [1, 2] {
         let dir = page(degree);
         let [rest, now] = lengths(&dir);
-        let mut browser = Chromium::start(program, [900, 700]);
+        let Some(mut browser) = Chromium::start([900, 700]) else { return };
         browser.show(&dir.path("page.html"));
         let near = |found: &Value, expected: f64| (number(found) / expected - 1.0).abs() < 1e-4;
         let segments = dir.json("out/run/report.json")["windings"][0]["segments"].clone();
@@ -109,4 +106,50 @@ fn threads_and_fibres_move_with_the_body() {
         assert_eq!(browser.evaluate(legend), json!(false), "forces are those of the last state");
         assert_eq!(browser.complaints(), [""; 0]);
     }
+}
+
+/// Circles of a colour in the chart.
+fn circles(color: &str, pixels: f64) -> String {
+    format!("document.querySelectorAll('#path circle[fill=\"{color}\"][r=\"{pixels}\"]')")
+}
+
+#[test]
+fn a_path_is_drawn_with_its_limit_and_its_burst() {
+    let dir = chamber::near_its_edges();
+    let follow = "[solver]\nfollow = \"arc-length\"\n";
+    dir.write("path.toml", &format!("{}\n{follow}", dir.text("p1.toml")));
+    dir.solver("simulate path.toml -o out/run").assert_good();
+    dir.run("cad2fem", "report out -o page.html").assert_good();
+    let report = dir.json("out/run/report.json");
+    let states = report["steps"].as_array().unwrap().len();
+    let rest = usize::from(report["rest"].is_object());
+    let way = report["limit"]["path"].as_array().unwrap();
+    assert_eq!(way[0]["factor"], json!(1.0));
+    assert_eq!(way.last().unwrap()["factor"], report["limit"]["factor"]);
+    let Some(mut browser) = Chromium::start([1000, 700]) else { return };
+    browser.show(&dir.path("page.html"));
+    assert_eq!(browser.evaluate("document.getElementById('path').hidden"), json!(false));
+    let points = browser.evaluate(&format!("{}.length", circles("#5b8db8", 3.5)));
+    assert_eq!(points, json!(rest + states + way.len() - 1));
+    let lines = browser.evaluate("document.querySelectorAll('#path polyline').length");
+    assert_eq!(lines, json!(1), "marks have no line");
+    for (color, name, value) in [
+        ("#cf5f53", "limit point", &report["limit"]["factor"]),
+        ("#d6336c", "stretch at break", &report["limit"]["burst"]),
+    ] {
+        let said = browser.evaluate(&format!("{}[0].textContent", circles(color, 7.0)));
+        let (said, value) = (said.as_str().unwrap(), format!("{:.3}", number(value)));
+        assert!(said.contains(name) && said.contains(&value), "{said} {value}");
+        let keys = browser.evaluate("document.querySelector('#path .picks').textContent");
+        assert!(keys.as_str().unwrap().contains(name), "{keys}");
+    }
+    // the load grows up to the limit, which is the highest point of the chart
+    let highest = "Math.min(...[...document.querySelectorAll('#path circle')].map((c) => Number(c.getAttribute('cy'))))";
+    let limit = format!("Number({}[0].getAttribute('cy'))", circles("#cf5f53", 7.0));
+    assert_eq!(browser.evaluate(highest), browser.evaluate(&limit));
+    let text = browser.evaluate("document.getElementById('results').textContent");
+    let text = text.as_str().unwrap();
+    assert!(text.contains("Limits") && text.contains("no equilibrium beyond"), "{text}");
+    assert!(text.contains("slope of the pressure"), "{text}");
+    assert_eq!(browser.complaints(), Vec::<String>::new());
 }
