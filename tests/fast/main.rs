@@ -10,6 +10,7 @@ mod campaign;
 mod carry;
 mod castable;
 mod compare;
+mod design_keeps;
 mod design_line;
 mod error_bars;
 mod export;

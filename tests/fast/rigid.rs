@@ -1,11 +1,12 @@
 //! Rigid parts of scenes, by the program: a plate that is glued to the top of a block with a closed chamber.
 
 use mesh::Vec3;
+use mesh::io::write_tets;
 use tests::reported::number;
 use tests::workdir::Workdir;
 use tests::{block, tag};
 
-use crate::samples::glued;
+use crate::samples::{ONE, glued};
 
 /// Volume of the body [m³], 3 · 3 · 4 cells of 5 mm less two.
 const VOLUME: f64 = 34.0 * 5e-3 * 5e-3 * 5e-3;
@@ -14,7 +15,8 @@ const VOLUME: f64 = 34.0 * 5e-3 * 5e-3 * 5e-3;
 #[test]
 fn a_plate_that_is_glued_on_bears_its_load() {
     let dir = glued("mass = 0.02\nforce = [0.1, 0, \"-0.3*t\"]\n");
-    let report = dir.report("simulate p1.toml -o out");
+    dir.solver("simulate p1.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
     let last = report["steps"].as_array().unwrap().last().unwrap();
     let held = [0, 1, 2].map(|k| number(&last["reactions"]["bottom"][k]));
     let weight = (0.02 + 1000.0 * VOLUME) * 9.81;
@@ -23,6 +25,38 @@ fn a_plate_that_is_glued_on_bears_its_load() {
     }
     let turn = number(&last["rigid"]["top"]["rotation"][1]);
     assert!((1e-3..0.5).contains(&turn), "{turn}");
+}
+
+/// Threads bear the plate, and not the body that it is glued to.
+#[test]
+fn a_plate_on_a_very_soft_body_is_rigid_as_well() {
+    let threads = [[0.0, 0.0075], [0.015, 0.0075], [0.0075, 0.0], [0.0075, 0.015]];
+    let thread = |(i, [x, y]): (usize, [f64; 2])| {
+        format!(
+            "[[winding]]\nname = \"thread {i}\"\non = \"sides\"\nstiffness = 5\n\
+             points = [[{x}, {y}, 0], [{x}, {y}, 0.02]]\n"
+        )
+    };
+    let threads: String = threads.into_iter().enumerate().map(thread).collect();
+    let dir = glued(&format!("force = [0, 0, 0.05]\n{threads}"));
+    let law = ONE.strip_prefix("[material]\n").unwrap();
+    let soft =
+        dir.text("p1.toml").replace(law, "kind = \"neo-hookean\"\nyoung = 0.05\npoisson = 0.3\n");
+    let soft = soft.replace("gravity = [0, 0, -9.81]", "").replace("density = 1000.0\n", "");
+    dir.write("p1.toml", &soft.replace("pressure = 2e3", "pressure = 0"));
+    dir.solver("simulate p1.toml -o out").assert_good();
+    let read = |name: &str| mesh::io::npy::read_f64(&dir.path(&format!("out/{name}"))).unwrap().0;
+    let (rest, u) = (read("nodes.npy"), read("displacement.npy"));
+    let points = |x: &[f64]| x.chunks(3).map(Vec3::from_column_slice).collect::<Vec<_>>();
+    let (rest, u) = (points(&rest), points(&u));
+    let top: Vec<usize> = (0..rest.len()).filter(|&n| rest[n].z > 0.02 - 1e-9).collect();
+    let rise = u[top[0]].z;
+    assert!((1e-5..1e-3).contains(&rise), "{rise}");
+    for (&a, &b) in top.iter().zip(&top[1..]) {
+        let length = (rest[a] - rest[b]).norm();
+        let strain = (rest[a] + u[a] - rest[b] - u[b]).norm() / length - 1.0;
+        assert!(strain.abs() < 1e-3, "{strain}");
+    }
 }
 
 /// Under an open membrane there is no air at rest: what is pumped in lifts a guided plate.
@@ -37,7 +71,8 @@ fn air_is_pumped_below_a_flat_wall() {
         text[to..].replace("top", "air").replace("force = [0, 0, -0.2]\n", "")
     );
     dir.write("flat.toml", &scene.replace("gravity = [0, 0, -9.81]\n", ""));
-    let report = dir.report("simulate flat.toml -o out");
+    dir.solver("simulate flat.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
     let air = &report["chambers"]["bottom"];
     assert!((number(&air["volume"]) / 2e-8 - 1.0).abs() < 1e-9, "{air}");
     assert!(number(&air["pressure"]) > 0.0, "{air}");
@@ -53,9 +88,9 @@ fn a_rigid_body_does_not_relax() {
         block([2, 2, 2], 5e-3, |_| false, |p| p),
         &[("bottom", &|p| p.z < 1e-9), ("top", &top(0.01)), ("skin", &|_| true)],
     );
-    dir.put("soft.msh", &soft);
+    write_tets(&dir.path("soft.msh"), &soft.mesh, &soft.tags).unwrap();
     let heavy = tag(block([1, 1, 1], 9e-3, |_| false, |p| p), &[("skin", &|_| true)]);
-    dir.put("heavy.msh", &heavy);
+    write_tets(&dir.path("heavy.msh"), &heavy.mesh, &heavy.tags).unwrap();
     let material =
         "{ kind = \"mooney-rivlin\", c1 = 9e3, c2 = 2e3, c3 = 1e3, d1 = 1e5, density = 1000 }";
     dir.write(
