@@ -213,19 +213,3 @@ impl<'a> Key<'a> {
         Ok(::scene::config::beside(&self.document.path, Path::new(self.text()?)))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_no_json_object_is_refused() {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        for (text, words) in [("{", "not JSON"), ("[1]", "a list or a value")] {
-            let path = folder.path().join("scene.json");
-            std::fs::write(&path, text).expect("writable");
-            let message = Document::read(&path).err().expect(text).to_string();
-            assert!(message.contains("scene.json") && message.contains(words), "{message}");
-        }
-    }
-}

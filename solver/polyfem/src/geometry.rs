@@ -198,12 +198,7 @@ fn solid(key: &Key, name: String, read: Read, thickness: f64) -> Result<Solid> {
             let facets = facets.collect();
             (mesh, facets, Vec::new())
         }
-        Read::Plane(plane) => {
-            if let Some(flaw) = planar::flaw(&plane) {
-                return Err(key.wrong(&format!("{name}: {flaw}; expected a sound triangulation")));
-            }
-            planar::extruded(&plane, thickness)
-        }
+        Read::Plane(plane) => planar::extruded(&plane, thickness),
     };
     let bounds = mesh::measure::bounds(&mesh.vertices);
     let selection = key.get("surface_selection");

@@ -6,7 +6,6 @@
 //! go from the smaller vertex below to the greater one above, so that prisms
 //! side by side fit.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Result, anyhow, bail};
@@ -84,22 +83,6 @@ pub fn extruded(plane: &SurfaceMesh, thickness: f64) -> (TetMesh, Vec<Facet>, Ve
     (mesh, sides, faces)
 }
 
-/// Whether an edge belongs to more than two triangles, or a triangle is flat.
-pub fn flaw(plane: &SurfaceMesh) -> Option<String> {
-    let mut edges: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-    for (t, &[a, b, c]) in plane.triangles.iter().enumerate() {
-        let [p, q, r] = plane.corners(t);
-        if mesh::measure::triangle_area(p, q, r) <= 0.0 {
-            return Some(format!("triangle {t} is flat"));
-        }
-        for [a, b] in [[a, b], [b, c], [c, a]] {
-            *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-    }
-    let bad = edges.into_iter().find(|e| e.1 > 2)?;
-    Some(format!("the edge {:?} belongs to {} triangles", bad.0, bad.1))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,7 +97,6 @@ mod tests {
         };
         let plane = read("# x\nv 0 0\nv 1 0 0\nv 0 1\nf 1/1 2 3\n").expect("plane");
         assert_eq!(plane.triangles, [[0, 1, 2]]);
-        assert_eq!(flaw(&plane), None);
         for (text, words) in [
             ("v 0 0 1\n", "line 1: \"v 0 0 1\": expected x and y"),
             ("v 0 0\nf 1 2 3\n", "line 2: \"f 1 2 3\": expected three vertices from 1 to 1"),
@@ -123,7 +105,5 @@ mod tests {
             let message = read(text).expect_err(text).to_string();
             assert!(message.contains(words), "{message}");
         }
-        let flat = read("v 0 0\nv 1 0\nv 2 0\nf 1 2 3\n").expect("read");
-        assert_eq!(flaw(&flat).as_deref(), Some("triangle 0 is flat"));
     }
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use program::{Changes, FolderLock, Unusable};
 use scene::law_table;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::plot::{Axes, Series, Style, draw};
@@ -234,17 +235,17 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
         let title = if law.volume.is_some() { "[[material]]" } else { "[material]" };
         writeln!(text, "{title}\n{keys}")?;
     }
-    let mut lists = Vec::new();
-    let (relaxation, mullins) = (&scene.config.relaxation, &scene.config.mullins);
-    if !relaxation.is_empty() {
-        lists.push(toml::to_string(&BTreeMap::from([("relaxation", relaxation)]))?);
-    }
-    if !mullins.is_empty() {
-        lists.push(toml::to_string(&BTreeMap::from([("mullins", mullins)]))?);
-    }
-    let membranes = &scene.config.membrane;
-    if !membranes.is_empty() {
-        lists.push(toml::to_string(&BTreeMap::from([("membrane", membranes)]))?);
-    }
-    Ok(text + &lists.join("\n"))
+    let config = &scene.config;
+    let lists = [
+        list("relaxation", &config.relaxation)?,
+        list("mullins", &config.mullins)?,
+        list("membrane", &config.membrane)?,
+    ];
+    Ok(text + &lists.into_iter().flatten().collect::<Vec<_>>().join("\n"))
+}
+
+/// The tables of a list, if it has any.
+fn list<T: Serialize>(name: &str, tables: &[T]) -> Result<Option<String>> {
+    let some = (!tables.is_empty()).then(|| toml::to_string(&BTreeMap::from([(name, tables)])));
+    Ok(some.transpose()?)
 }

@@ -1,6 +1,6 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -11,14 +11,14 @@ use program::{FolderLock, Unusable};
 use reports::Simulation;
 use scene::{Scene, log_share};
 
-use super::SceneArguments;
+use super::{SceneArguments, hash_inputs};
 use run::end::Outcome;
 use run::error_bars;
 use run::report::failure::Diagnosis;
 use run::report::meeting;
 use run::report::record::{Checkpoint, Recorder, Work};
 use run::report::results;
-use run::report::simulation::{self, Spent};
+use run::report::simulation;
 use run::report::writer::write_beside;
 use run::steps::{Made, Steps};
 
@@ -90,8 +90,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let checkpoint = |steps: &Steps, workspace: &Workspace| Checkpoint {
         inputs: inputs.clone(),
         steps: steps.made(),
-        lines: String::new(),
-        pictures: BTreeMap::new(),
         progress: steps.stepper().progress.clone(),
         path: steps.path().cloned(),
         couplings: workspace.couplings().to_vec(),
@@ -111,21 +109,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let solver = (&problem, &mut workspace);
         return Err(failed(&scene, solver, arguments, report, &unreached)?);
     }
-    let (progress, timings) = (&stepper.progress, workspace.timings);
+    let progress = &stepper.progress;
     let inertia = progress.integrator.method.has_inertia();
-    let spent = Spent {
-        newton_iterations: progress.newton_iterations,
-        velocity: inertia.then(|| &progress.integrator.last().v[..]),
-        recorder: &recorder,
-        timings: &timings,
-        equilibrium_s,
-        predicted_s,
-    };
     let outcome = Outcome {
         end: stepper.iterate(&problem, rest),
         last: last_on_path.as_ref(),
         states: steps.states(),
-        spent,
+        recorder: &recorder,
+        newton_iterations: progress.newton_iterations,
+        velocity: inertia.then(|| &progress.integrator.last().v[..]),
+        equilibrium_s,
+        predicted_s,
         since: start,
         before_s,
     };
@@ -240,16 +234,4 @@ fn keeps_states(scene: &Scene, done: usize) -> bool {
         log::warn!("no error bars: they need all states, and this run continues; see --restart");
     }
     wanted && !continues
-}
-
-/// What the states depend on: the scene, the changes to it, its meshes and its obstacles.
-fn hash_inputs(scene: &Scene) -> Result<String> {
-    let step = scene.config.solver.largest_load_step();
-    let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string(), step.to_string()];
-    let obstacles = scene.config.obstacle.iter();
-    let obstacles = obstacles.map(|own| scene::config::beside(&scene.path, &own.surface));
-    for path in scene.parts.iter().map(|part| part.mesh_path.clone()).chain(obstacles) {
-        hashes.push(program::sha256_file(&path)?);
-    }
-    Ok(hashes.join(" "))
 }
