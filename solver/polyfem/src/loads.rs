@@ -24,8 +24,8 @@ impl Setting<'_> {
 }
 
 /// Acceleration by gravity: minus the right-hand side.
-pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Value>> {
-    let Some(key) = conditions.get("rhs") else { return Ok(None) };
+pub fn gravity(conditions: Option<&Key>, at: &Setting) -> Result<Option<Value>> {
+    let Some(key) = conditions.and_then(|c| c.get("rhs")) else { return Ok(None) };
     let all = amounts(&key, None, at.clock, at.dimension())?;
     let none = all.iter().all(is_zero);
     Ok((!none).then(|| vector(all.into_iter().map(negated))))

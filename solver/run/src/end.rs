@@ -11,7 +11,7 @@ use reports::{End, Simulation, Status};
 use scene::Scene;
 
 use super::error_bars;
-use super::limit::{self, Edges};
+use super::limit;
 use crate::report::record::Recorder;
 use crate::report::simulation::{self, Verdict};
 use crate::report::{inflation, locking, reinforcement, results, stability, summary, threads};
@@ -62,10 +62,12 @@ impl Outcome<'_> {
         let locking = locking::estimate(scene, (problem, probes), end);
         let known = stability::at_end(scene, (problem, workspace), end, self.last);
         let (stability, mode) = known.unzip();
-        let mut edges = edges(scene, problem, end);
-        if let Some(edges) = &mut edges {
-            error_bars::report_edges(scene, problem, end, edges);
-        }
+        let edges = scene.config.limit.as_ref().map(|config| {
+            let mut found = limit::find(scene, problem, end, config);
+            log::info!("{}", limit::in_words(&found.limit));
+            error_bars::report_edges(scene, problem, end, &mut found);
+            found
+        });
         let at_limit = || edges.as_ref()?.at_limit.as_ref().map(|found| found.mode.clone());
         let mode = mode.or_else(at_limit);
         results::write_end(folder, problem, end, mode.as_deref())?;
@@ -100,11 +102,4 @@ impl Outcome<'_> {
         results::write_report(folder, &report)?;
         Ok(refusal)
     }
-}
-
-/// How much more pressure the state at the end bears, where the scene asks for that.
-fn edges(scene: &Scene, problem: &Problem, end: &Iterate) -> Option<Edges> {
-    let found = limit::find(scene, problem, end, scene.config.limit.as_ref()?);
-    log::info!("{}", limit::in_words(&found.limit));
-    Some(found)
 }

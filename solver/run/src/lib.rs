@@ -283,12 +283,12 @@ fn go(
     let mut load_steps = Vec::new();
     while let Some(Made { finished, unreached }) = steps.next(workspace) {
         if let Some(unreached) = unreached {
-            return Err(steps.stepper().confirmed(problem, workspace, rest, &unreached));
+            return Err(steps.stepper.confirmed(problem, workspace, rest, &unreached));
         }
         load_steps.extend(finished.steps);
     }
-    let iterations = steps.stepper().progress.newton_iterations;
-    let states = steps.into_states().expect("they are kept");
+    let iterations = steps.stepper.progress.newton_iterations;
+    let states = steps.states.expect("they are kept");
     if let Some(error) = states.unwritten() {
         log::warn!("states could not be written ({error}); they stay in memory");
     }

@@ -208,30 +208,20 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
             writeln!(text, "# body \"{}\"", scene.parts[law.part].config.name)?;
         }
         let material = &law.material;
-        let mut keys = toml::Table::new();
-        if let Some(volume) = &law.volume {
-            keys.insert("on".to_owned(), volume.clone().into());
-        }
-        keys.insert("kind".to_owned(), material.law.key.into());
+        let modes: Vec<&str> = material.modes.iter().map(|mode| mode.state()).collect();
+        let known: [(&str, Option<toml::Value>); 8] = [
+            ("on", law.volume.clone().map(Into::into)),
+            ("kind", Some(material.law.key.into())),
+            ("density", material.density.map(Into::into)),
+            ("stretch_range", material.stretch_range.map(|range| range.to_vec().into())),
+            ("modes", (!modes.is_empty()).then(|| modes.into())),
+            ("stretch_at_break", material.stretch_at_break.map(Into::into)),
+            ("creep", material.softening.creep.map(Into::into)),
+            ("mullins", material.softening.mullins.map(Into::into)),
+        ];
+        let known = known.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
+        let mut keys: toml::Table = known.collect();
         keys.extend(law_table::written(material.law, &material.values));
-        if let Some(density) = material.density {
-            keys.insert("density".to_owned(), density.into());
-        }
-        if let Some(range) = material.stretch_range {
-            keys.insert("stretch_range".to_owned(), range.to_vec().into());
-        }
-        if !material.modes.is_empty() {
-            let modes: Vec<&str> = material.modes.iter().map(|mode| mode.state()).collect();
-            keys.insert("modes".to_owned(), modes.into());
-        }
-        if let Some(stretch) = material.stretch_at_break {
-            keys.insert("stretch_at_break".to_owned(), stretch.into());
-        }
-        for (key, part) in
-            [("creep", material.softening.creep), ("mullins", material.softening.mullins)]
-        {
-            keys.extend(part.map(|part| (key.to_owned(), part.into())));
-        }
         let title = if law.volume.is_some() { "[[material]]" } else { "[material]" };
         writeln!(text, "{title}\n{keys}")?;
     }

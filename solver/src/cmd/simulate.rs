@@ -89,8 +89,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut report = simulation::begun(&scene, &problem, folder)?;
     let checkpoint = |steps: &Steps, workspace: &Workspace| Checkpoint {
         inputs: inputs.clone(),
-        steps: steps.made(),
-        progress: steps.stepper().progress.clone(),
+        steps: steps.made,
+        progress: steps.stepper.progress.clone(),
         path: steps.path().cloned(),
         couplings: workspace.couplings().to_vec(),
         work: Work::default(),
@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     simulation::follow(&mut report, &recorder, &workspace);
     Checkpoint::remove(folder)?;
     let rest = &scene.body.mesh.vertices;
-    let stepper = steps.stepper();
+    let stepper = &steps.stepper;
     if let Some(unreached) = unreached {
         let unreached = stepper.confirmed(&problem, &mut workspace, rest, &unreached);
         let solver = (&problem, &mut workspace);
@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let outcome = Outcome {
         end: stepper.iterate(&problem, rest),
         last: last_on_path.as_ref(),
-        states: steps.states(),
+        states: steps.states.as_ref(),
         recorder: &recorder,
         newton_iterations: progress.newton_iterations,
         velocity: inertia.then(|| &progress.integrator.last().v[..]),
@@ -185,7 +185,7 @@ fn make_all(
         while let Some(Made { mut finished, unreached }) = steps.next(workspace) {
             // load steps come so often that the checkpoint of each would cost time
             let due = timed || saved.elapsed() >= BETWEEN_CHECKPOINTS;
-            if due && !steps.ended() {
+            if due && !steps.ended {
                 finished.checkpoint = Some(checkpoint(steps, workspace));
                 saved = Instant::now();
             }

@@ -91,14 +91,6 @@ pub fn foresee(scene: &Scene) {
     warnings.for_each(|line| log::warn!("{line}"));
 }
 
-/// Says of a load step what a user should know of it.
-pub fn judge_step(step: &LoadStep) {
-    let ratio = step.smallest_volume_ratio;
-    if ratio <= 0.0 {
-        log::warn!("an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}");
-    }
-}
-
 /// What decides whether the state at the end of a run may be used.
 pub struct Verdict {
     /// Surfaces that have passed through each other.
