@@ -55,7 +55,11 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let scene = read(arguments)?;
+    let mut scene = arguments.of.read()?;
+    scene.certify = !arguments.no_certify;
+    if arguments.curve {
+        scene.config.solver.step_for_curves();
+    }
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
@@ -126,16 +130,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let refusal = outcome.write(&scene, (&problem, &mut workspace, &probes), folder, report)?;
     let Some(refusal) = refusal else { return Ok(()) };
     Err(Unusable(format!("{}: {refusal}", arguments.of.scene.display())).into())
-}
-
-/// The scene with what the arguments change.
-fn read(arguments: &Arguments) -> Result<Scene> {
-    let mut scene = arguments.of.read()?;
-    scene.certify = !arguments.no_certify;
-    if arguments.curve {
-        scene.config.solver.step_for_curves();
-    }
-    Ok(scene)
 }
 
 /// Says what will be solved.
