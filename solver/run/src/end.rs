@@ -14,7 +14,7 @@ use super::error_bars;
 use super::limit;
 use crate::report::record::Recorder;
 use crate::report::simulation::{self, Verdict};
-use crate::report::{inflation, locking, reinforcement, results, stability, summary, threads};
+use crate::report::{inflation, locking, results, stability, summary, threads};
 
 /// The end of a run.
 pub struct Outcome<'a> {
@@ -52,7 +52,7 @@ impl Outcome<'_> {
     ) -> Result<Option<String>> {
         let (end, terms, recorder) = (&self.end, &problem.energies, self.recorder);
         let timings = workspace.timings;
-        reinforcement::write_threads(folder, scene, terms, end)?;
+        threads::write(folder, scene, terms, end)?;
         threads::crossings(scene, terms, end).iter().for_each(|line| log::info!("{line}"));
         let on_path = (recorder.lines.len(), self.last);
         let verdict = Verdict::new(scene, problem, end, on_path, recorder.largest_gain());

@@ -73,7 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::remove_stale(folder, done)?;
     announce(&scene, &workspace);
     if done == 0 {
-        meeting::foresee(&scene, &problem, &mut workspace);
+        let warning = meeting::foreseen(&scene, &problem, &mut workspace);
+        warning.iter().for_each(|warning| log::warn!("{warning}"));
     }
     let timed = scene.config.time.is_some();
     let count = scene.times().len();
