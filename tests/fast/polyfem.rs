@@ -290,8 +290,10 @@ fn what_cannot_be_imported_leaves_nothing_behind() {
         assert_eq!(dir.files("out"), [""; 0]);
     }
     let dir = Workdir::new();
-    dir.write("bad.json", "{");
-    dir.solver("import bad.json -o out").assert_refused(2, &["bad.json: not JSON"]);
+    for (text, words) in [("{", "bad.json: not JSON"), ("[1]", "bad.json: a list or a value")] {
+        dir.write("bad.json", text);
+        dir.solver("import bad.json -o out").assert_refused(2, &[words]);
+    }
     dir.solver("import absent.json -o out").assert_refused(2, &["absent.json"]);
 }
 

@@ -59,9 +59,9 @@ impl Document {
         if left.contains_key(pointer) {
             return;
         }
-        let reason = reasons.iter().filter(|r| matches(r.0, pointer)).max_by_key(|r| r.0.len());
+        let known = || reasons.iter().filter(|(pattern, _)| agree(pattern, pointer));
         let is_read = self.read.borrow().contains(pointer);
-        if is_read || reasons.iter().any(|r| matches(r.0, pointer) || matches_start(r.0, pointer)) {
+        if is_read || known().next().is_some() {
             let below: Vec<(String, &Value)> = match value {
                 Value::Object(members) => members.iter().map(|(k, v)| (k.clone(), v)).collect(),
                 Value::Array(items) if items.iter().any(|v| v.is_object() || v.is_array()) => {
@@ -76,21 +76,19 @@ impl Document {
                 return;
             }
         }
-        let why = reason.map_or("unknown key", |r| r.1);
+        let above = known().filter(|(pattern, _)| depth(pattern) <= depth(pointer));
+        let why = above.max_by_key(|(pattern, _)| pattern.len()).map_or("unknown key", |r| r.1);
         left.insert(pointer.to_owned(), why.to_owned());
     }
 }
 
-/// Whether a pattern is a pointer or the start of it.
-fn matches(pattern: &str, pointer: &str) -> bool {
-    let mut words = pointer.split('/');
-    pattern.split('/').all(|p| words.next().is_some_and(|w| p == "*" || p == w))
+/// Whether a pattern and a pointer are the same as far as the shorter one goes.
+fn agree(pattern: &str, pointer: &str) -> bool {
+    pattern.split('/').zip(pointer.split('/')).all(|(own, word)| own == "*" || own == word)
 }
 
-/// Whether a pointer is the start of a pattern.
-fn matches_start(pattern: &str, pointer: &str) -> bool {
-    let mut words = pattern.split('/');
-    pointer.split('/').all(|w| words.next().is_some_and(|p| p == "*" || p == w))
+fn depth(pointer: &str) -> usize {
+    pointer.split('/').count()
 }
 
 /// A value with its place in the document.
@@ -211,21 +209,5 @@ impl<'a> Key<'a> {
     /// A file name as seen from the folder of the document.
     pub fn file(&self) -> Result<PathBuf> {
         Ok(::scene::config::beside(&self.document.path, Path::new(self.text()?)))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_no_json_object_is_refused() {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        for (text, words) in [("{", "not JSON"), ("[1]", "a list or a value")] {
-            let path = folder.path().join("scene.json");
-            std::fs::write(&path, text).expect("writable");
-            let message = Document::read(&path).err().expect(text).to_string();
-            assert!(message.contains("scene.json") && message.contains(words), "{message}");
-        }
     }
 }

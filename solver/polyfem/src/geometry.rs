@@ -7,7 +7,7 @@ use anyhow::Result;
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3};
 
 use super::document::Key;
-use super::planar::{self, Plane};
+use super::planar;
 use super::selection::{Facet, UNSELECTED, select};
 
 /// Tag of the front and back of a slab.
@@ -29,8 +29,8 @@ pub struct Solid {
     pub mesh: TetMesh,
     /// Names are those of [`tag`].
     pub tags: Tags,
-    /// Number of facets with each id.
-    pub ids: BTreeMap<i64, usize>,
+    /// The number of the tag of each id.
+    pub ids: BTreeMap<i64, u32>,
 }
 
 /// A rigid surface of the scene.
@@ -71,27 +71,14 @@ pub fn tag(id: i64) -> String {
 /// A body as it was read.
 enum Read {
     Space(TetMesh),
-    Plane(Plane),
-}
-
-impl Read {
-    fn vertices(&mut self) -> &mut Vec<Vec3> {
-        match self {
-            Self::Space(mesh) => &mut mesh.vertices,
-            Self::Plane(plane) => &mut plane.vertices,
-        }
-    }
-
-    fn dimension(&self) -> usize {
-        if matches!(self, Self::Plane(_)) { 2 } else { 3 }
-    }
+    Plane(SurfaceMesh),
 }
 
 /// Reads, places and tags all bodies. Slabs are `thickness` thick, or else
 /// [`THIN`] times the mean edge of the body where it is smallest [m].
 pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
     let (mut geometry, mut bodies) = (Geometry::default(), Vec::new());
-    let mut names = Vec::new();
+    let (mut names, mut planes) = (Vec::new(), Vec::new());
     for key in geometries.items() {
         if key.optional("enabled", Key::flag)? == Some(false) {
             key.leave("\"enabled\" is false");
@@ -115,17 +102,15 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
             continue;
         }
         let mut read = body(&path)?;
-        let dimension = read.dimension();
-        place(&key, read.vertices(), dimension)?;
+        match &mut read {
+            Read::Space(mesh) => place(&key, &mut mesh.vertices, 3)?,
+            Read::Plane(plane) => {
+                place(&key, &mut plane.vertices, 2)?;
+                planes.push(mesh::measure::mean_edge(&plane.vertices, &plane.triangles));
+            }
+        }
         bodies.push((key, name, read));
     }
-    let planes: Vec<f64> = bodies
-        .iter()
-        .filter_map(|b| match &b.2 {
-            Read::Plane(plane) => Some(plane.mean_edge()),
-            Read::Space(_) => None,
-        })
-        .collect();
     if !planes.is_empty() {
         if planes.len() < bodies.len() || !geometry.obstacles.is_empty() {
             return Err(geometries.wrong("plane bodies beside others: expected all of one kind"));
@@ -135,7 +120,7 @@ pub fn read(geometries: &Key, thickness: Option<f64>) -> Result<Geometry> {
         geometry.thickness = Some(thickness.unwrap_or(THIN * finest));
     }
     for (key, name, read) in bodies {
-        geometry.solids.push(solid(&key, name, read, geometry.thickness)?);
+        geometry.solids.push(solid(&key, name, read, geometry.thickness.unwrap_or_default())?);
     }
     if geometry.solids.is_empty() {
         return Err(geometries.wrong("no body: expected one that is no obstacle"));
@@ -180,32 +165,29 @@ fn place(key: &Key, vertices: &mut [Vec3], dimension: usize) -> Result<()> {
             return Err(other.wrong(what));
         }
     }
+    // z of a plane body stays 0
+    let vector = |numbers: Vec<f64>| Vec3::from_fn(|k, _| *numbers.get(k).unwrap_or(&0.0));
     let mut scale = Vec3::new(1.0, 1.0, 1.0);
     if let Some(given) = transformation.get("scale") {
         let factors = match given.value.as_f64() {
             Some(factor) => vec![factor; dimension],
             None => given.numbers(dimension)?,
         };
-        for (k, factor) in factors.into_iter().enumerate() {
-            if !(factor.is_finite() && factor > 0.0) {
-                return Err(given.wrong(&format!("{factor}: expected factors greater than 0")));
-            }
-            scale[k] = factor;
+        if let Some(factor) = factors.iter().find(|factor| !(factor.is_finite() && **factor > 0.0))
+        {
+            return Err(given.wrong(&format!("{factor}: expected factors greater than 0")));
         }
+        scale = vector(factors);
     }
-    let mut shift = Vec3::zeros();
-    if let Some(given) = transformation.get("translation") {
-        for (k, x) in given.numbers(dimension)?.into_iter().enumerate() {
-            shift[k] = x;
-        }
-    }
+    let shift = transformation.get("translation").map(|given| given.numbers(dimension));
+    let shift = shift.transpose()?.map_or_else(Vec3::zeros, vector);
     vertices.iter_mut().for_each(|v| *v = scale.component_mul(v) + shift);
     Ok(())
 }
 
-fn solid(key: &Key, name: String, read: Read, thickness: Option<f64>) -> Result<Solid> {
+fn solid(key: &Key, name: String, read: Read, thickness: f64) -> Result<Solid> {
     let volume = key.optional("volume_selection", Key::id)?.unwrap_or(0);
-    let dimension = read.dimension();
+    let dimension = if matches!(read, Read::Plane(_)) { 2 } else { 3 };
     let (mesh, facets, faces) = match read {
         Read::Space(mesh) => {
             let facets = mesh::topology::boundary(&mesh).facets.into_iter().map(|corners| Facet {
@@ -216,34 +198,18 @@ fn solid(key: &Key, name: String, read: Read, thickness: Option<f64>) -> Result<
             let facets = facets.collect();
             (mesh, facets, Vec::new())
         }
-        Read::Plane(plane) => {
-            if let Some(flaw) = plane.flaw() {
-                return Err(key.wrong(&format!("{name}: {flaw}; expected a sound triangulation")));
-            }
-            plane.extruded(thickness.unwrap_or_else(|| THIN * plane.mean_edge()))
-        }
+        Read::Plane(plane) => planar::extruded(&plane, thickness),
     };
     let bounds = mesh::measure::bounds(&mesh.vertices);
     let selection = key.get("surface_selection");
     let found = select(selection.as_ref(), &facets, dimension, bounds)?;
-    let mut ids: BTreeMap<i64, usize> = BTreeMap::new();
-    for id in &found {
-        *ids.entry(*id).or_default() += 1;
-    }
-    let mut names: Vec<String> = ids.keys().map(|&id| tag(id)).collect();
-    if !faces.is_empty() {
-        names.push(FACES.to_owned());
-    }
-    let mut tags = Tags::new(names);
-    let known = |name: &str| tags.id(name).expect("all names are there");
-    let numbers: BTreeMap<i64, u32> = ids.keys().map(|&id| (id, known(&tag(id)))).collect();
-    let last = u32::try_from(tags.names.len()).expect("few tags");
-    for (facet, id) in facets.iter().zip(&found) {
-        tags.set(facet.corners, numbers[id]);
-    }
-    for corners in faces {
-        tags.set(corners, last);
-    }
+    let mut ids: BTreeMap<i64, u32> = found.iter().map(|&id| (id, 0)).collect();
+    ids.values_mut().zip(1..).for_each(|(own, number)| *own = number);
+    let of_faces = (!faces.is_empty()).then(|| FACES.to_owned());
+    let mut tags = Tags::new(ids.keys().map(|&id| tag(id)).chain(of_faces).collect());
+    facets.iter().zip(&found).for_each(|(facet, id)| tags.set(facet.corners, ids[id]));
+    let last = ids.len() as u32 + 1;
+    faces.into_iter().for_each(|corners| tags.set(corners, last));
     Ok(Solid { name, volume, mesh, tags, ids })
 }
 

@@ -6,7 +6,7 @@ use toml::{Table, Value};
 use super::document::Key;
 use super::geometry::{Geometry, Solid, tag};
 use super::tables::{push, table};
-use super::value::{Amount, Clock, amount, amounts};
+use super::value::{Clock, amount, amounts, is_zero, negated};
 
 /// Where loads act and when.
 pub struct Setting<'a> {
@@ -24,12 +24,11 @@ impl Setting<'_> {
 }
 
 /// Acceleration by gravity: minus the right-hand side.
-pub fn gravity(conditions: &Key, at: &Setting) -> Result<Option<Value>> {
-    let Some(key) = conditions.get("rhs") else { return Ok(None) };
+pub fn gravity(conditions: Option<&Key>, at: &Setting) -> Result<Option<Value>> {
+    let Some(key) = conditions.and_then(|c| c.get("rhs")) else { return Ok(None) };
     let all = amounts(&key, None, at.clock, at.dimension())?;
-    let is_zero = all.iter().all(Amount::is_zero);
-    let down: Vec<Amount> = all.into_iter().map(Amount::negated).collect();
-    Ok((!is_zero).then(|| vector(&down)))
+    let none = all.iter().all(is_zero);
+    Ok((!none).then(|| vector(all.into_iter().map(negated))))
 }
 
 /// Adds all supports and loads.
@@ -46,16 +45,17 @@ pub fn add(conditions: Option<&Key>, at: &Setting, scene: &mut Table) -> Result<
     }
     for load in items("pressure_boundary") {
         let key = load.need("value", "a number, an expression or a list over time")?;
-        let value = amount(&key, load.get("time_reference").as_ref(), at.clock)?.negated();
+        let value = amount(&key, load.get("time_reference").as_ref(), at.clock)?;
+        let pressure = negated(value);
         for on in named(&load, at)? {
-            let chamber = [("on", on.into()), ("pressure", value.clone().into())];
+            let chamber = [("on", on.into()), ("pressure", pressure.clone())];
             push(scene, "chamber", table(chamber));
         }
     }
     for load in items("neumann_boundary") {
         let traction = values(&load, "the force per area [Pa]", at, at.dimension())?;
         for on in named(&load, at)? {
-            let load = [("on", on.into()), ("traction", vector(&traction))];
+            let load = [("on", on.into()), ("traction", vector(traction.clone()))];
             push(scene, "traction", table(load));
         }
     }
@@ -77,16 +77,15 @@ fn named(load: &Key, at: &Setting) -> Result<Vec<String>> {
 }
 
 /// The components of a load.
-fn values(load: &Key, what: &str, at: &Setting, dimension: usize) -> Result<Vec<Amount>> {
+fn values(load: &Key, what: &str, at: &Setting, dimension: usize) -> Result<Vec<Value>> {
     let key = load.need("value", what)?;
     amounts(&key, load.get("time_reference").as_ref(), at.clock, dimension)
 }
 
 /// A vector, with zeros for what is missing.
-fn vector(amounts: &[Amount]) -> Value {
-    let mut all = amounts.to_vec();
-    all.resize(3, Amount::Number(0.0));
-    all.into()
+fn vector(amounts: impl IntoIterator<Item = Value>) -> Value {
+    let zeros = std::iter::repeat(Value::Float(0.0));
+    Value::Array(amounts.into_iter().chain(zeros).take(3).collect())
 }
 
 fn fixed(load: &Key, at: &Setting, scene: &mut Table) -> Result<()> {
@@ -99,19 +98,16 @@ fn fixed(load: &Key, at: &Setting, scene: &mut Table) -> Result<()> {
         }
         let named = "xyz".chars().zip(&flags);
         components = named.filter_map(|(axis, on)| on.then_some(axis)).collect();
-        for (value, on) in displacement.iter_mut().zip(flags) {
-            if !on {
-                *value = Amount::Number(0.0);
-            }
-        }
+        let free = displacement.iter_mut().zip(flags).filter(|(_, on)| !on);
+        free.for_each(|(value, _)| *value = 0.0.into());
     }
     for on in named(load, at)? {
         let mut support = table([("on", on.into())]);
         if components != "xyz" {
             support.insert("components".to_owned(), components.clone().into());
         }
-        if !displacement.iter().all(Amount::is_zero) {
-            support.insert("displacement".to_owned(), vector(&displacement));
+        if !displacement.iter().all(is_zero) {
+            support.insert("displacement".to_owned(), vector(displacement.clone()));
         }
         push(scene, "fixed", support);
     }
@@ -128,7 +124,7 @@ pub fn add_obstacles(conditions: Option<&Key>, at: &Setting, scene: &mut Table) 
         for load in &all {
             if Some(load.need("id", "the id of the obstacle")?.id()?) == obstacle.id {
                 let displacement = values(load, "the displacement [m]", at, 3)?;
-                moved.insert("displacement".to_owned(), vector(&displacement));
+                moved.insert("displacement".to_owned(), vector(displacement));
             }
         }
         push(scene, "obstacle", moved);

@@ -9,10 +9,7 @@ use super::document::Key;
 const DENSITY: f64 = 1.0;
 
 /// A law with its parameters here.
-struct Translated {
-    kind: &'static str,
-    parameters: Vec<(&'static str, f64)>,
-}
+type Translated = (&'static str, Vec<(&'static str, f64)>);
 
 /// The material of the bodies with a volume id.
 ///
@@ -24,11 +21,11 @@ pub fn material(materials: &Key, id: i64, planar: bool) -> Result<Table> {
         if key.optional("id", Key::ids)?.is_some_and(|ids| !ids.contains(&id)) {
             continue;
         }
-        let law = law(&key, planar)?;
+        let (kind, parameters) = law(&key, planar)?;
         let density = key.optional("rho", Key::positive)?.unwrap_or(DENSITY);
-        let numbers = law.parameters.into_iter().chain([("density", density)]);
+        let numbers = parameters.into_iter().chain([("density", density)]);
         let numbers = numbers.map(|(name, value)| (name.to_owned(), value.into()));
-        return Ok(numbers.chain([("kind".to_owned(), law.kind.into())]).collect());
+        return Ok(numbers.chain([("kind".to_owned(), kind.into())]).collect());
     }
     Err(materials.wrong(&format!(
         "no material has the id {id}, the volume_selection of a body: expected one, or one \
@@ -41,7 +38,7 @@ fn law(key: &Key, planar: bool) -> Result<Translated> {
     let rivlin = |kind| -> Result<Translated> {
         let parameter = |own| Ok((own, key.need(own, "a parameter of its law [Pa]")?.number()?));
         let parameters = ["c1", "c2", "c3", "d1"].map(parameter).into_iter();
-        Ok(Translated { kind, parameters: parameters.collect::<Result<_>>()? })
+        Ok((kind, parameters.collect::<Result<_>>()?))
     };
     match name.text()? {
         // in the plane it is another law, in which c₂ has no part
@@ -70,12 +67,11 @@ fn lame(kind: &'static str, key: &Key, planar: bool) -> Result<Translated> {
             let e = key.need("E", "Young's modulus [Pa]")?.positive()?;
             let nu = key.need("nu", "Poisson's ratio")?.number()?;
             if !planar {
-                let parameters = vec![("young", e), ("poisson", nu)];
-                return Ok(Translated { kind, parameters });
+                return Ok((kind, vec![("young", e), ("poisson", nu)]));
             }
             [e * nu / (1.0 - nu * nu), e / (2.0 * (1.0 + nu))]
         }
     };
     let nu = lambda / (2.0 * (lambda + mu));
-    Ok(Translated { kind, parameters: vec![("young", 2.0 * mu * (1.0 + nu)), ("poisson", nu)] })
+    Ok((kind, vec![("young", 2.0 * mu * (1.0 + nu)), ("poisson", nu)]))
 }

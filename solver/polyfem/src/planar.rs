@@ -6,29 +6,19 @@
 //! go from the smaller vertex below to the greater one above, so that prisms
 //! side by side fit.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Result, anyhow, bail};
 use mesh::measure::tet_volume;
-use mesh::{TetMesh, Vec3};
+use mesh::{SurfaceMesh, TetMesh, Vec3};
 
 use super::selection::Facet;
 
-/// A triangulation of the plane.
-#[derive(Clone, Debug, Default)]
-pub struct Plane {
-    /// Positions; z is 0.
-    pub vertices: Vec<Vec3>,
-    /// Vertex indices.
-    pub triangles: Vec<[usize; 3]>,
-}
-
 /// Reads the `v` and `f` lines of an OBJ file with two coordinates, or three
 /// of which the last is 0.
-pub fn read(path: &Path) -> Result<Plane> {
+pub fn read(path: &Path) -> Result<SurfaceMesh> {
     let text = mesh::io::read_text(path)?;
-    let mut plane = Plane::default();
+    let mut plane = SurfaceMesh::default();
     for (line, words) in text.lines().enumerate() {
         let error =
             |what: &str| anyhow!("{}: line {}: {words:?}: {what}", path.display(), line + 1);
@@ -61,59 +51,36 @@ pub fn read(path: &Path) -> Result<Plane> {
     Ok(plane)
 }
 
-impl Plane {
-    /// Mean length of the edges [m].
-    pub fn mean_edge(&self) -> f64 {
-        mesh::measure::mean_edge(&self.vertices, &self.triangles)
+/// The slab of a plane body; its sides, and its front and back.
+pub fn extruded(plane: &SurfaceMesh, thickness: f64) -> (TetMesh, Vec<Facet>, Vec<[usize; 3]>) {
+    let n = plane.vertices.len();
+    let above = plane.vertices.iter().map(|v| v + thickness * Vec3::z());
+    let vertices: Vec<Vec3> = plane.vertices.iter().copied().chain(above).collect();
+    let mut tets = Vec::with_capacity(3 * plane.triangles.len());
+    for &triangle in &plane.triangles {
+        let [a, b, c] = mesh::facet_key(triangle);
+        tets.extend([[a, b, c, n + c], [a, b, n + b, n + c], [a, n + a, n + b, n + c]]);
     }
-
-    /// The slab; its sides, and its front and back.
-    pub fn extruded(&self, thickness: f64) -> (TetMesh, Vec<Facet>, Vec<[usize; 3]>) {
-        let n = self.vertices.len();
-        let above = self.vertices.iter().map(|v| v + thickness * Vec3::z());
-        let vertices: Vec<Vec3> = self.vertices.iter().copied().chain(above).collect();
-        let mut tets = Vec::with_capacity(3 * self.triangles.len());
-        for &triangle in &self.triangles {
-            let [a, b, c] = mesh::facet_key(triangle);
-            tets.extend([[a, b, c, n + c], [a, b, n + b, n + c], [a, n + a, n + b, n + c]]);
+    for tet in &mut tets {
+        let [a, b, c, d] = tet.map(|v| vertices[v]);
+        if tet_volume(a, b, c, d) < 0.0 {
+            tet.swap(2, 3);
         }
-        for tet in &mut tets {
-            let [a, b, c, d] = tet.map(|v| vertices[v]);
-            if tet_volume(a, b, c, d) < 0.0 {
-                tet.swap(2, 3);
-            }
-        }
-        let mesh = TetMesh { vertices, tets };
-        let (mut sides, mut faces) = (Vec::new(), Vec::new());
-        for corners in mesh::topology::boundary(&mesh).facets {
-            let mut source: Vec<usize> = corners.iter().map(|v| v % n).collect();
-            source.sort_unstable();
-            source.dedup();
-            if source.len() == 3 {
-                faces.push(corners);
-                continue;
-            }
-            let center = source.iter().map(|&v| self.vertices[v]).sum::<Vec3>() / 2.0;
-            sides.push(Facet { corners, source, center });
-        }
-        (mesh, sides, faces)
     }
-
-    /// Whether an edge belongs to more than two triangles, or a triangle is flat.
-    pub fn flaw(&self) -> Option<String> {
-        let mut edges: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-        for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
-            let [p, q, r] = [a, b, c].map(|v| self.vertices[v]);
-            if mesh::measure::triangle_area(p, q, r) <= 0.0 {
-                return Some(format!("triangle {t} is flat"));
-            }
-            for [a, b] in [[a, b], [b, c], [c, a]] {
-                *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
-            }
+    let mesh = TetMesh { vertices, tets };
+    let (mut sides, mut faces) = (Vec::new(), Vec::new());
+    for corners in mesh::topology::boundary(&mesh).facets {
+        let mut source: Vec<usize> = corners.iter().map(|v| v % n).collect();
+        source.sort_unstable();
+        source.dedup();
+        if source.len() == 3 {
+            faces.push(corners);
+            continue;
         }
-        let bad = edges.into_iter().find(|e| e.1 > 2)?;
-        Some(format!("the edge {:?} belongs to {} triangles", bad.0, bad.1))
+        let center = source.iter().map(|&v| plane.vertices[v]).sum::<Vec3>() / 2.0;
+        sides.push(Facet { corners, source, center });
     }
+    (mesh, sides, faces)
 }
 
 #[cfg(test)]
@@ -130,7 +97,6 @@ mod tests {
         };
         let plane = read("# x\nv 0 0\nv 1 0 0\nv 0 1\nf 1/1 2 3\n").expect("plane");
         assert_eq!(plane.triangles, [[0, 1, 2]]);
-        assert!(plane.flaw().is_none());
         for (text, words) in [
             ("v 0 0 1\n", "line 1: \"v 0 0 1\": expected x and y"),
             ("v 0 0\nf 1 2 3\n", "line 2: \"f 1 2 3\": expected three vertices from 1 to 1"),
@@ -139,7 +105,5 @@ mod tests {
             let message = read(text).expect_err(text).to_string();
             assert!(message.contains(words), "{message}");
         }
-        let flat = read("v 0 0\nv 1 0\nv 2 0\nf 1 2 3\n").expect("read");
-        assert_eq!(flat.flaw().as_deref(), Some("triangle 0 is flat"));
     }
 }

@@ -57,19 +57,15 @@ pub fn read(document: &Document, options: &Options) -> Result<Translated> {
     let conditions = root.get("boundary_conditions");
     let materials = root.need("materials", "the laws of the bodies")?;
     let dimension = if clock.planar { 2 } else { 3 };
-    let mut velocities = Vec::new();
-    for solid in &geometry.solids {
-        velocities.push(loads::velocity(&root, solid, dimension)?);
-    }
+    let velocity = |solid| loads::velocity(&root, solid, dimension);
+    let velocities = geometry.solids.iter().map(velocity).collect::<Result<Vec<_>>>()?;
     let moving = velocities.iter().any(Option::is_some);
     geometry.several = geometry.solids.len() > 1 || clock.planar || moving;
     let at = Setting { geometry: &geometry, clock: &clock };
 
     let mut scene = Table::new();
     degrees(&root, &mut scene)?;
-    if let Some(gravity) =
-        conditions.as_ref().map(|c| loads::gravity(c, &at)).transpose()?.flatten()
-    {
+    if let Some(gravity) = loads::gravity(conditions.as_ref(), &at)? {
         scene.insert("gravity".to_owned(), gravity);
     }
     for (solid, velocity) in geometry.solids.iter().zip(velocities) {

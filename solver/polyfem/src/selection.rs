@@ -26,35 +26,12 @@ pub struct Facet {
     pub center: Vec3,
 }
 
-/// A rule.
-enum Rule {
-    /// Everything has this id.
-    Everything(i64),
-    /// Ids of facets by the corners in the mesh that was read.
-    Listed(BTreeMap<Vec<usize>, i64>),
-    /// Between two corners.
-    Box(i64, [Vec3; 2]),
-    /// Beyond a position along an axis; −1 along its opposite.
-    Axis { id: i64, axis: usize, sign: f64, position: f64 },
-    /// Around a point.
-    Sphere(i64, Vec3, f64),
-}
+/// A rule: the id of a facet, if it holds for it.
+type Rule = Box<dyn Fn(&Facet) -> Option<i64>>;
 
-impl Rule {
-    fn id(&self, facet: &Facet) -> Option<i64> {
-        let x = facet.center;
-        match *self {
-            Self::Everything(id) => Some(id),
-            Self::Listed(ref ids) => ids.get(&facet.source).copied(),
-            Self::Box(id, [low, high]) => {
-                (0..3).all(|k| low[k] <= x[k] && x[k] <= high[k]).then_some(id)
-            }
-            Self::Axis { id, axis, sign, position } => {
-                (sign * x[axis] >= sign * position).then_some(id)
-            }
-            Self::Sphere(id, center, radius) => ((x - center).norm() <= radius).then_some(id),
-        }
-    }
+/// The rule of a part of space.
+fn within(id: i64, holds: impl Fn(Vec3) -> bool + 'static) -> Rule {
+    Box::new(move |facet| holds(facet.center).then_some(id))
 }
 
 /// The id of each facet of a body in `dimension` dimensions with these bounds
@@ -69,13 +46,13 @@ pub fn select(
     for item in selection.map(Key::items).unwrap_or_default() {
         rules.push(rule(&item, facets, dimension, bounds)?);
     }
-    let id = |facet: &Facet| rules.iter().find_map(|r| r.id(facet)).unwrap_or(UNSELECTED);
+    let id = |facet: &Facet| rules.iter().find_map(|rule| rule(facet)).unwrap_or(UNSELECTED);
     Ok(facets.iter().map(id).collect())
 }
 
 fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)) -> Result<Rule> {
     if key.value.is_i64() {
-        return Ok(Rule::Everything(key.id()?));
+        return Ok(within(key.id()?, |_| true));
     }
     if key.value.is_string() {
         return listed(key, facets, dimension);
@@ -99,19 +76,21 @@ fn rule(key: &Key, facets: &[Facet], dimension: usize, (low, high): (Vec3, Vec3)
         let [a, b] = &items[..] else {
             return Err(corners.wrong("expected two corners"));
         };
-        return Ok(Rule::Box(id, [point(a, f64::NEG_INFINITY)?, point(b, f64::INFINITY)?]));
+        let (a, b) = (point(a, f64::NEG_INFINITY)?, point(b, f64::INFINITY)?);
+        return Ok(within(id, move |x| (0..3).all(|k| a[k] <= x[k] && x[k] <= b[k])));
     }
     if let Some(name) = key.get("axis") {
         let (axis, sign) = axis(&name, dimension)?;
         let given = key.need("position", "where along the axis the selection begins")?.number()?;
         let along = low[axis] + given * (high[axis] - low[axis]);
         let position = if relative { along } else { given };
-        return Ok(Rule::Axis { id, axis, sign, position });
+        return Ok(within(id, move |x| sign * x[axis] >= sign * position));
     }
     if let Some(center) = key.get("center") {
         let radius = key.need("radius", "the radius of the sphere")?.positive()?;
         let scale = if relative { (high - low).norm() } else { 1.0 };
-        return Ok(Rule::Sphere(id, point(&center, 0.0)?, scale * radius));
+        let (center, radius) = (point(&center, 0.0)?, scale * radius);
+        return Ok(within(id, move |x| (x - center).norm() <= radius));
     }
     Err(key.wrong(
         "unknown kind of selection; known are \"box\", \"axis\" with \"position\", and \"center\" \
@@ -149,9 +128,8 @@ fn listed(key: &Key, facets: &[Facet], dimension: usize) -> Result<Rule> {
     for (line, words) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
         let numbers: Option<Vec<i64>> = words.split_whitespace().map(|w| w.parse().ok()).collect();
         let numbers = numbers.filter(|n| n.len() == dimension + 1);
-        let corners = numbers.as_ref().and_then(|n| {
-            let corners: Result<Vec<usize>, _> = n[1..].iter().map(|&v| v.try_into()).collect();
-            corners.ok()
+        let corners = numbers.as_ref().and_then(|numbers| {
+            numbers[1..].iter().map(|&v| usize::try_from(v).ok()).collect::<Option<Vec<_>>>()
         });
         let (Some(numbers), Some(mut corners)) = (numbers, corners) else {
             return Err(key.wrong(&format!(
@@ -172,5 +150,5 @@ fn listed(key: &Key, facets: &[Facet], dimension: usize) -> Result<Rule> {
             ids.len()
         )));
     }
-    Ok(Rule::Listed(ids))
+    Ok(Box::new(move |facet| ids.get(&facet.source).copied()))
 }

@@ -26,81 +26,39 @@ pub struct Clock {
     pub planar: bool,
 }
 
-/// A value that may change with time.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Amount {
-    /// One number at all times.
-    Number(f64),
-    /// In t, x, y and z.
-    Expression(String),
-    /// Times and values.
-    Table(Vec<[f64; 2]>),
+/// Whether an amount is the number zero.
+pub fn is_zero(amount: &Value) -> bool {
+    amount.as_float() == Some(0.0)
 }
 
-impl Amount {
-    /// Whether it is the number zero.
-    pub fn is_zero(&self) -> bool {
-        *self == Self::Number(0.0)
-    }
-
-    /// Minus this.
-    pub fn negated(self) -> Self {
-        match self {
-            // 0.0 and not -0.0
-            Self::Number(value) => Self::Number(0.0 - value),
-            Self::Expression(text) => Self::Expression(negated(&text)),
-            Self::Table(rows) => Self::Table(rows.into_iter().map(|[t, v]| [t, 0.0 - v]).collect()),
+/// Minus an amount.
+pub fn negated(amount: Value) -> Value {
+    match amount {
+        // 0.0 and not -0.0
+        Value::Float(number) => (0.0 - number).into(),
+        Value::String(text) => format!("-({text})").into(),
+        Value::Array(values) => Value::Array(values.into_iter().map(negated).collect()),
+        Value::Table(mut over_time) => {
+            let values = over_time.remove("value").map(negated);
+            over_time.extend(values.map(|values| ("value".to_owned(), values)));
+            over_time.into()
         }
+        other => other,
     }
 }
 
-/// As it is in a scene.
-impl From<Amount> for Value {
-    fn from(amount: Amount) -> Self {
-        match amount {
-            Amount::Number(value) => value.into(),
-            Amount::Expression(text) => text.into(),
-            Amount::Table(rows) => {
-                let column = |k: usize| rows.iter().map(|row| row[k]).collect::<Vec<f64>>();
-                table([("t", column(0).into()), ("value", column(1).into())]).into()
-            }
-        }
-    }
-}
-
-/// The text of minus an expression: without its leading minus if that covers
-/// all of it.
-fn negated(text: &str) -> String {
-    let Some(rest) = text.trim().strip_prefix('-') else { return format!("-({text})") };
-    let mut depth = 0;
-    let mut before = ' ';
-    for c in rest.chars() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            '+' | '-' if depth == 0 && !matches!(before, 'e' | 'E' | '*' | '/' | ' ') => {
-                return format!("-({text})");
-            }
-            _ => {}
-        }
-        if !c.is_whitespace() {
-            before = c;
-        }
-    }
-    rest.trim().to_owned()
-}
-
-/// The value of a key: a number, an expression, or a list with one entry per
-/// time step or per entry of `times`, the times it is for.
-pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
+/// An amount that may change with time, as a scene of ours has it: a number, an expression in t, x, y and z, or a table of
+/// times and values. Theirs is a number, an expression, or a list with one entry per time step or per entry of `times`,
+/// the times it is for.
+pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Value> {
     if let Some(text) = key.value.as_str() {
-        if let Ok(value) = text.trim().parse::<f64>() {
-            return Ok(Amount::Number(value));
-        }
-        return Ok(Amount::Expression(expression(key, text, clock)?));
+        return match text.trim().parse::<f64>() {
+            Ok(number) => Ok(number.into()),
+            Err(_) => Ok(expression(key, text, clock)?.into()),
+        };
     }
     if !key.value.is_array() {
-        return Ok(Amount::Number(key.number()?));
+        return Ok(key.number()?.into());
     }
     if clock.ends.is_empty() {
         return Err(key.wrong("a list over time in a scene without \"time\""));
@@ -115,21 +73,27 @@ pub fn amount(key: &Key, times: Option<&Key>, clock: &Clock) -> Result<Amount> {
                 clock.ends.len()
             )));
         }
-        return Ok(Amount::Table(all.zip(values).map(|(t, v)| [t, v]).collect()));
+        return Ok(over_time(all.zip(values)));
     };
     let listed = times.numbers(values.len())?;
     let row = |t: f64| {
         // as PolyFEM looks it up
         let rounded = ((clock.start + t) * 1e3).round() * 1e-3;
         let place = listed.iter().position(|l| (l - rounded).abs() < SAME_TIME);
-        place.map(|i| [t, values[i]]).ok_or_else(|| {
+        place.map(|i| (t, values[i])).ok_or_else(|| {
             times.wrong(&format!(
                 "there is no {rounded} s among its {} times; expected every end of a time step",
                 listed.len()
             ))
         })
     };
-    Ok(Amount::Table(all.map(row).collect::<Result<_>>()?))
+    Ok(over_time(all.map(row).collect::<Result<Vec<_>>>()?))
+}
+
+/// Times and values.
+fn over_time(rows: impl IntoIterator<Item = (f64, f64)>) -> Value {
+    let (times, values): (Vec<f64>, Vec<f64>) = rows.into_iter().unzip();
+    table([("t", times.into()), ("value", values.into())]).into()
 }
 
 /// Values of `dimension` components.
@@ -138,7 +102,7 @@ pub fn amounts(
     times: Option<&Key>,
     clock: &Clock,
     dimension: usize,
-) -> Result<Vec<Amount>> {
+) -> Result<Vec<Value>> {
     let items = key.items();
     if items.len() != dimension || !key.value.is_array() {
         return Err(key.wrong(&format!("expected {dimension} values, one for each axis")));
@@ -194,7 +158,7 @@ mod tests {
     use super::super::document::Document;
     use super::*;
 
-    fn read(json: &str, clock: &Clock) -> Result<Amount> {
+    fn read(json: &str, clock: &Clock) -> Result<Value> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("scene.json");
         std::fs::write(&path, json).expect("writable");
@@ -208,32 +172,15 @@ mod tests {
     }
 
     #[test]
-    fn signs_are_turned_with_as_few_brackets_as_it_takes() {
-        for (theirs, ours) in [
-            ("-60000 * half_smoothstep(t)", "60000 * half_smoothstep(t)"),
-            ("-28000 * (-1 * cos(6.28 * t) + 1)", "28000 * (-1 * cos(6.28 * t) + 1)"),
-            ("-1.e-5*t", "1.e-5*t"),
-            ("-2*-t", "2*-t"),
-            ("-t + 1", "-(-t + 1)"),
-            ("-t - 1", "-(-t - 1)"),
-            ("-t-1", "-(-t-1)"),
-            ("3*t", "-(3*t)"),
-        ] {
-            let Ok(Amount::Expression(text)) =
-                read(&format!("{{\"v\": \"{theirs}\"}}"), &at_rest()).map(Amount::negated)
-            else {
-                panic!("{theirs}")
-            };
-            assert_eq!(text, ours);
-            let value =
-                |text: &str| Expression::parse(text).expect(text).at(mesh::Vec3::zeros(), 0.3);
-            assert_eq!(value(ours).value, -value(theirs).value, "{theirs}");
-        }
-        assert_eq!(
-            read("{\"v\": \"-55000\"}", &at_rest()).expect("a number").negated(),
-            Amount::Number(55000.0)
-        );
-        assert_eq!(Value::from(Amount::Number(0.0).negated()).to_string(), "0.0");
+    fn signs_are_turned() {
+        let turned = |json: &str| negated(read(json, &at_rest()).expect(json));
+        let text = turned("{\"v\": \"-2*-t\"}");
+        let value = Expression::parse(text.as_str().expect("an expression")).expect("sound");
+        assert_eq!(value.at(mesh::Vec3::zeros(), 0.3).value, -0.6);
+        assert_eq!(turned("{\"v\": \"-55000\"}").as_float(), Some(55000.0));
+        assert_eq!(turned("{\"v\": 0}").to_string(), "0.0");
+        let table = over_time([(0.0, -7.0), (0.02, -5.0), (0.04, -3.0)]);
+        assert_eq!(turned("{\"v\": [7, 5, 3]}"), table);
     }
 
     #[test]
@@ -241,7 +188,7 @@ mod tests {
         let late = Clock { start: 0.5, planar: true, ..at_rest() };
         let ours = read("{\"v\": \"e*ln(2e3)*t + z*1e-3\"}", &late).expect("known");
         let expected = "exp(1)*log(2e3)*(t + 0.5) + 0*1e-3";
-        assert_eq!(ours, Amount::Expression(expected.to_owned()));
+        assert_eq!(ours.as_str(), Some(expected));
         for (text, words) in [
             ("log(t)", "/v: \"log(t)\": log is decadic"),
             ("-t^2", "as products"),
@@ -257,7 +204,7 @@ mod tests {
 
     #[test]
     fn lists_are_looked_up_at_the_ends_of_time_steps() {
-        let table = Amount::Table(vec![[0.0, 7.0], [0.02, 5.0], [0.04, 3.0]]);
+        let table = over_time([(0.0, 7.0), (0.02, 5.0), (0.04, 3.0)]);
         assert_eq!(read("{\"v\": [7, 5, 3, 1]}", &at_rest()).expect("long enough"), table);
         let timed = r#"{"v": [3, 9, 7, 5], "times": [0.04, 0.03, 0.0, 0.0200000000001]}"#;
         assert_eq!(read(timed, &at_rest()).expect("all there"), table);

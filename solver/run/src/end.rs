@@ -7,13 +7,14 @@ use anyhow::Result;
 use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{LoadStep, Problem, Trajectory, Workspace};
-use reports::{Simulation, Status};
+use reports::{End, Simulation, Status};
 use scene::Scene;
 
 use super::error_bars;
-use super::limit::{self, Edges};
-use crate::report::simulation::{self, Spent, Verdict};
-use crate::report::{reinforcement, results, stability, summary, threads};
+use super::limit;
+use crate::report::record::Recorder;
+use crate::report::simulation::{self, Verdict};
+use crate::report::{inflation, locking, results, stability, summary, threads};
 
 /// The end of a run.
 pub struct Outcome<'a> {
@@ -23,8 +24,16 @@ pub struct Outcome<'a> {
     pub last: Option<&'a LoadStep>,
     /// All states, where error bars need them.
     pub states: Option<&'a Trajectory>,
-    /// What the run took.
-    pub spent: Spent<'a>,
+    /// What was written of its steps.
+    pub recorder: &'a Recorder<'a>,
+    /// Iterations of Newton's method.
+    pub newton_iterations: usize,
+    /// Velocity at the end, where there is inertia [m/s].
+    pub velocity: Option<&'a [f64]>,
+    /// How long ordering and load steps took [s], ...
+    pub equilibrium_s: f64,
+    /// ... and were expected to take [s].
+    pub predicted_s: f64,
     /// When this began that the run took besides ...
     pub since: Instant,
     /// ... after so many seconds.
@@ -41,30 +50,51 @@ impl Outcome<'_> {
         folder: &Path,
         mut report: Simulation,
     ) -> Result<Option<String>> {
-        let (end, energies) = (&self.end, &problem.energies);
-        reinforcement::write_threads(folder, scene, energies, end)?;
-        threads::crossings(scene, energies, end).iter().for_each(|line| log::info!("{line}"));
-        let (recorder, last) = (self.spent.recorder, self.last);
-        let on_path = (recorder.lines.len(), last);
+        let (end, terms, recorder) = (&self.end, &problem.energies, self.recorder);
+        let timings = workspace.timings;
+        threads::write(folder, scene, terms, end)?;
+        threads::crossings(scene, terms, end).iter().for_each(|line| log::info!("{line}"));
+        let on_path = (recorder.lines.len(), self.last);
         let verdict = Verdict::new(scene, problem, end, on_path, recorder.largest_gain());
         let (status, refusal) = (verdict.status(), verdict.refusal());
-        let mut found = simulation::end(scene, (problem, probes), end, &self.spent, verdict)?;
-        let known = stability::at_end(scene, (problem, workspace), end, last);
+        let energies = results::stored_energies(terms, end);
+        let kinetic = self.velocity.map(|v| results::kinetic_energy(terms, end.space, end.rest, v));
+        let locking = locking::estimate(scene, (problem, probes), end);
+        let known = stability::at_end(scene, (problem, workspace), end, self.last);
         let (stability, mode) = known.unzip();
-        found.stability = stability;
-        found.load_reached = last.filter(|step| step.path.is_some()).map(|step| step.time);
-        let mut edges = edges(scene, problem, end);
-        if let Some(edges) = &mut edges {
-            error_bars::report_edges(scene, problem, end, edges);
-        }
+        let edges = scene.config.limit.as_ref().map(|config| {
+            let mut found = limit::find(scene, problem, end, config);
+            log::info!("{}", limit::in_words(&found.limit));
+            error_bars::report_edges(scene, problem, end, &mut found);
+            found
+        });
         let at_limit = || edges.as_ref()?.at_limit.as_ref().map(|found| found.mode.clone());
         let mode = mode.or_else(at_limit);
-        found.limit = edges.map(|edges| edges.limit);
         results::write_end(folder, problem, end, mode.as_deref())?;
         let bars = |states| error_bars::report(scene, (problem, workspace), probes, states);
-        found.error_bars = self.states.and_then(bars);
-        found.wall_s = self.before_s + self.since.elapsed().as_secs_f64();
-        found.peak_rss_mb = program::peak_rss_mb();
+        let found = End {
+            tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
+            newton_iterations: self.newton_iterations,
+            energy_balance: simulation::balance(recorder, &energies, kinetic),
+            energies,
+            force_balance: results::balance(problem, end),
+            tags: results::tags(scene, &scene.body, problem, end)?,
+            chambers: results::chambers(terms, end),
+            terms: verdict.terms,
+            inflations: inflation::inflations(scene, &recorder.lines),
+            probes: (!probes.is_empty()).then(|| results::probes(probes, problem, end)),
+            stretch_range: verdict.stretch_range,
+            locking,
+            timings: simulation::timings(&timings, self.predicted_s),
+            crossing: verdict.crossing,
+            stability,
+            load_reached: self.last.filter(|step| step.path.is_some()).map(|step| step.time),
+            limit: edges.map(|edges| edges.limit),
+            error_bars: self.states.and_then(bars),
+            equilibrium_s: self.equilibrium_s,
+            wall_s: self.before_s + self.since.elapsed().as_secs_f64(),
+            peak_rss_mb: program::peak_rss_mb(),
+        };
         (report.usable, report.status) = (status == Status::Ok, status);
         log::info!("{}", summary::in_words(&found));
         summary::inflations(&found).iter().for_each(|line| log::info!("{line}"));
@@ -72,11 +102,4 @@ impl Outcome<'_> {
         results::write_report(folder, &report)?;
         Ok(refusal)
     }
-}
-
-/// How much more pressure the state at the end bears, where the scene asks for that.
-fn edges(scene: &Scene, problem: &Problem, end: &Iterate) -> Option<Edges> {
-    let found = limit::find(scene, problem, end, scene.config.limit.as_ref()?);
-    log::info!("{}", limit::in_words(&found.limit));
-    Some(found)
 }

@@ -33,7 +33,7 @@ use scene::config::SimConfig;
 
 use crate::report::failure::Diagnosis;
 use crate::report::record::{Finished, Recorder};
-use crate::report::simulation::{self, Spent, Verdict};
+use crate::report::simulation::{self, Verdict};
 use crate::report::{locking, results};
 use end::Outcome;
 use next_to::{is_free_of_history, next_to};
@@ -208,21 +208,23 @@ impl Run {
         let mut recorder = Recorder::new(&scene, on, folder, true, None)?;
         self.finished().try_for_each(|finished| recorder.write(finished))?;
         let (last, mut workspace) = (self.last()?, self.workspace());
-        let (timings, velocity) = (workspace.timings, self.velocity(self.states.steps()));
+        let velocity = self.velocity(self.states.steps());
         let steps = scene.config.steps(scene.times().len());
-        let spent = Spent {
-            newton_iterations: self.newton_iterations,
-            velocity: velocity.as_deref(),
-            recorder: &recorder,
-            timings: &timings,
-            equilibrium_s: self.seconds,
-            predicted_s: predicted_time(&self.problem, &workspace, steps),
-        };
         // the file that was written has it already
         report.set = self.scene.file.changes();
         simulation::follow(&mut report, &recorder, &workspace);
-        let (end, states, before_s) = (self.at(last), Some(&self.states), self.seconds);
-        let outcome = Outcome { end, last: Some(last), states, spent, since, before_s };
+        let outcome = Outcome {
+            end: self.at(last),
+            last: Some(last),
+            states: Some(&self.states),
+            recorder: &recorder,
+            newton_iterations: self.newton_iterations,
+            velocity: velocity.as_deref(),
+            equilibrium_s: self.seconds,
+            predicted_s: predicted_time(&self.problem, &workspace, steps),
+            since,
+            before_s: self.seconds,
+        };
         let solver = (&self.problem, &mut *workspace, &self.probes[..]);
         outcome.write(&scene, solver, folder, report).map(drop)
     }
@@ -281,12 +283,12 @@ fn go(
     let mut load_steps = Vec::new();
     while let Some(Made { finished, unreached }) = steps.next(workspace) {
         if let Some(unreached) = unreached {
-            return Err(steps.stepper().confirmed(problem, workspace, rest, &unreached));
+            return Err(steps.stepper.confirmed(problem, workspace, rest, &unreached));
         }
         load_steps.extend(finished.steps);
     }
-    let iterations = steps.stepper().progress.newton_iterations;
-    let states = steps.into_states().expect("they are kept");
+    let iterations = steps.stepper.progress.newton_iterations;
+    let states = steps.states.expect("they are kept");
     if let Some(error) = states.unwritten() {
         log::warn!("states could not be written ({error}); they stay in memory");
     }

@@ -66,26 +66,47 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
         let torn = way.found(&held, &mut workspace, end.rest, &search.stepping);
         at_burst(torn)
     });
-    let factor = burst.as_ref().map(|burst| burst.load);
-    let (limit, at_limit) = match first {
+    let [stable_to, largest_stretch] = way.last();
+    let mut limit = Limit {
+        status: LimitStatus::NotFound,
+        factor: None,
+        kind: None,
+        between: None,
+        stable_to,
+        burst: burst.as_ref().map(|burst| burst.load),
+        slope: slope.as_ref().map(|slope| slope.value),
+        error_bars: BTreeMap::new(),
+        largest_stretch,
+        reason: None,
+        by_load_from: way.by_load_from,
+        path: way.path,
+        iterates: Vec::new(),
+    };
+    let mut at_limit = None;
+    match first {
         FirstLimit::Found(found, loads) => {
-            (Limit { between: Some(loads), ..at(&found, &way) }, Some(found))
+            limit.status = LimitStatus::Found;
+            (limit.kind, limit.between) = (Some(kind_of(found.kind)), Some(loads));
+            limit.factor = Some(found.load);
+            limit.iterates = found.history.iter().map(iterate).collect();
+            at_limit = Some(found);
         }
         FirstLimit::Between(kind, loads) => {
-            let (kind, between) = (Some(kind_of(kind)), Some(loads));
-            (Limit { kind, between, ..none(LimitStatus::Bracketed, &way) }, None)
+            limit.status = LimitStatus::Bracketed;
+            (limit.kind, limit.between) = (Some(kind_of(kind)), Some(loads));
         }
-        FirstLimit::None => (none(LimitStatus::StableTo, &way), None),
-        FirstLimit::Unstable => (none(LimitStatus::Unstable, &way), None),
+        FirstLimit::None => limit.status = LimitStatus::StableTo,
+        FirstLimit::Unstable => limit.status = LimitStatus::Unstable,
         // nobody stops it here
-        FirstLimit::Stopped => (none(LimitStatus::NotFound, &way), None),
-        FirstLimit::Lost(failure) => {
-            let reason = failure.map_or_else(|| "too many states".to_owned(), |f| f.to_string());
-            (Limit { reason: Some(reason), ..none(LimitStatus::NotFound, &way) }, None)
-        }
-    };
-    let limit = Limit { burst: factor, slope: slope.as_ref().map(|slope| slope.value), ..limit };
+        FirstLimit::Stopped => {}
+        FirstLimit::Lost(None) => limit.reason = Some("too many states".to_owned()),
+        FirstLimit::Lost(Some(failure)) => limit.reason = Some(failure.to_string()),
+    }
     Edges { limit, at_limit, burst, slope }
+}
+
+fn iterate(left: &stability::DirectIterate) -> DirectIterate {
+    DirectIterate { residual: left.residual, stiffness: left.stiffness, factor: left.load }
 }
 
 /// A state that is no step in time, on its own.
@@ -147,40 +168,6 @@ impl Way {
     /// Factor and largest stretch of the last state.
     fn last(&self) -> [f64; 2] {
         self.path.last().map_or([1.0; 2], |last| [last.factor, last.largest_stretch])
-    }
-}
-
-/// A run without a limit, and how far it came.
-fn none(status: LimitStatus, way: &Way) -> Limit {
-    Limit {
-        status,
-        factor: None,
-        kind: None,
-        between: None,
-        stable_to: way.last()[0],
-        burst: None,
-        slope: None,
-        error_bars: BTreeMap::new(),
-        largest_stretch: way.last()[1],
-        reason: None,
-        by_load_from: way.by_load_from,
-        path: way.path.clone(),
-        iterates: Vec::new(),
-    }
-}
-
-/// A limit that was found.
-fn at(found: &stability::Limit, way: &Way) -> Limit {
-    let iterate = |left: &stability::DirectIterate| DirectIterate {
-        residual: left.residual,
-        stiffness: left.stiffness,
-        factor: left.load,
-    };
-    Limit {
-        kind: Some(kind_of(found.kind)),
-        factor: Some(found.load),
-        iterates: found.history.iter().map(iterate).collect(),
-        ..none(LimitStatus::Found, way)
     }
 }
 

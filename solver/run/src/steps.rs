@@ -11,7 +11,7 @@ use mechanics::stability::{ArcProgress, Continuation};
 use scene::Scene;
 
 use crate::report::record::Finished;
-use crate::report::{buckling, simulation, stability};
+use crate::report::{buckling, stability};
 
 /// Memory for the states of a run; others lie on disk [B].
 pub const STATE_MEMORY: f64 = 4e9;
@@ -28,17 +28,18 @@ pub struct Made {
 pub struct Steps<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
-    stepper: TimeStepper,
+    /// What goes from load step to load step.
+    pub stepper: TimeStepper,
     /// What follows the path of a static scene by its arc length, if the scene asks for that.
     follower: Option<Continuation>,
     /// Ends of the time steps [s].
     times: Vec<f64>,
     /// Reported steps that were made.
-    made: usize,
+    pub made: usize,
     /// Whether there is none to come.
-    ended: bool,
+    pub ended: bool,
     /// All states, if they are kept.
-    states: Option<Trajectory>,
+    pub states: Option<Trajectory>,
     /// Whether it was said that the body buckles.
     warned: bool,
     /// When it began, where the log says of every load step how far the run is.
@@ -98,34 +99,9 @@ impl<'a> Steps<'a> {
         &self.scene.body.mesh.vertices
     }
 
-    /// What goes from load step to load step.
-    pub fn stepper(&self) -> &TimeStepper {
-        &self.stepper
-    }
-
     /// Where the path is, if one is followed.
     pub fn path(&self) -> Option<&ArcProgress> {
         self.follower.as_ref()?.progress.as_ref()
-    }
-
-    /// Reported steps that were made.
-    pub fn made(&self) -> usize {
-        self.made
-    }
-
-    /// Whether there is no step to come.
-    pub fn ended(&self) -> bool {
-        self.ended
-    }
-
-    /// The states that were kept.
-    pub fn states(&self) -> Option<&Trajectory> {
-        self.states.as_ref()
-    }
-
-    /// The states that were kept.
-    pub fn into_states(self) -> Option<Trajectory> {
-        self.states
     }
 
     /// Makes the next reported step; none at the end of the run.
@@ -229,7 +205,12 @@ impl<'a> Steps<'a> {
                 start.elapsed().as_secs_f64()
             );
         }
-        simulation::judge_step(&step);
+        let ratio = step.smallest_volume_ratio;
+        if ratio <= 0.0 {
+            log::warn!(
+                "an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}"
+            );
+        }
         stability::in_words(&step).iter().for_each(|line| log::info!("{line}"));
         Ok(step)
     }

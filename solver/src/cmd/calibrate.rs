@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use program::{Changes, FolderLock, Unusable};
 use scene::law_table;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::plot::{Axes, Series, Style, draw};
@@ -207,44 +208,34 @@ fn material(calibration: &Calibration, found: &Minimum, provenance: &str) -> Res
             writeln!(text, "# body \"{}\"", scene.parts[law.part].config.name)?;
         }
         let material = &law.material;
-        let mut keys = toml::Table::new();
-        if let Some(volume) = &law.volume {
-            keys.insert("on".to_owned(), volume.clone().into());
-        }
-        keys.insert("kind".to_owned(), material.law.key.into());
+        let modes: Vec<&str> = material.modes.iter().map(|mode| mode.state()).collect();
+        let known: [(&str, Option<toml::Value>); 8] = [
+            ("on", law.volume.clone().map(Into::into)),
+            ("kind", Some(material.law.key.into())),
+            ("density", material.density.map(Into::into)),
+            ("stretch_range", material.stretch_range.map(|range| range.to_vec().into())),
+            ("modes", (!modes.is_empty()).then(|| modes.into())),
+            ("stretch_at_break", material.stretch_at_break.map(Into::into)),
+            ("creep", material.softening.creep.map(Into::into)),
+            ("mullins", material.softening.mullins.map(Into::into)),
+        ];
+        let known = known.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?)));
+        let mut keys: toml::Table = known.collect();
         keys.extend(law_table::written(material.law, &material.values));
-        if let Some(density) = material.density {
-            keys.insert("density".to_owned(), density.into());
-        }
-        if let Some(range) = material.stretch_range {
-            keys.insert("stretch_range".to_owned(), range.to_vec().into());
-        }
-        if !material.modes.is_empty() {
-            let modes: Vec<&str> = material.modes.iter().map(|mode| mode.state()).collect();
-            keys.insert("modes".to_owned(), modes.into());
-        }
-        if let Some(stretch) = material.stretch_at_break {
-            keys.insert("stretch_at_break".to_owned(), stretch.into());
-        }
-        for (key, part) in
-            [("creep", material.softening.creep), ("mullins", material.softening.mullins)]
-        {
-            keys.extend(part.map(|part| (key.to_owned(), part.into())));
-        }
         let title = if law.volume.is_some() { "[[material]]" } else { "[material]" };
         writeln!(text, "{title}\n{keys}")?;
     }
-    let mut lists = Vec::new();
-    let (relaxation, mullins) = (&scene.config.relaxation, &scene.config.mullins);
-    if !relaxation.is_empty() {
-        lists.push(toml::to_string(&BTreeMap::from([("relaxation", relaxation)]))?);
-    }
-    if !mullins.is_empty() {
-        lists.push(toml::to_string(&BTreeMap::from([("mullins", mullins)]))?);
-    }
-    let membranes = &scene.config.membrane;
-    if !membranes.is_empty() {
-        lists.push(toml::to_string(&BTreeMap::from([("membrane", membranes)]))?);
-    }
-    Ok(text + &lists.join("\n"))
+    let config = &scene.config;
+    let lists = [
+        list("relaxation", &config.relaxation)?,
+        list("mullins", &config.mullins)?,
+        list("membrane", &config.membrane)?,
+    ];
+    Ok(text + &lists.into_iter().flatten().collect::<Vec<_>>().join("\n"))
+}
+
+/// The tables of a list, if it has any.
+fn list<T: Serialize>(name: &str, tables: &[T]) -> Result<Option<String>> {
+    let some = (!tables.is_empty()).then(|| toml::to_string(&BTreeMap::from([(name, tables)])));
+    Ok(some.transpose()?)
 }

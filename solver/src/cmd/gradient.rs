@@ -36,12 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let swept = level.sweep(&at, None)?;
     let by_rest = sum(swept.iter().map(|by| &by.rest));
     let on_boundary = level.map().on_boundary(&by_rest);
-    let field = |name: &str, values: Vec<f64>| vtu::Field {
-        name: name.to_owned(),
-        unit: "1/m".to_owned(),
-        components: 3,
-        values,
-    };
+    let field = |name: &str, values: Vec<f64>| vtu::Field::new(name, "1/m", 3, values);
     let mesh = &level.body.mesh;
     let space = FunctionSpace::new(1, mesh.vertices.len(), mesh.tets.clone());
     let mut grid = results::grid(&space, &mesh.vertices, &vec![0.0; 3 * mesh.vertices.len()]);

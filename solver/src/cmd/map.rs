@@ -9,7 +9,7 @@ use reports::Status;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::SceneArguments;
+use super::{SceneArguments, hash_inputs};
 use crate::study::map::{Grid, Map, Row};
 use run::report::table;
 
@@ -60,17 +60,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (scene, grid) = (arguments.of.read()?, &arguments.grid);
     let map = Map::new(&scene, grid, &arguments.by, arguments.tip.as_deref())?;
     let (columns, count) = (map.columns(), map.rows());
-    let mut inputs = vec![
-        scene.file.hash(),
-        scene.config.degree.to_string(),
-        format!("{grid:?}"),
-        columns.join(","),
-    ];
-    for part in &scene.parts {
-        inputs.push(program::sha256_file(&part.mesh_path)?);
-    }
+    let inputs = format!("{} {grid:?} {}", hash_inputs(&scene)?, columns.join(","));
     let path = checkpoint(&arguments.output)?;
-    let mut begun = begin(&path, inputs.join(" "), arguments.restart)?;
+    let mut begun = begin(&path, inputs, arguments.restart)?;
     let (start, mut saved) = (Instant::now(), Instant::now());
     for i in begun.rows.len()..count {
         let row = map.row(i, &begun.u)?;

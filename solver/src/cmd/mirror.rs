@@ -80,7 +80,9 @@ fn states(part: &Path, output: &Path) -> Result<()> {
         vtu::write_vtu(&output.join(name), &whole)?;
         count += 1;
         if name == "result.vtu" && part.join("displacement.npy").exists() {
-            write_state(output, &whole)?;
+            let u = whole.point_fields.iter().find(|field| field.name == "displacement");
+            let u = u.context("result.vtu has no displacement")?;
+            write_arrays(output, &whole.points, &u.values)?;
         }
     }
     ensure!(count > 0, "no .vtu file; expected a folder of simulate or optimize");
@@ -91,12 +93,6 @@ fn states(part: &Path, output: &Path) -> Result<()> {
     }
     log::info!("{count} states mirrored to {}", output.display());
     Ok(())
-}
-
-fn write_state(output: &Path, whole: &Grid) -> Result<()> {
-    let u = whole.point_fields.iter().find(|field| field.name == "displacement");
-    let u = u.context("result.vtu has no displacement")?;
-    write_arrays(output, &whole.points, &u.values)
 }
 
 /// What is read of a report of simulate or optimize.

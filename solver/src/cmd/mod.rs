@@ -103,6 +103,18 @@ impl SceneArguments {
     }
 }
 
+/// What the states of a scene depend on: the scene, the changes to it, its meshes and its obstacles.
+fn hash_inputs(scene: &Scene) -> Result<String> {
+    let step = scene.config.solver.largest_load_step();
+    let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string(), step.to_string()];
+    let obstacles = scene.config.obstacle.iter();
+    let obstacles = obstacles.map(|own| scene::config::beside(&scene.path, &own.surface));
+    for path in scene.parts.iter().map(|part| part.mesh_path.clone()).chain(obstacles) {
+        hashes.push(program::sha256_file(&path)?);
+    }
+    Ok(hashes.join(" "))
+}
+
 /// A design problem at one shape.
 #[derive(clap::Args)]
 struct DesignArguments {

@@ -1,6 +1,6 @@
 //! `solver simulate`: a scene to its equilibrium, or through time, and a report.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -11,14 +11,14 @@ use program::{FolderLock, Unusable};
 use reports::Simulation;
 use scene::{Scene, log_share};
 
-use super::SceneArguments;
+use super::{SceneArguments, hash_inputs};
 use run::end::Outcome;
 use run::error_bars;
 use run::report::failure::Diagnosis;
 use run::report::meeting;
 use run::report::record::{Checkpoint, Recorder, Work};
 use run::report::results;
-use run::report::simulation::{self, Spent};
+use run::report::simulation;
 use run::report::writer::write_beside;
 use run::steps::{Made, Steps};
 
@@ -55,7 +55,11 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
-    let scene = read(arguments)?;
+    let mut scene = arguments.of.read()?;
+    scene.certify = !arguments.no_certify;
+    if arguments.curve {
+        scene.config.solver.step_for_curves();
+    }
     let begin = Instant::now();
     let (problem, mut workspace) = scene.problem(&scene.body)?;
     let probes = scene.probes(&scene.body, &problem.space)?;
@@ -69,7 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     results::remove_stale(folder, done)?;
     announce(&scene, &workspace);
     if done == 0 {
-        meeting::foresee(&scene, &problem, &mut workspace);
+        let warning = meeting::foreseen(&scene, &problem, &mut workspace);
+        warning.iter().for_each(|warning| log::warn!("{warning}"));
     }
     let timed = scene.config.time.is_some();
     let count = scene.times().len();
@@ -89,10 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut report = simulation::begun(&scene, &problem, folder)?;
     let checkpoint = |steps: &Steps, workspace: &Workspace| Checkpoint {
         inputs: inputs.clone(),
-        steps: steps.made(),
-        lines: String::new(),
-        pictures: BTreeMap::new(),
-        progress: steps.stepper().progress.clone(),
+        steps: steps.made,
+        progress: steps.stepper.progress.clone(),
         path: steps.path().cloned(),
         couplings: workspace.couplings().to_vec(),
         work: Work::default(),
@@ -105,43 +108,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     simulation::follow(&mut report, &recorder, &workspace);
     Checkpoint::remove(folder)?;
     let rest = &scene.body.mesh.vertices;
-    let stepper = steps.stepper();
+    let stepper = &steps.stepper;
     if let Some(unreached) = unreached {
         let unreached = stepper.confirmed(&problem, &mut workspace, rest, &unreached);
         let solver = (&problem, &mut workspace);
         return Err(failed(&scene, solver, arguments, report, &unreached)?);
     }
-    let (progress, timings) = (&stepper.progress, workspace.timings);
+    let progress = &stepper.progress;
     let inertia = progress.integrator.method.has_inertia();
-    let spent = Spent {
-        newton_iterations: progress.newton_iterations,
-        velocity: inertia.then(|| &progress.integrator.last().v[..]),
-        recorder: &recorder,
-        timings: &timings,
-        equilibrium_s,
-        predicted_s,
-    };
     let outcome = Outcome {
         end: stepper.iterate(&problem, rest),
         last: last_on_path.as_ref(),
-        states: steps.states(),
-        spent,
+        states: steps.states.as_ref(),
+        recorder: &recorder,
+        newton_iterations: progress.newton_iterations,
+        velocity: inertia.then(|| &progress.integrator.last().v[..]),
+        equilibrium_s,
+        predicted_s,
         since: start,
         before_s,
     };
     let refusal = outcome.write(&scene, (&problem, &mut workspace, &probes), folder, report)?;
     let Some(refusal) = refusal else { return Ok(()) };
     Err(Unusable(format!("{}: {refusal}", arguments.of.scene.display())).into())
-}
-
-/// The scene with what the arguments change.
-fn read(arguments: &Arguments) -> Result<Scene> {
-    let mut scene = arguments.of.read()?;
-    scene.certify = !arguments.no_certify;
-    if arguments.curve {
-        scene.config.solver.step_for_curves();
-    }
-    Ok(scene)
 }
 
 /// Says what will be solved.
@@ -191,7 +180,7 @@ fn make_all(
         while let Some(Made { mut finished, unreached }) = steps.next(workspace) {
             // load steps come so often that the checkpoint of each would cost time
             let due = timed || saved.elapsed() >= BETWEEN_CHECKPOINTS;
-            if due && !steps.ended() {
+            if due && !steps.ended {
                 finished.checkpoint = Some(checkpoint(steps, workspace));
                 saved = Instant::now();
             }
@@ -240,16 +229,4 @@ fn keeps_states(scene: &Scene, done: usize) -> bool {
         log::warn!("no error bars: they need all states, and this run continues; see --restart");
     }
     wanted && !continues
-}
-
-/// What the states depend on: the scene, the changes to it, its meshes and its obstacles.
-fn hash_inputs(scene: &Scene) -> Result<String> {
-    let step = scene.config.solver.largest_load_step();
-    let mut hashes = vec![scene.file.hash(), scene.config.degree.to_string(), step.to_string()];
-    let obstacles = scene.config.obstacle.iter();
-    let obstacles = obstacles.map(|own| scene::config::beside(&scene.path, &own.surface));
-    for path in scene.parts.iter().map(|part| part.mesh_path.clone()).chain(obstacles) {
-        hashes.push(program::sha256_file(&path)?);
-    }
-    Ok(hashes.join(" "))
 }

@@ -5,12 +5,12 @@
 //! Lengths are mm and forces µN, so that stresses stay Pa: CalculiX takes an unbalanced force below 1e-6 for none, which
 //! in N is 1 % of what moves a body of grams.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 
 use anyhow::Result;
 use mechanics::material::Lame;
 
-use super::{Deck, Format, Held, Volume, ids, no_law};
+use super::{Deck, Format, Held, Volume, ids, in_one_line, no_law};
 
 const PROGRAM: &str = "CalculiX";
 
@@ -60,7 +60,7 @@ fn write(deck: &Deck) -> Result<String> {
     for (volume, set) in deck.volumes.iter().zip(&volumes) {
         let (text, differs) = law(volume)?;
         let (name, law) = (in_one_line(&volume.name), volume.material.law);
-        writeln!(out, "** {name}: {} of Puffer, {}", law.key, ascii(law.formula))?;
+        writeln!(out, "** {name}: {} of Puffer, {}", law.key, law.formula)?;
         if let Some(differs) = differs {
             let text = format!("{}: {PROGRAM} has another energy: {differs}", volume.name);
             log::warn!("{text}");
@@ -125,14 +125,15 @@ fn write_step(deck: &Deck, out: &mut String) -> Result<()> {
 fn write_support(held: &Held, out: &mut String) -> Result<()> {
     writeln!(out, "*BOUNDARY")?;
     for axis in (0..3).filter(|&axis| held.axes[axis]) {
-        let values = || held.displacement.iter().map(|u| LENGTH * u[axis]);
-        let first = values().next().unwrap_or(0.0);
-        if values().all(|value| value == first) {
-            writeln!(out, "{}, {}, {}, {}", held.name, axis + 1, axis + 1, number(first))?;
-            continue;
-        }
-        for (node, value) in held.nodes.iter().zip(values()) {
-            writeln!(out, "{}, {}, {}, {}", node + 1, axis + 1, axis + 1, number(value))?;
+        let mut line = |of: &dyn Display, u: f64| {
+            writeln!(out, "{of}, {}, {}, {}", axis + 1, axis + 1, number(LENGTH * u))
+        };
+        match held.uniform(axis) {
+            Some(u) => line(&held.name, u)?,
+            None => {
+                let mut each = held.nodes.iter().zip(&held.displacement);
+                each.try_for_each(|(node, u)| line(&(node + 1), u[axis]))?;
+            }
         }
     }
     Ok(())
@@ -198,28 +199,4 @@ fn write_ids(nodes: &[usize], out: &mut String) -> Result<()> {
 /// A number in the 20 letters that CalculiX reads of one.
 fn number(value: f64) -> String {
     format!("{value:.12e}")
-}
-
-/// Text that cannot end a comment.
-fn in_one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
-/// A formula without signs that editors of decks may not have.
-fn ascii(formula: &str) -> String {
-    let signs = [
-        ("ψ", "psi"),
-        ("Ī", "I"),
-        ("λ̄", "l"),
-        ("λ", "lambda"),
-        ("μ", "mu"),
-        ("²", "^2"),
-        ("³", "^3"),
-        ("½", "1/2"),
-        ("Σ", "sum"),
-        ("−", "-"),
-        ("…", "..."),
-        ("ᵀ", "^T"),
-    ];
-    signs.iter().fold(formula.to_owned(), |text, (sign, plain)| text.replace(sign, plain))
 }

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use mesh::Vec3;
 
-use super::{Deck, Format, Held, Volume, ids, no_law};
+use super::{Deck, Format, Held, Volume, ids, in_one_line, no_law};
 
 const PROGRAM: &str = "FEBio";
 
@@ -160,7 +160,7 @@ fn write_sets(deck: &Deck, tags: &[String], out: &mut String) -> Result<()> {
 fn write_data(deck: &Deck, out: &mut String) -> Result<()> {
     let mut data = String::new();
     for held in &deck.held {
-        for axis in (0..3).filter(|&axis| held.axes[axis] && uniform(held, axis).is_none()) {
+        for axis in (0..3).filter(|&axis| held.axes[axis] && held.uniform(axis).is_none()) {
             let values = held.displacement.iter().map(|u| format!("{:e}", u[axis]));
             write_values(&mut data, &map_name(held, axis), &held.name, "scalar", values)?;
         }
@@ -192,7 +192,7 @@ fn write_values(
 
 fn write_support(held: &Held, out: &mut String) -> Result<()> {
     let set = &held.name;
-    let at_rest = |axis: usize| uniform(held, axis) == Some(0.0);
+    let at_rest = |axis: usize| held.uniform(axis) == Some(0.0);
     let still: Vec<usize> = (0..3).filter(|&axis| held.axes[axis] && at_rest(axis)).collect();
     if !still.is_empty() {
         writeln!(out, "    <bc name=\"{set}\" node_set=\"{set}\" type=\"zero displacement\">")?;
@@ -203,7 +203,7 @@ fn write_support(held: &Held, out: &mut String) -> Result<()> {
         writeln!(out, "    </bc>")?;
     }
     for axis in (0..3).filter(|&axis| held.axes[axis] && !at_rest(axis)) {
-        let value = match uniform(held, axis) {
+        let value = match held.uniform(axis) {
             Some(value) => format!("<value lc=\"1\">{value:e}</value>"),
             None => format!("<value lc=\"1\" type=\"map\">{}</value>", map_name(held, axis)),
         };
@@ -215,12 +215,6 @@ fn write_support(held: &Held, out: &mut String) -> Result<()> {
         )?;
     }
     Ok(())
-}
-
-/// The displacement of all nodes along an axis, if it is one [m].
-fn uniform(held: &Held, axis: usize) -> Option<f64> {
-    let first = held.displacement.first()?[axis];
-    held.displacement.iter().all(|u| u[axis] == first).then_some(first)
 }
 
 fn map_name(held: &Held, axis: usize) -> String {
@@ -294,6 +288,5 @@ fn vector(v: &Vec3) -> String {
 
 /// Text that may stand in a comment.
 fn comment(text: &str) -> String {
-    let plain = |c: char| if c.is_control() { ' ' } else { c };
-    text.chars().map(plain).collect::<String>().replace("--", "- -")
+    in_one_line(text).replace("--", "- -")
 }

@@ -89,6 +89,14 @@ struct Held {
     displacement: Vec<Vec3>,
 }
 
+impl Held {
+    /// The displacement of all nodes along an axis, if it is one [m].
+    fn uniform(&self, axis: usize) -> Option<f64> {
+        let first = self.displacement.first()?[axis];
+        self.displacement.iter().all(|u| u[axis] == first).then_some(first)
+    }
+}
+
 /// The program whose decks end as a path does.
 pub fn format_of(path: &Path) -> Result<&'static Format> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
@@ -157,6 +165,11 @@ impl Deck {
 /// Numbers of nodes, counted from 1.
 fn ids(nodes: &[usize], between: &str) -> String {
     nodes.iter().map(|node| (node + 1).to_string()).collect::<Vec<_>>().join(between)
+}
+
+/// Text that cannot end a comment.
+fn in_one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// A law that a program does not have.

@@ -11,6 +11,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use csv::StringRecord;
 use mechanics::material::response::Mode;
 
 use crate::units;
@@ -55,14 +56,15 @@ pub fn read(path: &Path, mode: Mode, units: &Units, up_to: Option<f64>) -> Resul
 fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)>> {
     let lines = lines(text.trim_start_matches('\u{feff}'))?;
     let header = header(&lines).context("empty; expected a header and a line per point")?;
-    let below = lines.get(header + 1).map(|line| &line.cells[..]).filter(|cells| are_units(cells));
-    let layout = layout(&lines[header].cells, below, units)?;
+    let below = lines.get(header + 1).filter(|line| are_units(line));
+    let layout = layout(&lines[header], below, units)?;
     let mut points = Vec::new();
-    for Line { number, cells } in &lines[header + 1 + usize::from(below.is_some())..] {
-        if cells.iter().all(String::is_empty) {
+    for line in &lines[header + 1 + usize::from(below.is_some())..] {
+        if line.iter().all(str::is_empty) {
             continue;
         }
-        let point = layout.point(cells).with_context(|| format!("line {number}"))?;
+        let number = line.position().map_or(0, csv::Position::line);
+        let point = layout.point(line).with_context(|| format!("line {number}"))?;
         if up_to.is_none_or(|end| point.0 <= end) {
             points.push(point);
         }
@@ -71,14 +73,8 @@ fn parse(text: &str, units: &Units, up_to: Option<f64>) -> Result<Vec<(f64, f64)
     Ok(points)
 }
 
-/// A line of the file: its number, from 1, and its cells.
-struct Line {
-    number: u64,
-    cells: Vec<String>,
-}
-
 /// All lines that have cells, which are parted as in the first one that names a stress, or else the first.
-fn lines(text: &str) -> Result<Vec<Line>> {
+fn lines(text: &str) -> csv::Result<Vec<StringRecord>> {
     let mut texts = text.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let titles = texts.clone().find(|line| line.to_lowercase().contains("stress"));
     let titles = titles.or_else(|| texts.next()).unwrap_or_default();
@@ -90,21 +86,15 @@ fn lines(text: &str) -> Result<Vec<Line>> {
         .has_headers(false)
         .flexible(true)
         .from_reader(text.as_bytes());
-    let line = |record: csv::Result<csv::StringRecord>| {
-        let record = record?;
-        let number = record.position().map_or(0, csv::Position::line);
-        Ok(Line { number, cells: record.iter().map(str::to_owned).collect() })
-    };
-    reader.records().map(line).collect()
+    reader.records().collect()
 }
 
 /// The line that names columns of stress and of strain or stretch; of several, as where a table of
 /// results comes first, the one with the most lines up to the next. Without any, the first line.
-fn header(lines: &[Line]) -> Option<usize> {
-    let names_both = |line: &Line| {
+fn header(lines: &[StringRecord]) -> Option<usize> {
+    let names_both = |line: &StringRecord| {
         let at = |words: &[&str]| {
-            let named = |cell: &String| words.iter().any(|w| cell.to_lowercase().contains(w));
-            line.cells.iter().position(named)
+            line.iter().position(|cell| words.iter().any(|w| cell.to_lowercase().contains(w)))
         };
         let (stress, strain) = (at(&["stress"]), at(&["strain", "stretch"]));
         stress.is_some() && strain.is_some() && stress != strain
@@ -116,13 +106,11 @@ fn header(lines: &[Line]) -> Option<usize> {
 }
 
 /// Whether cells below a header are units in brackets, as testing machines write them.
-fn are_units(cells: &[String]) -> bool {
-    let bracketed = |cell: &&String| {
-        (cell.starts_with('(') && cell.ends_with(')'))
-            || (cell.starts_with('[') && cell.ends_with(']'))
-    };
-    let filled = cells.iter().filter(|cell| !cell.is_empty());
-    filled.clone().count() > 0 && filled.clone().filter(bracketed).count() == filled.count()
+fn are_units(cells: &StringRecord) -> bool {
+    let ends = |cell: &str| (cell.chars().next(), cell.chars().next_back());
+    let bracketed = |cell| matches!(ends(cell), (Some('('), Some(')')) | (Some('['), Some(']')));
+    let mut filled = cells.iter().filter(|cell| !cell.is_empty()).peekable();
+    filled.peek().is_some() && filled.all(bracketed)
 }
 
 /// A column's name in lower case and the unit in its brackets.
@@ -133,9 +121,9 @@ fn split(title: &str) -> (String, Option<String>) {
     (name.trim().to_lowercase(), unit)
 }
 
-fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<Layout> {
-    let mut titles: Vec<_> = header.iter().map(|title| split(title)).collect();
-    for (title, cell) in titles.iter_mut().zip(below.unwrap_or_default()) {
+fn layout(header: &StringRecord, below: Option<&StringRecord>, units: &Units) -> Result<Layout> {
+    let mut titles: Vec<_> = header.iter().map(split).collect();
+    for (title, cell) in titles.iter_mut().zip(below.into_iter().flatten()) {
         title.1 = split(cell).1;
     }
     let is_true = |i: usize| ["true", "cauchy"].iter().any(|word| titles[i].0.contains(word));
@@ -152,7 +140,7 @@ fn layout(header: &[String], below: Option<&[String]>, units: &Units) -> Result<
         );
         Ok(found.first().copied())
     };
-    let shown = header.join(" | ");
+    let shown = header.iter().collect::<Vec<_>>().join(" | ");
     let stress = find("stress")?.with_context(|| {
         format!("no column named stress in the header: {shown}\n  as in: strain [%], stress [kPa]")
     })?;
@@ -207,7 +195,7 @@ fn factor(
 }
 
 impl Layout {
-    fn point(&self, cells: &[String]) -> Result<(f64, f64)> {
+    fn point(&self, cells: &StringRecord) -> Result<(f64, f64)> {
         let (column, factor, offset) = self.stretch;
         let stretch = offset + factor * number(cells, column)?;
         ensure!(stretch > 0.0, "stretch {stretch}: must be positive (is the unit right?)");
@@ -215,7 +203,7 @@ impl Layout {
     }
 }
 
-fn number(cells: &[String], column: usize) -> Result<f64> {
+fn number(cells: &StringRecord, column: usize) -> Result<f64> {
     let text = cells
         .get(column)
         .with_context(|| format!("{} columns; expected column {}", cells.len(), column + 1))?;

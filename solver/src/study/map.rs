@@ -120,29 +120,17 @@ impl<'a> Map<'a> {
 
     /// Names of the columns.
     pub fn columns(&self) -> Vec<String> {
-        let mut columns: Vec<String> = self.grid.iter().map(|own| own.path.clone()).collect();
-        columns.push("status".to_owned());
-        columns.extend(self.value_columns());
-        columns
-    }
-
-    /// Names of the columns with what is found.
-    fn value_columns(&self) -> Vec<String> {
+        let grid = self.grid.iter().map(|own| own.path.clone()).chain(["status".to_owned()]);
         let probes = self.scene.config.probe.iter().map(|probe| probe.name().to_owned());
         let pose = self.tip.iter().flat_map(|_| POSE.map(|axis| format!("tip.{axis}")));
         let measured: Vec<String> = probes.chain(pose).collect();
-        let slope = |name: &String| {
-            self.by
-                .iter()
-                .map(move |number| format!("d {name}/d {}", number.path))
-                .collect::<Vec<_>>()
-        };
-        let slopes: Vec<String> = measured.iter().flat_map(slope).collect();
-        let stiffness = self
-            .tip
-            .iter()
-            .flat_map(|_| upper().map(|[i, j]| format!("k.{}.{}", POSE[i], POSE[j])));
-        measured.into_iter().chain(slopes).chain(stiffness).collect()
+        let slopes = measured.iter().flat_map(|name| {
+            self.by.iter().map(move |number| format!("d {name}/d {}", number.path))
+        });
+        let slopes: Vec<String> = slopes.collect();
+        let stiffness = upper().map(|[i, j]| format!("k.{}.{}", POSE[i], POSE[j]));
+        let stiffness = stiffness.filter(|_| self.tip.is_some());
+        grid.chain(measured).chain(slopes).chain(stiffness).collect()
     }
 
     /// The values of the grid in a row.

@@ -191,8 +191,8 @@ mod tests {
     }
 
     #[test]
-    fn a_rigid_motion_is_found_again() {
-        for degree in [1, 2] {
+    fn a_rigid_motion_is_found_again_and_at_rest_there_is_none() {
+        for degree in [1, 2, 3] {
             let (tip, space, x) = tip(degree);
             let (turn, shift) = (Vec3::new(0.4, -0.9, 1.3), Vec3::new(0.1, 0.2, -0.3));
             let rotation = Rotation3::from_scaled_axis(turn);
@@ -200,16 +200,8 @@ mod tests {
             let pose = tip.pose(&u).expect("an area");
             assert!((pose.rotation - turn).norm() < 1e-9, "{}", pose.rotation);
             assert!((pose.position - (rotation * tip.centre + shift)).norm() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn at_rest_nothing_has_turned() {
-        for degree in [1, 2, 3] {
-            let (tip, space, _) = tip(degree);
             for size in [0.0, 1e-12, 1e-9] {
-                let u: Vec<f64> =
-                    (0..3 * space.node_count()).map(|d| size * (1.7 * d as f64).sin()).collect();
+                let u: Vec<f64> = (0..u.len()).map(|d| size * (1.7 * d as f64).sin()).collect();
                 let pose = tip.pose(&u).expect("an area");
                 assert!(pose.rotation.norm() < 1e-15 + 10.0 * size, "{}", pose.rotation);
             }

@@ -5,19 +5,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use csv::StringRecord;
 use program::{KeyPath, Misfit, misfit};
 
 /// A measured table as text, by the titles of its columns.
 pub struct Table {
     /// Of all columns.
     pub titles: Vec<String>,
-    lines: Vec<Line>,
-}
-
-/// A line of the file: its number, from 1, and its entries.
-struct Line {
-    number: u64,
-    entries: Vec<String>,
+    lines: Vec<StringRecord>,
 }
 
 impl Table {
@@ -34,12 +29,7 @@ impl Table {
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
         let titles = reader.headers()?.iter().map(str::to_owned).collect();
-        let line = |record: csv::Result<csv::StringRecord>| -> Result<Line> {
-            let record = record?;
-            let number = record.position().map_or(0, csv::Position::line);
-            Ok(Line { number, entries: record.iter().map(str::to_owned).collect() })
-        };
-        let lines: Vec<Line> = reader.records().map(line).collect::<Result<_>>()?;
+        let lines = reader.records().collect::<csv::Result<Vec<_>>>()?;
         ensure!(
             !lines.is_empty(),
             "the table has no line; expected a line of titles with units, then a line per point"
@@ -47,7 +37,7 @@ impl Table {
         let mut table = Self { titles, lines };
         for (title, value) in wanted {
             let column = table.column(title)?;
-            table.lines.retain(|line| same(&line.entries[column], value));
+            table.lines.retain(|line| same(&line[column], value));
             ensure!(!table.lines.is_empty(), "no line has {value} in the column \"{title}\"");
         }
         Ok(table)
@@ -75,11 +65,12 @@ impl Table {
 
     /// The number in a line and in the column with a title.
     pub fn number(&self, line: usize, title: &str) -> Result<f64> {
-        let Line { number: line, entries } = &self.lines[line];
-        let text = &entries[self.column(title)?];
+        let line = &self.lines[line];
+        let text = &line[self.column(title)?];
         let number = text.parse().ok().filter(|number: &f64| number.is_finite());
         number.with_context(|| {
-            format!("line {line}: \"{title}\" is \"{text}\"; expected a finite number")
+            let number = line.position().map_or(0, csv::Position::line);
+            format!("line {number}: \"{title}\" is \"{text}\"; expected a finite number")
         })
     }
 

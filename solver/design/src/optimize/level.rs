@@ -24,7 +24,7 @@ use super::scenario::{Near, Rejected, Run, Scenario};
 use super::vectors::along;
 use super::{shares, validity};
 use crate::variables::DesignMap;
-use run::report::crossing::Crossing;
+use reports::Crossing;
 use run::report::failure::Diagnosis;
 
 /// A design with its runs and objective.

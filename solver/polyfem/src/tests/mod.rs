@@ -81,14 +81,10 @@ fn sound(json: &Value) -> (Imported, SimConfig) {
     read(json, &Options::default()).expect("sound")
 }
 
-fn counts(imported: &Imported, body: usize) -> Vec<(String, usize)> {
-    let tags = &imported.scene.geometry.solids[body].tags;
-    let count = |(name, id): (&String, u32)| (name.clone(), tags.facets_of(id).len());
-    tags.names.iter().zip(1..).map(count).collect()
-}
-
-fn named(expected: &[(&str, usize)]) -> Vec<(String, usize)> {
-    expected.iter().map(|(name, n)| ((*name).to_owned(), *n)).collect()
+/// The number of facets of each tag of the first body.
+fn counts(imported: &Imported) -> Vec<(&str, usize)> {
+    let tags = &imported.scene.geometry.solids[0].tags;
+    tags.names.iter().zip(1..).map(|(name, id)| (&name[..], tags.facets_of(id).len())).collect()
 }
 
 #[test]
@@ -100,8 +96,7 @@ fn bodies_are_placed_and_the_first_selection_counts() {
         (Vec3::new(1.0, 0.0, -1.0), Vec3::new(3.0, 2.0, 1.0))
     );
     // the box takes half of each side but of those that were taken before it
-    let expected = [("s1", 8), ("s2", 8), ("s3", 16), ("unselected", 16)];
-    assert_eq!(counts(&imported, 0), named(&expected));
+    assert_eq!(counts(&imported), [("s1", 8), ("s2", 8), ("s3", 16), ("unselected", 16)]);
     assert_eq!((config.degree, config.quadrature, config.fixed[0].on.as_str()), (2, 5, "s1"));
     assert!(config.body.is_empty() && config.mesh.as_deref() == Some(Path::new("block.msh")));
 }
@@ -128,7 +123,7 @@ fn selections_of_every_kind_are_understood() {
         let mut scene = with("/geometry/0/surface_selection", selection.clone());
         set(&mut scene, "/boundary_conditions", json!({}));
         let (imported, _) = sound(&scene);
-        assert_eq!(counts(&imported, 0), named(expected), "{selection}");
+        assert_eq!(counts(&imported), expected, "{selection}");
         assert_eq!(imported.left().len(), 1, "{:?}", imported.left());
     }
 }
@@ -269,8 +264,7 @@ fn plane_bodies_become_slabs_of_the_same_law() {
     let options = Options { form: None, thickness: Some(0.125) };
     let (imported, config) = read(&scene, &options).expect("sound");
     let body = &imported.scene.geometry.solids[0];
-    let expected = [("s1", 2), ("s3", 2), ("unselected", 4), ("s_planar", 4)];
-    assert_eq!(counts(&imported, 0), named(&expected));
+    assert_eq!(counts(&imported), [("s1", 2), ("s3", 2), ("unselected", 4), ("s_planar", 4)]);
     let (low, high) = mesh::measure::bounds(&body.mesh.vertices);
     assert_eq!((low, high), (Vec3::new(0.0, 3.0, 0.0), Vec3::new(0.5, 4.0, 0.125)));
     assert!((mesh::measure::volume(&body.mesh) - 0.5 * 0.125).abs() < 1e-15);

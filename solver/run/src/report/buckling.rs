@@ -76,16 +76,3 @@ fn load_near(
     let there = Iterate { u: &found.u, time: load, ..*before };
     critical_load(load, [rest, stiffness(workspace, &there)?])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_stiffness_that_falls_in_proportion_vanishes_at_the_critical_load() {
-        let stiffness = |load: f64| 3.0 * (1.0 - load / 0.7);
-        let found = critical_load(0.5, [stiffness(0.0), stiffness(0.5)]);
-        assert!((found.expect("it falls") - 0.7).abs() < 1e-12);
-        assert_eq!(critical_load(0.5, [3.0, 3.1]), None);
-    }
-}

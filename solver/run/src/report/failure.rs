@@ -9,12 +9,13 @@ use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Iterate;
 use mechanics::forward::{Failure, Problem, Uncertified, Unreached, Workspace};
 use mechanics::material::Kinematics;
-use mechanics::math::linear::Pivot;
+use mechanics::math::linear;
 use mechanics::stability::SoftestMode;
 use mechanics::stretch::Stretches;
+use mechanics::symmetry::AXES;
 use mesh::Vec3;
-use mesh::io::vtu;
-use reports::{Failed, SoftestStiffness, Status, WorstElement};
+use mesh::io::vtu::{self, Field};
+use reports::{Failed, Pivot, SoftestStiffness, Status, WorstElement};
 use scene::Scene;
 
 use crate::report::buckling;
@@ -51,7 +52,7 @@ impl Diagnosis {
         (problem, workspace): (&Problem, &mut Workspace),
         unreached: &Unreached,
     ) -> Self {
-        let rest = &body.mesh.vertices;
+        let rest = &body.mesh.vertices[..];
         let attempt = &unreached.attempt;
         let (space, next) = (&*problem.space, attempt.time);
         let (multipliers, step) = (&attempt.multipliers, Some(&*attempt.step));
@@ -63,31 +64,31 @@ impl Diagnosis {
         let start = Iterate { u: &zero, time: 0.0, ..at };
         let at_rest = SoftestMode::of(problem, workspace, &start, next - time);
         let reached = SoftestMode::of(problem, workspace, &at, next);
-        let stretches = Stretches::of(space, rest, &attempt.reached, scene.stretch_limits(body));
-
-        let reason = reason(scene, unreached, &at_rest, space, rest);
-        let mut lines = vec![reason.clone()];
-        lines.extend(facts(scene, unreached, &worst, problem, rest, [&at_rest, &reached]));
-        let advice = advice(scene, unreached, &worst, [&at_rest, &reached], &stretches);
-        lines.extend(advice.iter().map(|a| format!("try: {a}")));
-        let status = if at_rest.floats(bulk_over_shear(scene)) {
-            Status::NotEnoughSupports
-        } else {
-            Status::NoEquilibrium
-        };
-        let (stiff, soft) = (at_rest.stiffness, reached.stiffness);
+        let stretches = Stretches::of(space, rest, u, scene.stretch_limits(body));
+        let pivot = reached.pivot.as_ref().map(|found| pivot(found, problem, rest));
+        let sides = Sides { scene, problem, rest, unreached, at_rest, reached, worst, pivot };
+        let (reason, advice) = (sides.reason(), sides.advice(&stretches));
+        let tries = advice.iter().map(|advice| format!("try: {advice}"));
+        let lines: Vec<String> =
+            [reason.clone()].into_iter().chain(sides.facts()).chain(tries).collect();
+        let status = if sides.floats() { Status::NotEnoughSupports } else { Status::NoEquilibrium };
+        let grid = grid(&at, &sides.worst, force);
+        let softening = sides.softening();
+        let Sides { at_rest, reached, worst, pivot, .. } = sides;
         let failure = reports::Failure {
             load_reached: unreached.time,
             load_tried: attempt.time,
             residuals: last(&attempt.residuals).to_vec(),
-            worst_element: worst.clone(),
-            smallest_pivot: reached.pivot.as_ref().map(|found| pivot(found, problem, rest)),
-            softest_stiffness: SoftestStiffness { at_rest: stiff, reached: soft },
-            softening: softening(&at_rest, &reached),
+            worst_element: worst,
+            smallest_pivot: pivot,
+            softest_stiffness: SoftestStiffness {
+                at_rest: at_rest.stiffness,
+                reached: reached.stiffness,
+            },
+            softening,
             advice,
             state: FAILED.to_owned(),
         };
-        let grid = grid(space, rest, &attempt.reached, &worst, &force);
         Self { message: lines.join("\n  "), status, failed: Failed { reason, failure }, grid }
     }
 
@@ -96,6 +97,20 @@ impl Diagnosis {
     pub fn write_state(&self, folder: &Path) -> Result<()> {
         Ok(vtu::write_vtu(&folder.join(FAILED), &self.grid)?)
     }
+}
+
+/// Both sides of a load step that failed.
+struct Sides<'a> {
+    scene: &'a Scene,
+    problem: &'a Problem,
+    rest: &'a [Vec3],
+    unreached: &'a Unreached,
+    /// The softest mode at rest, and at the last equilibrium.
+    at_rest: SoftestMode,
+    reached: SoftestMode,
+    worst: WorstElement,
+    /// The smallest pivot at the last equilibrium, if that is stable.
+    pivot: Option<Pivot>,
 }
 
 fn last(residuals: &[f64]) -> &[f64] {
@@ -160,164 +175,154 @@ fn smallest_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64], e: usi
     gradients.map(|grad_u| Kinematics::new(&grad_u).j()).fold(f64::INFINITY, f64::min)
 }
 
-fn reason(
-    scene: &Scene,
-    unreached: &Unreached,
-    at_rest: &SoftestMode,
-    space: &FunctionSpace,
-    rest: &[Vec3],
-) -> String {
-    if !at_rest.floats(bulk_over_shear(scene)) {
-        let reached = scene.progress(unreached.time);
-        return format!("no equilibrium beyond {reached}: {}", unreached.failure);
+impl Sides<'_> {
+    /// Whether the body, or a part of it, moves without any force.
+    fn floats(&self) -> bool {
+        self.at_rest.floats(bulk_over_shear(self.scene))
     }
-    let length = |i: usize| at(&at_rest.motion, i).norm();
-    let node = (0..space.node_count()).max_by(|&a, &b| length(a).total_cmp(&length(b)));
-    let node = node.expect("there are nodes");
-    let axis = ["x", "y", "z"][at(&at_rest.motion, node).iamax()];
-    format!(
-        "not enough supports: at rest the body, or a part of it, moves without any force, most at \
-         {} along {axis}; nothing beyond {} can be computed",
-        point(&space.node_positions(rest)[node]),
-        scene.progress(unreached.time)
-    )
-}
 
-fn facts(
-    scene: &Scene,
-    unreached: &Unreached,
-    worst: &WorstElement,
-    problem: &Problem,
-    rest: &[Vec3],
-    [at_rest, reached]: [&SoftestMode; 2],
-) -> Vec<String> {
-    let residuals: Vec<String> =
-        last(&unreached.attempt.residuals).iter().map(|r| format!("{r:.1e}")).collect();
-    let mut facts = Vec::new();
-    if !residuals.is_empty() {
+    /// Compliance to the loads, relative to that at rest.
+    fn softening(&self) -> Option<f64> {
+        Some(self.reached.compliance? / self.at_rest.compliance?)
+    }
+
+    fn reason(&self) -> String {
+        let reached = self.scene.progress(self.unreached.time);
+        if !self.floats() {
+            return format!("no equilibrium beyond {reached}: {}", self.unreached.failure);
+        }
+        let (motion, space) = (&self.at_rest.motion, &self.problem.space);
+        let length = |i: usize| at(motion, i).norm();
+        let node = (0..space.node_count()).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+        let node = node.expect("there are nodes");
+        let axis = AXES[at(motion, node).iamax()];
+        format!(
+            "not enough supports: at rest the body, or a part of it, moves without any force, most at \
+             {} along {axis}; nothing beyond {reached} can be computed",
+            point(&space.node_positions(self.rest)[node])
+        )
+    }
+
+    fn facts(&self) -> Vec<String> {
+        let Self { scene, unreached, worst, .. } = self;
+        let residuals: Vec<String> =
+            last(&unreached.attempt.residuals).iter().map(|r| format!("{r:.1e}")).collect();
+        let mut facts = Vec::new();
+        if !residuals.is_empty() {
+            facts.push(format!(
+                "residuals at {}: {} N",
+                scene.progress(unreached.attempt.time),
+                residuals.join(", ")
+            ));
+        }
         facts.push(format!(
-            "residuals at {}: {} N",
-            scene.progress(unreached.attempt.time),
-            residuals.join(", ")
+            "worst element: tetrahedron {} at {} at rest: volume ratio {:.3}, unbalanced force {:.1e} \
+             N, quality {:.2} (regular: 1)",
+            worst.id,
+            point(&worst.at.into()),
+            worst.volume_ratio,
+            worst.unbalanced_force,
+            worst.quality
         ));
+        match (&self.pivot, self.softening()) {
+            (Some(Pivot { value, largest, at, .. }), softening) => {
+                facts.push(format!(
+                    "smallest pivot at {}: {value:.1e} N/m at {}, largest {largest:.1e} N/m",
+                    scene.progress(unreached.time),
+                    point(&(*at).into())
+                ));
+                facts.extend(softening.map(|times| {
+                    format!("it yields to more load by {times:.1} times what it did at rest")
+                }));
+            }
+            (None, _) => facts.push("that state is not stable".to_owned()),
+        }
+        facts
     }
-    facts.push(format!(
-        "worst element: tetrahedron {} at {} at rest: volume ratio {:.3}, unbalanced force {:.1e} \
-         N, quality {:.2} (regular: 1)",
-        worst.id,
-        point(&worst.at.into()),
-        worst.volume_ratio,
-        worst.unbalanced_force,
-        worst.quality
-    ));
-    if let Some(Pivot { value, largest, unknown }) = reached.pivot {
-        let node = problem.dirichlet.free()[unknown] / 3;
-        facts.push(format!(
-            "smallest pivot at {}: {value:.1e} N/m at {}, largest {largest:.1e} N/m",
-            scene.progress(unreached.time),
-            point(&problem.space.node_positions(rest)[node])
-        ));
-    }
-    if reached.pivot.is_none() {
-        facts.push("that state is not stable".to_owned());
-    } else if let Some(times) = softening(at_rest, reached) {
-        facts.push(format!("it yields to more load by {times:.1} times what it did at rest"));
-    }
-    facts
-}
 
-/// Compliance to the loads, relative to that at rest.
-fn softening(at_rest: &SoftestMode, reached: &SoftestMode) -> Option<f64> {
-    Some(reached.compliance? / at_rest.compliance?)
-}
-
-fn advice(
-    scene: &Scene,
-    unreached: &Unreached,
-    worst: &WorstElement,
-    [at_rest, reached]: [&SoftestMode; 2],
-    stretches: &Stretches,
-) -> Vec<String> {
-    let mut advice = Vec::new();
-    let settings = &scene.config.solver;
-    let ratio = bulk_over_shear(scene);
-    if at_rest.floats(ratio) {
-        advice.push(
-            "fix more tags or components; parts that touch in an edge or a vertex only do not \
-             hold each other"
-                .to_owned(),
-        );
-        return advice;
-    }
-    if let Some(of_path) = of_path(&unreached.failure) {
-        advice.push(of_path.to_owned());
-        return advice;
-    }
-    if ratio > FIRM {
-        advice.push(incompressible(ratio));
-    }
-    if let Failure::Stagnated { residual, scale, .. } = unreached.failure {
+    fn advice(&self, stretches: &Stretches) -> Vec<String> {
+        let Self { scene, unreached, worst, at_rest, reached, .. } = self;
+        let mut advice = Vec::new();
+        let settings = &scene.config.solver;
+        let ratio = bulk_over_shear(scene);
+        if self.floats() {
+            advice.push(
+                "fix more tags or components; parts that touch in an edge or a vertex only do not \
+                 hold each other"
+                    .to_owned(),
+            );
+            return advice;
+        }
+        if let Some(of_path) = of_path(&unreached.failure) {
+            advice.push(of_path.to_owned());
+            return advice;
+        }
+        if ratio > FIRM {
+            advice.push(incompressible(ratio));
+        }
+        if let Failure::Stagnated { residual, scale, .. } = unreached.failure {
+            advice.push(format!(
+                "set [solver] relative_tolerance = {:.0e}, or absolute_tolerance = {:.0e} N, if that \
+                 is accurate enough",
+                2.0 * residual / scale,
+                2.0 * residual
+            ));
+            return advice;
+        }
+        let time = unreached.attempt.time;
+        let pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
+        let pressures: Vec<f64> =
+            pressures.map(|pressure| scene.config.schedule(pressure).at(time)).collect();
+        let pressed = pressures.iter().any(|pressure| *pressure > 0.0);
+        let emptied =
+            scene.config.contact().is_none() && pressures.iter().any(|pressure| *pressure < 0.0);
+        if emptied {
+            advice.push(
+                "add [contact]: without it the walls of a chamber under vacuum pass through each other"
+                    .to_owned(),
+            );
+        }
+        let soft = reached.pivot.is_none() && at_rest.pivot.is_some()
+            || self.softening().is_some_and(|times| times > SOFT);
+        if soft {
+            advice.push(if pressed {
+                "the body is about to give way, as a thin wall that balloons: more pressure than this \
+                 it may not hold; lower the pressure, thicken the wall, or prescribe the volume of \
+                 the chamber instead of its pressure"
+                    .to_owned()
+            } else {
+                let stiffness = at_rest.stiffness.zip(reached.stiffness).map(<[f64; 2]>::from);
+                let load = stiffness.and_then(|both| buckling::critical_load(unreached.time, both));
+                load.filter(|load| *load > 0.0).map_or_else(
+                    || "the body is about to give way (buckling): lower the load".to_owned(),
+                    |load| buckling::in_words(scene, load),
+                )
+            });
+        }
+        for warning in stretches.warnings() {
+            advice.push(format!("a material for larger stretches: {warning}"));
+        }
+        if worst.volume_ratio < CRUSHED || worst.quality < BAD_SHAPE {
+            let shape = if worst.quality < BAD_SHAPE { "badly shaped" } else { "crushed" };
+            advice.push(format!(
+                "a finer or better mesh at {}: the worst element there is {shape}",
+                point(&worst.at.into())
+            ));
+        }
+        if pressed && !soft {
+            advice.push("lower the pressure, or thicken the wall".to_owned());
+        }
+        if emptied {
+            return advice;
+        }
         advice.push(format!(
-            "set [solver] relative_tolerance = {:.0e}, or absolute_tolerance = {:.0e} N, if that \
-             is accurate enough",
-            2.0 * residual / scale,
-            2.0 * residual
+            "finer load steps: [solver] smallest_load_step below {:e}, newton_iterations above {}; -v \
+             shows every iteration",
+            settings.smallest_load_step,
+            scene.config.newton_iterations()
         ));
-        return advice;
+        advice
     }
-    let time = unreached.attempt.time;
-    let pressures = scene.config.chamber.iter().filter_map(|c| c.gas.pressure());
-    let pressures: Vec<f64> =
-        pressures.map(|pressure| scene.config.schedule(pressure).at(time)).collect();
-    let pressed = pressures.iter().any(|pressure| *pressure > 0.0);
-    let emptied =
-        scene.config.contact().is_none() && pressures.iter().any(|pressure| *pressure < 0.0);
-    if emptied {
-        advice.push(
-            "add [contact]: without it the walls of a chamber under vacuum pass through each other"
-                .to_owned(),
-        );
-    }
-    let soft = reached.pivot.is_none() && at_rest.pivot.is_some()
-        || softening(at_rest, reached).is_some_and(|times| times > SOFT);
-    if soft {
-        advice.push(if pressed {
-            "the body is about to give way, as a thin wall that balloons: more pressure than this \
-             it may not hold; lower the pressure, thicken the wall, or prescribe the volume of \
-             the chamber instead of its pressure"
-                .to_owned()
-        } else {
-            let stiffness = at_rest.stiffness.zip(reached.stiffness).map(<[f64; 2]>::from);
-            let load = stiffness.and_then(|both| buckling::critical_load(unreached.time, both));
-            load.filter(|load| *load > 0.0).map_or_else(
-                || "the body is about to give way (buckling): lower the load".to_owned(),
-                |load| buckling::in_words(scene, load),
-            )
-        });
-    }
-    for warning in stretches.warnings() {
-        advice.push(format!("a material for larger stretches: {warning}"));
-    }
-    if worst.volume_ratio < CRUSHED || worst.quality < BAD_SHAPE {
-        let shape = if worst.quality < BAD_SHAPE { "badly shaped" } else { "crushed" };
-        advice.push(format!(
-            "a finer or better mesh at {}: the worst element there is {shape}",
-            point(&worst.at.into())
-        ));
-    }
-    if pressed && !soft {
-        advice.push("lower the pressure, or thicken the wall".to_owned());
-    }
-    if emptied {
-        return advice;
-    }
-    advice.push(format!(
-        "finer load steps: [solver] smallest_load_step below {:e}, newton_iterations above {}; -v \
-         shows every iteration",
-        settings.smallest_load_step,
-        scene.config.newton_iterations()
-    ));
-    advice
 }
 
 /// What to do where a path that is followed by its arc length cannot go on.
@@ -350,36 +355,24 @@ fn incompressible(bulk_over_shear: f64) -> String {
     )
 }
 
-fn pivot(pivot: &Pivot, problem: &Problem, rest: &[Vec3]) -> reports::Pivot {
-    let Pivot { value, largest, unknown } = *pivot;
+fn pivot(found: &linear::Pivot, problem: &Problem, rest: &[Vec3]) -> Pivot {
+    let linear::Pivot { value, largest, unknown } = *found;
     let dof = problem.dirichlet.free()[unknown];
     let at = problem.space.node_positions(rest)[dof / 3].into();
-    reports::Pivot { value, largest, at, axis: ["x", "y", "z"][dof % 3].to_owned() }
+    Pivot { value, largest, at, axis: AXES[dof % 3].to_string() }
 }
 
-fn grid(
-    space: &FunctionSpace,
-    rest: &[Vec3],
-    u: &[f64],
-    worst: &WorstElement,
-    force: &[f64],
-) -> vtu::Grid {
-    let field = |name: &str, unit: &str, components, values| vtu::Field {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        components,
-        values,
-    };
-    let mut grid = results::grid(space, rest, u);
-    let mut marks = vec![0.0; space.tets().len()];
+fn grid(at: &Iterate, worst: &WorstElement, force: Vec<f64>) -> vtu::Grid {
+    let mut grid = results::grid(at.space, at.rest, at.u);
+    let mut marks = vec![0.0; at.space.tets().len()];
     marks[worst.id] = 1.0;
-    let quality = space.tets().iter().map(|tet| {
-        let [a, b, c, d] = tet.map(|v| rest[v]);
+    let quality = at.space.tets().iter().map(|tet| {
+        let [a, b, c, d] = tet.map(|v| at.rest[v]);
         mesh::measure::radius_ratio(a, b, c, d)
     });
-    grid.cell_fields.push(field("worst_element", "1", 1, marks));
-    grid.cell_fields.push(field("quality", "1", 1, quality.collect()));
-    grid.point_fields.push(field("unbalanced_force", "N", 3, force.to_vec()));
+    grid.cell_fields.push(Field::new("worst_element", "1", 1, marks));
+    grid.cell_fields.push(Field::new("quality", "1", 1, quality.collect()));
+    grid.point_fields.push(Field::new("unbalanced_force", "N", 3, force));
     grid
 }
 

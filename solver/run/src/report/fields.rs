@@ -84,12 +84,7 @@ pub fn fields(energies: &Energies, at: &Iterate) -> [Vec<Field>; 2] {
     }
     let cells = means(space, &points);
     let cauchy = cells.iter().flat_map(|cell| cell.cauchy.transpose().as_slice().to_vec());
-    let tensor = Field {
-        name: "cauchy_stress".to_owned(),
-        unit: "Pa".to_owned(),
-        components: 9,
-        values: cauchy.collect(),
-    };
+    let tensor = Field::new("cauchy_stress", "Pa", 9, cauchy.collect());
     let of_cells = scalars(&cells).chain([tensor]).collect();
     [scalars(&at_nodes(at, &points)).collect(), of_cells]
 }
@@ -139,11 +134,8 @@ fn at_nodes(at: &Iterate, points: &[Point]) -> Vec<Point> {
 }
 
 fn scalars(points: &[Point]) -> impl Iterator<Item = Field> {
-    SCALARS.into_iter().enumerate().map(|(i, (name, unit))| Field {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        components: 1,
-        values: points.iter().map(|point| point.scalars[i]).collect(),
+    SCALARS.into_iter().enumerate().map(|(i, (name, unit))| {
+        Field::new(name, unit, 1, points.iter().map(|point| point.scalars[i]).collect())
     })
 }
 

@@ -35,16 +35,15 @@ struct Meeting {
     facets: [[usize; 3]; 2],
 }
 
-/// Warns where parts of the surface of a static scene without contact will meet. The workspace is left as new.
-pub fn foresee(scene: &Scene, problem: &Problem, workspace: &mut Workspace) {
+/// A warning where parts of the surface of a static scene without contact will meet. The workspace is left as new.
+pub fn foreseen(scene: &Scene, problem: &Problem, workspace: &mut Workspace) -> Option<String> {
     if scene.config.contact.is_some() || scene.config.time.is_some() || !scene.certify {
-        return;
+        return None;
     }
     let found = first(scene, problem, workspace);
     workspace.forget();
-    if let Some(meeting) = found.filter(|meeting| meeting.load < 1.0) {
-        log::warn!("{}: {}", scene.path.display(), in_words(&meeting, &scene.body));
-    }
+    let meeting = found.filter(|meeting| meeting.load < 1.0)?;
+    Some(format!("{}: {}", scene.path.display(), in_words(&meeting, &scene.body)))
 }
 
 /// The facets that meet first, under whatever load.

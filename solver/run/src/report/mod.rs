@@ -14,7 +14,6 @@ pub mod meeting;
 pub mod mirror;
 pub mod inflation;
 pub mod record;
-pub mod reinforcement;
 pub mod results;
 pub mod simulation;
 pub mod stability;

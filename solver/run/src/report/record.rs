@@ -1,7 +1,6 @@
 //! What a run writes while it runs, so that nothing is lost when it is killed:
 //! a line of `steps.jsonl`, a row of `curve.csv` and a picture per reported step, and the checkpoint.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -29,12 +28,8 @@ const CHECKPOINT: &str = "checkpoint.json";
 pub struct Checkpoint {
     /// Hash of the program's inputs; another hash is another run.
     pub inputs: String,
-    /// Reported steps done, ...
+    /// Reported steps done.
     pub steps: usize,
-    /// ... of which the lines of `steps.jsonl` have this SHA-256.
-    pub lines: String,
-    /// SHA-256 of their pictures, by the names of the files.
-    pub pictures: BTreeMap<String, String>,
     /// All that determines the next step ...
     pub progress: Progress,
     /// ... of a path that is followed by its arc length, too, ...
@@ -87,8 +82,7 @@ pub struct Finished {
     pub reported: Range<usize>,
     /// Velocity at its end [m/s].
     pub velocity: Option<Vec<f64>>,
-    /// From which the run continues if it is interrupted now, but for `work`, `lines` and
-    /// `pictures`, which the recorder knows.
+    /// From which the run continues if it is interrupted now, but for `work`, which the recorder knows.
     pub checkpoint: Option<Checkpoint>,
 }
 
@@ -101,8 +95,6 @@ pub struct Recorder<'a> {
     folder: Option<PathBuf>,
     /// Whether every step gets its picture.
     pictures: bool,
-    /// SHA-256 of the pictures, by the names of the files.
-    written: BTreeMap<String, String>,
     /// The state at rest, where forces balance there.
     pub rest: Option<Step>,
     /// What was reported of each step.
@@ -124,29 +116,20 @@ impl<'a> Recorder<'a> {
         let mut own = Self::measuring(scene, (problem, probes))?;
         if let Some(done) = done {
             own.work = done.work.clone();
-        }
-        let written = done.map_or_else(BTreeMap::new, |done| done.pictures.clone());
-        for (name, hash) in &written {
-            program::check_unaltered(&folder.join(name), hash)?;
-        }
-        let mut lines = Vec::new();
-        if let Some(done) = done {
             let path = folder.join(STEPS);
             let text = mesh::io::read_own_text(&path)?;
-            for line in text.lines().take(done.steps) {
-                let line = serde_json::from_str(line);
-                lines.push(line.with_context(|| {
-                    format!("{}: to start over with --restart", path.display())
-                })?);
-            }
+            let lines = text.lines().take(done.steps).map(serde_json::from_str);
+            own.lines = lines
+                .collect::<Result<_, _>>()
+                .with_context(|| format!("{}: to start over with --restart", path.display()))?;
             ensure!(
-                lines.len() == done.steps && sha256(&lines) == done.lines,
+                own.lines.len() == done.steps,
                 "{}: not the {} lines that the checkpoint expects; to start over with --restart",
                 path.display(),
                 done.steps
             );
         }
-        Ok(Self { folder: Some(folder.to_path_buf()), pictures, written, lines, ..own })
+        Ok(Self { folder: Some(folder.to_path_buf()), pictures, ..own })
     }
 
     /// Begins with nothing, and writes nothing.
@@ -160,7 +143,6 @@ impl<'a> Recorder<'a> {
             probes,
             folder: None,
             pictures: false,
-            written: BTreeMap::new(),
             rest: results::at_rest(scene, problem, probes)?,
             lines: Vec::new(),
             work: Work::new(problem, &scene.body.mesh.vertices),
@@ -181,9 +163,7 @@ impl<'a> Recorder<'a> {
         let (Some(checkpoint), Some(folder)) = (finished.checkpoint, &self.folder) else {
             return Ok(());
         };
-        let (work, lines) = (self.work.clone(), sha256(&self.lines));
-        let pictures = self.written.clone();
-        Checkpoint { work, lines, pictures, ..checkpoint }.write(folder)
+        Checkpoint { work: self.work.clone(), ..checkpoint }.write(folder)
     }
 
     /// Work of gas, dead loads and moving supports so far.
@@ -215,13 +195,10 @@ impl<'a> Recorder<'a> {
         self.lines.push(line);
         let Some(folder) = &self.folder else { return Ok(()) };
         if self.pictures {
-            let name = picture(self.lines.len() - 1);
             let mut grid = results::grid_with_fields(&self.problem.energies, &at);
             let mode = step.path.as_ref().map(|path| stability::field(&path.stability.mode));
             grid.point_fields.extend(mode);
-            let path = folder.join(&name);
-            vtu::write_vtu(&path, &grid)?;
-            self.written.insert(name, program::sha256_file(&path)?);
+            vtu::write_vtu(&folder.join(picture(self.lines.len() - 1)), &grid)?;
             // ParaView sorts by these: the load of a path falls and rises
             let order = |line: &Step| line.path.as_ref().map_or(line.t, |path| path.arc_length);
             let picture = |(i, line): (usize, &Step)| (order(line), picture(i));
@@ -243,12 +220,6 @@ fn kinetic_at_start(scene: &Scene, problem: &Problem) -> Option<f64> {
     let start = || scene.integrator(&scene.body, problem).last().v.clone();
     let rest = &scene.body.mesh.vertices;
     balanced.then(|| results::kinetic_energy(&problem.energies, &problem.space, rest, &start()))
-}
-
-/// SHA-256 of lines as they are written.
-fn sha256(lines: &[Step]) -> String {
-    let text: String = lines.iter().map(|line| format!("{}\n", json!(line))).collect();
-    program::sha256(text.as_bytes())
 }
 
 fn picture(step: usize) -> String {

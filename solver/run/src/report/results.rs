@@ -15,7 +15,8 @@ use mechanics::forward::{LoadStep, Problem};
 use mechanics::material::Kinematics;
 use mechanics::symmetry::{AXES, Plane};
 use mesh::Vec3;
-use mesh::io::{npy, vtu};
+use mesh::io::npy;
+use mesh::io::vtu::{self, Field};
 use program::{InputFile, Settings};
 use reports::{
     Chamber, Collisions, CutPlane, ForceBalance, Inputs, OneOrList, PairForce, RigidPart, Step,
@@ -300,12 +301,7 @@ pub fn balance(problem: &Problem, state: &Iterate) -> ForceBalance {
     ForceBalance { out_of_balance: sum.norm(), resultants: resultants.collect() }
 }
 
-/// Writes nodes and displacements exactly: two arrays of shape (nodes, 3) [m].
-pub fn write_state(folder: &Path, space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Result<()> {
-    write_arrays(folder, &space.node_positions(rest), u)
-}
-
-/// Writes nodes and displacements exactly, from the positions of the nodes at rest [m].
+/// Writes the positions of nodes at rest and their displacements exactly: two arrays of shape (nodes, 3) [m].
 pub fn write_arrays(folder: &Path, nodes: &[Vec3], u: &[f64]) -> Result<()> {
     let shape = [nodes.len(), 3];
     let nodes: Vec<f64> = nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
@@ -352,8 +348,7 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
         let mut values = vec![0.0; at.u.len()];
         energy.add_gradient(at, &mut values);
         values.iter_mut().for_each(|f| *f = -*f);
-        let (name, unit) = (format!("{}_force", energy.name()), "N".to_owned());
-        grid.point_fields.push(vtu::Field { name, unit, components: 3, values });
+        grid.point_fields.push(Field::new(&format!("{}_force", energy.name()), "N", 3, values));
     }
     grid
 }
@@ -361,19 +356,12 @@ pub fn grid_with_fields(energies: &Energies, at: &Iterate) -> vtu::Grid {
 /// The body with its displacement, and the mean of J over each element.
 pub fn grid(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> vtu::Grid {
     let types = [vtu::CellType::Tet4, vtu::CellType::Tet10, vtu::CellType::Tet20];
-    let cell_type = types[space.degree() - 1];
-    let field = |name: &str, unit: &str, components, values| vtu::Field {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        components,
-        values,
-    };
     vtu::Grid {
         points: space.node_positions(rest),
         cells: space.element_nodes().to_vec(),
-        cell_type,
-        point_fields: vec![field("displacement", "m", 3, u.to_vec())],
-        cell_fields: vec![field("volume_ratio", "1", 1, mean_volume_ratio(space, rest, u))],
+        cell_type: types[space.degree() - 1],
+        point_fields: vec![Field::new("displacement", "m", 3, u.to_vec())],
+        cell_fields: vec![Field::new("volume_ratio", "1", 1, mean_volume_ratio(space, rest, u))],
     }
 }
 
@@ -403,7 +391,7 @@ pub fn write_end(
     end: &Iterate,
     mode: Option<&[f64]>,
 ) -> Result<()> {
-    write_state(folder, end.space, end.rest, end.u)?;
+    write_arrays(folder, &end.space.node_positions(end.rest), end.u)?;
     let mut grid = grid_with_fields(&problem.energies, end);
     grid.point_fields.extend(mode.map(stability::field));
     Ok(vtu::write_vtu(&folder.join("result.vtu"), &grid)?)

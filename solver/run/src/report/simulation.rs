@@ -5,20 +5,18 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
-use measure::probe::Probe;
 use mechanics::energy::Iterate;
 use mechanics::forward::{self, LoadStep, Problem, Workspace};
 use mechanics::stretch::{Strained, Stretches};
 use reports::{
-    End, EnergyBalance, Material, MaterialRange, Moduli, OneOrList, Simulation, Status,
+    Crossing, EnergyBalance, Material, MaterialRange, Moduli, OneOrList, Simulation, Status,
     StretchRange, Task, Terms, Timings,
 };
 use scene::term::State;
 use scene::{Scene, SceneLaw, law_table};
 use serde_json::json;
 
-use crate::report::crossing::Crossing;
-use crate::report::inflation;
+use crate::report::crossing;
 use crate::report::locking;
 use crate::report::record::Recorder;
 use crate::report::results;
@@ -85,22 +83,6 @@ pub fn follow(report: &mut Simulation, recorder: &Recorder, workspace: &Workspac
     report.memory_estimate_mb = workspace.memory().bytes as f64 / f64::from(1 << 20);
 }
 
-/// What a run took.
-pub struct Spent<'a> {
-    /// Iterations of Newton's method.
-    pub newton_iterations: usize,
-    /// Velocity at the end, where there is inertia [m/s].
-    pub velocity: Option<&'a [f64]>,
-    /// What it wrote.
-    pub recorder: &'a Recorder<'a>,
-    /// Where the time went.
-    pub timings: &'a forward::Timings,
-    /// All of it [s].
-    pub equilibrium_s: f64,
-    /// What was expected [s].
-    pub predicted_s: f64,
-}
-
 /// Says before a run what a user should know of its scene, as warnings in the log.
 pub fn foresee(scene: &Scene) {
     scene.warn_of_growth();
@@ -109,21 +91,16 @@ pub fn foresee(scene: &Scene) {
     warnings.for_each(|line| log::warn!("{line}"));
 }
 
-/// Says of a load step what a user should know of it.
-pub fn judge_step(step: &LoadStep) {
-    let ratio = step.smallest_volume_ratio;
-    if ratio <= 0.0 {
-        log::warn!("an element is turned inside out, which is tolerated: volume ratio {ratio:.1e}");
-    }
-}
-
 /// What decides whether the state at the end of a run may be used.
 pub struct Verdict {
-    crossing: Option<Crossing>,
+    /// Surfaces that have passed through each other.
+    pub crossing: Option<Crossing>,
     /// How a path ended before the full load that was asked for.
     missed: Option<String>,
-    stretch_range: StretchRange,
-    terms: Terms,
+    /// Principal stretches.
+    pub stretch_range: StretchRange,
+    /// Sections of the terms.
+    pub terms: Terms,
 }
 
 impl Verdict {
@@ -148,7 +125,7 @@ impl Verdict {
         missed.iter().for_each(|missed| log::warn!("{missed}"));
         let (mut terms, state) = (Terms::default(), State { energies: &problem.energies, at: end });
         scene.config.rooms().into_iter().for_each(|room| room.report(state, &mut terms));
-        let find = || Crossing::find(scene, &scene.body, problem, end);
+        let find = || crossing::find(scene, &scene.body, problem, end);
         Self {
             stretch_range: stretches(scene, end),
             terms,
@@ -168,50 +145,12 @@ impl Verdict {
 
     /// Why the result must not be used, if it must not.
     pub fn refusal(&self) -> Option<String> {
-        self.crossing.as_ref().map(Crossing::in_words).or_else(|| self.missed.clone())
+        self.crossing.as_ref().map(crossing::in_words).or_else(|| self.missed.clone())
     }
 }
 
-/// What is known of the state at the end of a run, of which there is a verdict.
-pub fn end(
-    scene: &Scene,
-    (problem, probes): (&Problem, &[Probe]),
-    end: &Iterate,
-    spent: &Spent,
-    verdict: Verdict,
-) -> Result<End> {
-    let energies = results::stored_energies(&problem.energies, end);
-    let kinetic =
-        spent.velocity.map(|v| results::kinetic_energy(&problem.energies, end.space, end.rest, v));
-    let measured = || results::probes(probes, problem, end);
-    let recorder = spent.recorder;
-    Ok(End {
-        tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
-        newton_iterations: spent.newton_iterations,
-        energy_balance: balance(recorder, &energies, kinetic),
-        energies,
-        force_balance: results::balance(problem, end),
-        tags: results::tags(scene, &scene.body, problem, end)?,
-        chambers: results::chambers(&problem.energies, end),
-        terms: verdict.terms,
-        inflations: inflation::inflations(scene, &recorder.lines),
-        probes: (!probes.is_empty()).then(measured),
-        stretch_range: verdict.stretch_range,
-        locking: locking::estimate(scene, (problem, probes), end),
-        timings: timings(spent.timings, spent.predicted_s),
-        crossing: verdict.crossing.as_ref().map(Crossing::report),
-        stability: None,
-        load_reached: None,
-        limit: None,
-        error_bars: None,
-        equilibrium_s: spent.equilibrium_s,
-        wall_s: 0.0,
-        peak_rss_mb: None,
-    })
-}
-
 /// Work of the loads beside stored and kinetic energy [J].
-fn balance(
+pub fn balance(
     recorder: &Recorder,
     energies: &BTreeMap<String, f64>,
     kinetic: Option<f64>,
@@ -256,7 +195,7 @@ fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
 }
 
 /// Where the time went, and how much was expected [s].
-fn timings(spent: &forward::Timings, predicted_s: f64) -> Timings {
+pub fn timings(spent: &forward::Timings, predicted_s: f64) -> Timings {
     let task = |time: forward::Time| Task { wall_s: time.wall_s, processor_s: time.processor_s };
     Timings {
         ordering: task(spent.ordering),

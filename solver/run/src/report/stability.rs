@@ -8,22 +8,9 @@ use mesh::io::vtu;
 use reports::{PassedPoint, PathState, PointKind, Stability};
 use scene::Scene;
 
-/// The stability of a state beside that of the body at rest, and its softest mode over all degrees of freedom; none
-/// where the tangent of one of both is singular. Factors twice.
-fn of_state(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    at: &Iterate,
-) -> Option<(Stability, Vec<f64>)> {
-    let zero = vec![0.0; problem.dofs()];
-    let rest = Iterate { u: &zero, time: 0.0, ..*at };
-    let rest = forward::Stability::of(problem, workspace, &rest)?;
-    let found = forward::Stability::of(problem, workspace, at)?;
-    Some((report(&found, rest.stiffness), found.mode))
-}
-
-/// The stability of the last state of a run with its softest mode: that of a path is known, that of another one is
-/// computed where the scene asks for it.
+/// The stability of the last state of a run beside that of the body at rest, with its softest mode over all degrees of
+/// freedom: that of a path is known, that of another one is computed where the scene asks for it, by two factors. None
+/// where a tangent is singular.
 pub fn at_end(
     scene: &Scene,
     (problem, workspace): (&Problem, &mut Workspace),
@@ -36,11 +23,14 @@ pub fn at_end(
     if !scene.config.solver.stability {
         return None;
     }
-    let found = of_state(problem, workspace, end);
-    if found.is_none() {
+    let zero = vec![0.0; problem.dofs()];
+    let rest = Iterate { u: &zero, time: 0.0, ..*end };
+    let mut of = |at: &Iterate| forward::Stability::of(problem, workspace, at);
+    let Some((rest, found)) = of(&rest).and_then(|rest| Some((rest, of(end)?))) else {
         log::warn!("no stability: the tangent stiffness is singular");
-    }
-    found
+        return None;
+    };
+    Some((report(&found, rest.stiffness), found.mode))
 }
 
 fn report(found: &forward::Stability, rest_stiffness: f64) -> Stability {
@@ -75,8 +65,7 @@ pub fn path_state(point: &ArcPoint) -> PathState {
 
 /// A mode as a field of pictures.
 pub fn field(mode: &[f64]) -> vtu::Field {
-    let (name, unit) = ("softest_mode".to_owned(), "1".to_owned());
-    vtu::Field { name, unit, components: 3, values: mode.to_vec() }
+    vtu::Field::new("softest_mode", "1", 3, mode.to_vec())
 }
 
 /// What lies between the state before and this one of a path, for people.

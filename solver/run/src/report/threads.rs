@@ -1,9 +1,15 @@
-//! Where threads cross each other.
+//! The threads of a state: their file, and where they cross each other.
 
-use mechanics::energy::{Energies, Iterate};
+use std::path::Path;
+
+use anyhow::Result;
+use mechanics::energy::{Energies, Iterate, Strand, Winding};
 use mesh::Vec3;
 use mesh::bvh::overlapping_pairs;
+use reports::{SegmentEnd, WINDINGS};
 use scene::Scene;
+
+use super::table;
 
 /// Sine of the angle below which segments have one direction.
 const PARALLEL: f64 = 1e-9;
@@ -13,9 +19,35 @@ const MEET: f64 = 1e-6;
 /// A segment at rest [m].
 type Segment = [Vec3; 2];
 
+/// Writes the threads of a state to a folder, if there are any.
+pub fn write(folder: &Path, scene: &Scene, energies: &Energies, at: &Iterate) -> Result<()> {
+    if scene.config.winding.is_empty() {
+        return Ok(());
+    }
+    let mut rows = vec![reports::Segment::head()];
+    for (winding, thread) in scene.config.winding.iter().zip(energies.each::<Winding>()) {
+        rows.extend(thread.strands(at).iter().map(|strand| written(&winding.name, strand).row()));
+    }
+    table::write(&folder.join(WINDINGS), rows)
+}
+
+fn written(winding: &str, strand: &Strand) -> reports::Segment {
+    let end = |k: usize| SegmentEnd {
+        rest: strand.rest[k].into(),
+        now: (strand.rest[k] + strand.moved[k]).into(),
+        weights: strand.weights[k],
+    };
+    reports::Segment {
+        winding: winding.to_owned(),
+        ends: [end(0), end(1)],
+        force: strand.force,
+        vertices: strand.vertices,
+    }
+}
+
 /// Which threads cross, and how often.
 pub fn crossings(scene: &Scene, energies: &Energies, at: &Iterate) -> Vec<String> {
-    let rest = |winding: &mechanics::energy::Winding| -> Vec<Segment> {
+    let rest = |winding: &Winding| -> Vec<Segment> {
         winding.strands(at).into_iter().map(|strand| strand.rest).collect()
     };
     let all: Vec<Vec<Segment>> = energies.each().map(rest).collect();

@@ -8,7 +8,7 @@ use std::io::Write;
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use mechanics::forward::about;
-use mechanics::math::linear::dot;
+use mechanics::math::linear::{dot, sum};
 use mechanics::math::random::Random;
 use program::{Heartbeat, Unusable};
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         };
         for direction in 0..=arguments.random {
             let (name, q) = match direction {
-                0 => ("gradient".to_owned(), sum(&gradients, count)),
+                0 => ("gradient".to_owned(), sum(gradients.values())),
                 seed => (format!("random {seed}"), Random::new(seed).numbers(count)),
             };
             if q.iter().all(|q| *q == 0.0) {
@@ -128,14 +128,6 @@ fn sweeps(
     let names: BTreeSet<String> = level.numbers(start).into_keys().collect();
     let sweep = |name: String| Ok((name.clone(), level.sweep(start, Some(&name))?));
     names.into_iter().map(sweep).collect()
-}
-
-fn sum(gradients: &BTreeMap<&str, Vec<f64>>, count: usize) -> Vec<f64> {
-    let mut total = vec![0.0; count];
-    for gradient in gradients.values() {
-        total.iter_mut().zip(gradient).for_each(|(t, g)| *t += g);
-    }
-    total
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -5,7 +5,7 @@
 
 use anyhow::{Context, Result, ensure};
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{diagonal, tet_volume, triangle_area, triangle_normal};
+use mesh::measure::{diagonal, triangle_area, triangle_normal};
 use mesh::{SurfaceMesh, Vec3};
 use scene::Scene;
 
@@ -56,11 +56,7 @@ impl Shape {
         let (body, x) = (&scene.body, &scene.body.mesh.vertices);
         let Self::Gauge(facet, weights) = self else {
             let mass = |law: &scene::SceneLaw| {
-                let tets = &body.mesh.tets[law.elements(body)];
-                let volumes = tets.iter().map(|tet| {
-                    let [a, b, c, d] = tet.map(|v| x[v]);
-                    tet_volume(a, b, c, d)
-                });
+                let volumes = law.elements(body).map(|tet| body.mesh.volume(tet));
                 law.material.density.unwrap_or(0.0) * volumes.sum::<f64>()
             };
             let whole = 2.0_f64.powi(body.planes.len() as i32);

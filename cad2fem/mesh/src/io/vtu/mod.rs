@@ -93,6 +93,13 @@ pub struct Field {
     pub values: Vec<f64>,
 }
 
+impl Field {
+    /// Numbers with a name and a unit.
+    pub fn new(name: &str, unit: &str, components: usize, values: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), unit: unit.to_owned(), components, values }
+    }
+}
+
 /// Points, cells of one shape, and fields on both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {

@@ -9,7 +9,7 @@ use measure::constraint::Constraint;
 use mesh::io::vtu;
 use program::Unusable;
 use reports::{Castable, Designed, DesignedProbe, Ended, Iteration, Kept, LevelEnd, Optimization};
-use run::report::crossing::Crossing;
+use run::report::crossing;
 use run::report::{results, summary};
 use scene::config::{ObjectiveConfig, ProbeConfig};
 use serde::Serialize;
@@ -35,7 +35,7 @@ impl Cascade<'_> {
         let Finished { level, at, .. } = &finished;
         let crossing = level.crossing(at);
         let mut designed = self.designed(&finished, &lines, since)?;
-        designed.crossing = crossing.as_ref().map(Crossing::report);
+        designed.crossing.clone_from(&crossing);
         designed.remeshed = self.remeshed(&finished, &designed);
         let violated = level.violated(at);
         let status = match (&crossing, &violated) {
@@ -49,7 +49,7 @@ impl Cascade<'_> {
         results::write_report(&self.folder, &report)?;
         let is_better = self.say(&finished, &designed, status);
         let why = match (crossing, violated) {
-            (Some(crossing), _) => crossing.in_words(),
+            (Some(crossing), _) => crossing::in_words(&crossing),
             (None, Some(violated)) => format!("the design does not keep {violated}"),
             (None, None) if is_better => return Ok(()),
             (None, None) => {

@@ -12,7 +12,8 @@ use mechanics::forward::{Linearizations, Problem, State, Trajectory};
 use mesh::Vec3;
 
 use super::{Near, Scenario};
-use run::report::crossing::Crossing;
+use reports::Crossing;
+use run::report::crossing;
 use run::report::results::{displacements, grid_with_fields};
 
 /// A run and its objective.
@@ -98,6 +99,6 @@ impl Scenario {
 
     /// Surfaces of the body that have passed through each other at the end of a run.
     pub fn crossing(&self, run: &Run) -> Option<Crossing> {
-        run.at_end(|end| Crossing::find(&self.scene, &self.body, &run.problem, end))
+        run.at_end(|end| crossing::find(&self.scene, &self.body, &run.problem, end))
     }
 }
