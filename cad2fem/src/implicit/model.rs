@@ -30,12 +30,9 @@ pub struct Model {
     pub unit: Unit,
     /// Edge length of the triangles that are laid on the surface [unit].
     pub grid: f64,
-    /// How far simplification may move the surface, or remeshed triangles should be from it at most [unit].
+    /// How far simplification may move the surface [unit].
     #[serde(default)]
     pub simplify: f64,
-    /// Whether the surface is remeshed, by curvature and thickness; without `simplify` to a twentieth of the grid.
-    #[serde(default)]
-    pub remesh: bool,
     /// The body, cavities filled; built in the order of the file.
     pub solid: Vec<Primitive>,
     /// What is taken out of the body; built in the order of the file.

@@ -3,7 +3,7 @@
 //!
 //! As CAD route it meshes the faces of a `.geo` script or a STEP file. As
 //! tetrahedral mesher it keeps the triangles of the input surface, so these should
-//! be well shaped; it is not dependable on marching-tetrahedra surfaces unless they are remeshed.
+//! be well shaped; it is not dependable on marching-tetrahedra surfaces.
 
 use std::collections::BTreeMap;
 use std::path::Path;

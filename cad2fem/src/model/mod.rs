@@ -105,7 +105,7 @@ pub struct Report {
     /// Regions that meet without an edge, where CAD says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     tangent: Option<Vec<[String; 2]>>,
-    /// Largest distance of the triangles from the faces of CAD, or from the functions of a remeshed implicit body [m].
+    /// Largest distance of the triangles from the faces of CAD [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     chord_error: Option<f64>,
     wall_s: f64,
