@@ -55,7 +55,7 @@ fn laid(model: &Model, sides: &Sides) -> Result<Skin> {
         }
     }
     let mut skin = require_one_piece(Skin::of(&complex, sides), sides)?;
-    skin.thin = thin::places(&skin, &hidden, sides);
+    skin.thin = thin::places(&skin, hidden, sides);
     Ok(skin)
 }
 
