@@ -80,12 +80,7 @@ impl Unit {
     }
 
     /// As OpenCASCADE calls it.
-    pub fn of_cad(self) -> &'static str {
-        match self {
-            Self::M => "M",
-            Self::Cm => "CM",
-            Self::Mm => "MM",
-            Self::Inch => "INCH",
-        }
+    pub fn of_cad(self) -> String {
+        self.symbol().to_uppercase()
     }
 }

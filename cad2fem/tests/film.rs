@@ -5,7 +5,7 @@
 use std::fs::{self, File};
 use std::path::Path;
 
-use crate::support::{Run, Workdir};
+use crate::support::Workdir;
 use mesh::Vec3;
 use mesh::io::vtu::{CellType, Field, Grid, write_vtu};
 
@@ -39,15 +39,12 @@ fn made() -> Workdir {
     dir
 }
 
-fn film(dir: &Workdir, args: &str) -> Run {
-    dir.run(&["film"].into_iter().chain(args.split_whitespace()).collect::<Vec<_>>())
-}
-
 #[test]
 fn every_step_is_a_frame_with_one_camera_and_scale() {
     let dir = made();
-    let args = "run -o a.gif --size 300x300 --view front --color displacement --no-ground --fps 20";
-    film(&dir, args).succeeds();
+    let args =
+        "film run -o a.gif --size 300x300 --view front --color displacement --no-ground --fps 20";
+    dir.run(args).succeeds();
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
     let mut decoder = options.read_info(File::open(dir.path("a.gif")).unwrap()).unwrap();
@@ -82,7 +79,7 @@ fn what_is_no_run_is_refused() {
         ("nothing -o a.gif", "nothing: no such file or folder"),
         ("run -o a.gif --color stress", "stress"),
     ] {
-        film(&dir, args).fails(2, words);
+        dir.run(&format!("film {args}")).fails(2, words);
         assert!(!dir.path("a.gif").exists());
     }
 }

@@ -3,9 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::process::Command;
 
-use crate::support::{Workdir, python_with};
+use crate::support::Workdir;
 use mesh::check::check_surface;
 use mesh::io::{read_surface, write_surface};
 use mesh::measure::{area, bounds, diagonal, enclosed_volume};
@@ -42,12 +41,6 @@ fn result(dir: &Workdir) -> (SurfaceMesh, f64, Vec<String>) {
     (surface, volume, names)
 }
 
-/// Runs a script of Python in the folder.
-fn run_script(dir: &Workdir, python: &str, script: &str) {
-    let made = Command::new(python).args(["-c", script]).current_dir(dir.path(".")).output();
-    assert!(made.as_ref().unwrap().status.success(), "{made:?}");
-}
-
 #[test]
 fn the_unit_is_guessed_and_said_or_asked_for() {
     let dir = Workdir::new();
@@ -57,24 +50,24 @@ fn the_unit_is_guessed_and_said_or_asked_for() {
     let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-6, "{a} is not {b}");
     let size = || diagonal(&result(&dir).0.vertices) / 3.0_f64.sqrt();
     put("mm.stl", 80.0);
-    dir.run(&["import", "mm.stl", "-o", "out"]).says("taken for mm, 138.5641 mm");
+    dir.run("import mm.stl -o out").says("taken for mm, 138.5641 mm");
     close(size(), 0.08);
     put("m.obj", 0.08);
-    dir.run(&["import", "m.obj", "-o", "out"]).says("taken for m, 138.5641 mm");
+    dir.run("import m.obj -o out").says("taken for m, 138.5641 mm");
     close(size(), 0.08);
-    dir.run(&["import", "m.obj", "-o", "out", "--unit", "inch"]).says("in inch as --unit says");
+    dir.run("import m.obj -o out --unit inch").says("in inch as --unit says");
     close(size(), 0.08 * 25.4e-3);
     put("either.ply", 1.5);
-    let run = dir.run(&["import", "either.ply", "-o", "never"]);
+    let run = dir.run("import either.ply -o never");
     run.fails(2, "2.598 m as metres, 2.598 mm as millimetres, 65.991 mm as inches");
     // a small chamber has the unit of its body
     put("small.stl", 2.0);
-    dir.run(&["import", "mm.stl", "--subtract", "small.stl", "-o", "out"]).succeeds();
+    dir.run("import mm.stl --subtract small.stl -o out").succeeds();
     close(result(&dir).1, 512e3 - 8.0);
     // the mesher asks, too
-    dir.run(&["tetmesh", "mm.stl", "-o", "out.msh"]).fails(2, "138.564 mm as millimetres");
-    dir.run(&["offset", "mm.stl", "-o", "out.obj"]).fails(2, "pass --unit");
-    dir.run(&["offset", "mm.stl", "--unit", "mm", "-o", "out.obj"]).says("distance 0.1386 mm");
+    dir.run("tetmesh mm.stl -o out.msh").fails(2, "138.564 mm as millimetres");
+    dir.run("offset mm.stl -o out.obj").fails(2, "pass --unit");
+    dir.run("offset mm.stl --unit mm -o out.obj").says("distance 0.1386 mm");
     assert!(!dir.path("never").exists());
 }
 
@@ -87,26 +80,24 @@ fn bodies_are_combined_turned_and_scaled() {
     let chamber = |x: f64| moved(block(10.0, 10.0, 4.0), Vec3::new(x, 5.0, 3.0));
     write_surface(&dir.path("left.stl"), &chamber(5.0)).unwrap();
     write_surface(&dir.path("right.stl"), &chamber(20.0)).unwrap();
-    let chambers = ["--subtract", "left.stl", "right.stl"];
-    let all = [&["import", "body.stl", "lug.stl", "-o", "out"], &chambers[..]].concat();
-    dir.run(&all).says("right.stl subtracted: 0.4000 cm3 less");
+    let all = "import body.stl lug.stl -o out --subtract left.stl right.stl";
+    dir.run(all).says("right.stl subtracted: 0.4000 cm3 less");
     let (_, volume, names) = result(&dir);
     // 40·20·10 + 10·20·10 − 5·20·5 that both have − 2·10·10·4
     assert!((volume / (8000.0 + 2000.0 - 500.0 - 800.0) - 1.0).abs() < 1e-6, "{volume}");
     assert_eq!(names, ["body", "left", "lug", "right"]);
 
-    let place = ["--scale", "2", "--turn", "z=90", "--move", "-0.01,0,0.003"];
-    dir.run(&[&all[..], &place].concat()).succeeds();
+    dir.run(&format!("{all} --scale 2 --turn z=90 --move -0.01,0,0.003")).succeeds();
     let (surface, bigger, _) = result(&dir);
     assert!((bigger / volume / 8.0 - 1.0).abs() < 1e-6);
     let (low, high) = bounds(&surface.vertices);
     let expected = [Vec3::new(-0.05, 0.0, 0.003), Vec3::new(-0.01, 0.09, 0.033)];
     assert!((low - expected[0]).amax().max((high - expected[1]).amax()) < 1e-8, "{low} {high}");
 
-    dir.run(&["import", "body.stl", "-o", "out", "--split", "40"]).succeeds();
+    dir.run("import body.stl -o out --split 40").succeeds();
     assert_eq!(result(&dir).2, ["outer-1", "outer-2", "outer-3", "outer-4", "outer-5", "outer-6"]);
     write_surface(&dir.path("far.stl"), &moved(block(1.0, 1.0, 1.0), Vec3::repeat(90.0))).unwrap();
-    dir.run(&["import", "body.stl", "--subtract", "far.stl", "-o", "out"])
+    dir.run("import body.stl --subtract far.stl -o out")
         .fails(2, "far.stl: it does not meet the body");
 }
 
@@ -121,7 +112,7 @@ fn a_chamber_that_is_there_already_is_told() {
         write_surface(&dir.path("air.stl"), &air.to_surface()).unwrap();
         write_surface(&dir.path("body.stl"), &body.difference(&air).to_surface()).unwrap();
         let told = format!("air.stl: the body has this chamber already: {there} of its 8 vertices");
-        dir.run(&["import", "body.stl", "--subtract", "air.stl", "-o", "never"]).fails(2, &told);
+        dir.run("import body.stl --subtract air.stl -o never").fails(2, &told);
     }
 }
 
@@ -130,7 +121,7 @@ fn shells_inside_are_cavities_and_shells_that_cross_are_united() {
     let dir = Workdir::new();
     let inner = moved(block(20.0, 10.0, 4.0), Vec3::new(5.0, 5.0, 3.0));
     write_surface(&dir.path("hollow.stl"), &joined(block(40.0, 20.0, 10.0), &inner)).unwrap();
-    dir.run(&["import", "hollow.stl", "-o", "out"]).succeeds();
+    dir.run("import hollow.stl -o out").succeeds();
     let (_, volume, names) = result(&dir);
     assert!((volume / 7200.0 - 1.0).abs() < 1e-6, "{volume}");
     assert_eq!(names, ["cavity", "outer"]);
@@ -142,7 +133,7 @@ fn shells_inside_are_cavities_and_shells_that_cross_are_united() {
     let crossing = joined(block(40.0, 20.0, 10.0), &other);
     write_surface(&dir.path("doubled.stl"), &joined(crossing.clone(), &crossing)).unwrap();
     for file in ["crossing.stl", "doubled.stl"] {
-        dir.run(&["import", file, "-o", "out", "--no-repair"]).says("2 shells that cross");
+        dir.run(&format!("import {file} -o out --no-repair")).says("2 shells that cross");
         let (_, volume, _) = result(&dir);
         assert!((volume / united - 1.0).abs() < 1e-6, "{file}: {volume}");
     }
@@ -155,7 +146,7 @@ fn shells_inside_are_cavities_and_shells_that_cross_are_united() {
     let solid = |surface: &SurfaceMesh| Solid::from_surface(surface).unwrap();
     let united = solid(&block(40.0, 20.0, 10.0)).union(&solid(&turned)).volume();
     write_surface(&dir.path("edge.stl"), &joined(block(40.0, 20.0, 10.0), &turned)).unwrap();
-    dir.run(&["import", "edge.stl", "-o", "out", "--no-repair"]).says("2 shells that cross");
+    dir.run("import edge.stl -o out --no-repair").says("2 shells that cross");
     let (_, volume, _) = result(&dir);
     assert!((volume / united - 1.0).abs() < 1e-6, "{volume}");
 }
@@ -173,23 +164,22 @@ fn a_torn_surface_is_welded_and_a_broken_one_is_remade() {
         torn.vertices.extend(ball.corners(t).map(|p| p + shift));
     }
     write_surface(&dir.path("torn.ply"), &torn).unwrap();
-    dir.run(&["import", "torn.ply", "-o", "out", "--no-repair"]).says("open edges, now 0");
+    dir.run("import torn.ply -o out --no-repair").says("open edges, now 0");
     assert!((result(&dir).1 / exact - 1.0).abs() < 1e-4);
 
     let mut open = ball.clone();
     open.triangles.drain(100..104);
     write_surface(&dir.path("open.stl"), &open).unwrap();
-    dir.run(&["import", "open.stl", "-o", "never", "--no-repair"]).fails(1, "single triangle");
-    dir.run(&["import", "open.stl", "-o", "never", "--unit", "mm", "--scale", "0"])
-        .fails(2, "must be positive");
-    dir.run(&["import", "open.stl", "-o", "never", "--unit", "mm", "--move", "1,oops,2,3"])
+    dir.run("import open.stl -o never --no-repair").fails(1, "single triangle");
+    dir.run("import open.stl -o never --unit mm --scale 0").fails(2, "must be positive");
+    dir.run("import open.stl -o never --unit mm --move 1,oops,2,3")
         .fails(2, "three numbers with commas");
     let flat = SurfaceMesh { triangles: open.triangles[..1].to_vec(), ..open.clone() };
     write_surface(&dir.path("flat.stl"), &flat).unwrap();
-    dir.run(&["import", "flat.stl", "--unit", "mm", "-o", "never"]).fails(1, "which is no body");
+    dir.run("import flat.stl --unit mm -o never").fails(1, "which is no body");
     assert!(!dir.path("never").exists());
 
-    let Some(python) = python_with("wildmeshing") else { return };
+    let Some(dir) = dir.with_python("wildmeshing") else { return };
     // one vertex is pushed through the far side
     let mut pierced = open;
     let top = (0..pierced.vertices.len())
@@ -197,8 +187,7 @@ fn a_torn_surface_is_welded_and_a_broken_one_is_remade() {
         .unwrap();
     pierced.vertices[top] = Vec3::new(0.5, 0.3, -21.0);
     write_surface(&dir.path("broken.stl"), &pierced).unwrap();
-    let run = dir.run_with("PUFFER_PYTHON", &python, &["import", "broken.stl", "-o", "out"]);
-    run.says("remade by fTetWild");
+    dir.run("import broken.stl -o out").says("remade by fTetWild");
     let (surface, volume, _) = result(&dir);
     // the spike takes off a cone at the top; the envelope is a thousandth of the diagonal
     let lost = enclosed_volume(&pierced) - volume;
@@ -247,25 +236,23 @@ fn marked(step: &str) -> String {
 
 #[test]
 fn cad_files_keep_units_names_and_colours_of_faces() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    run_script(&dir, &python, BOX);
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["gmsh"]) else { return };
+    dir.script(BOX);
     for (file, said) in [
         ("box.step", "the file states its unit"),
         ("box.iges", "the file states its unit"),
         ("box.brep", "taken for mm"),
     ] {
-        run(&["import", file, "-o", "out"]).says(said);
+        dir.run(&format!("import {file} -o out")).says(said);
         let (_, volume, names) = result(&dir);
         assert!((volume / 6000.0 - 1.0).abs() < 1e-6, "{file}: {volume}");
         assert_eq!(names.len(), 6, "{file}: {names:?}");
     }
-    run(&["import", "box.step", "-o", "out", "--unit", "mm"]).fails(2, "states its unit");
+    dir.run("import box.step -o out --unit mm").fails(2, "states its unit");
 
     let step = fs::read_to_string(dir.path("box.step")).unwrap();
     dir.write("marked.step", &marked(&step));
-    run(&["import", "marked.step", "-o", "out"]).succeeds();
+    dir.run("import marked.step -o out").succeeds();
     let (_, _, names) = result(&dir);
     assert_eq!(names, ["color-ff0000", "face-4", "face-5", "face-6", "the-seat"]);
     let seat = read_surface(&dir.path("out/patches/the-seat.stl")).unwrap();
@@ -274,7 +261,7 @@ fn cad_files_keep_units_names_and_colours_of_faces() {
 
     // a script reads the file in the unit of its own numbers
     dir.write("reads.geo", "SetFactory(\"OpenCASCADE\"); a() = ShapeFromFile(\"box.step\");\n");
-    run(&["model", "reads.geo", "--unit", "mm", "--trust", "-o", "out"]).succeeds();
+    dir.run("model reads.geo --unit mm --trust -o out").succeeds();
     assert!((result(&dir).1 / 6000.0 - 1.0).abs() < 1e-6);
 
     // a plane face whose rim crosses itself
@@ -283,8 +270,7 @@ fn cad_files_keep_units_names_and_colours_of_faces() {
                Line(4) = {4, 1}; Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(7) = {1};\n\
                Physical Surface(\"lid\") = {7};\n";
     dir.write("bow.geo", bow);
-    run(&["model", "bow.geo", "--unit", "mm", "-o", "out"])
-        .fails(2, "face 7 (from 0 0 0 to 10 10 0)");
+    dir.run("model bow.geo --unit mm -o out").fails(2, "face 7 (from 0 0 0 to 10 10 0)");
 }
 
 /// A ball of 20 mm; a plate with fillets of 0.4 mm, once more in a file without a unit.
@@ -316,14 +302,12 @@ fn longest_edges(surface: &SurfaceMesh, part: f64) -> f64 {
 
 #[test]
 fn triangles_follow_curved_faces_of_cad_and_are_long_on_flat_ones() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    run_script(&dir, &python, ROUND);
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["gmsh"]) else { return };
+    dir.script(ROUND);
     let stated = || dir.json("out/model.json")["chord_error"].as_f64().unwrap() * 1e3;
     // how far the middles of the ball's triangles and of their edges are from it [mm], and how many there are
-    let ball = |chord: &[&str]| {
-        run(&[&["import", "ball.step", "-o", "out"], chord].concat())
+    let ball = |chord: &str| {
+        dir.run(&format!("import ball.step -o out {chord}"))
             .says("mm from the faces that they stand for");
         let (surface, _, _) = result(&dir);
         let off = |t: usize| {
@@ -334,14 +318,14 @@ fn triangles_follow_curved_faces_of_cad_and_are_long_on_flat_ones() {
         let count = surface.triangles.len();
         ((0..count).map(off).fold(0.0, f64::max), count)
     };
-    let (off, count) = ball(&[]);
+    let (off, count) = ball("");
     assert!(off < 0.02 && stated() < 0.02, "{off} {}", stated());
     assert!((stated() - off).abs() < 1e-4, "{} is not {off}", stated());
-    let (_, coarse) = ball(&["--chord", "8e-5", "--scale", "2"]);
+    let (_, coarse) = ball("--chord 8e-5 --scale 2");
     assert!(stated() > 0.08 && stated() < 0.16, "{}", stated());
     assert!(3 * coarse < count && count < 6 * coarse, "{count} {coarse}");
 
-    run(&["import", "plate.brep", "-o", "out"]).succeeds();
+    dir.run("import plate.brep -o out").succeeds();
     let (surface, volume, names) = result(&dir);
     assert!(stated() < 0.02, "{}", stated());
     assert!((volume / 19200.0 - 1.0).abs() < 5e-3, "{volume}");
@@ -350,7 +334,7 @@ fn triangles_follow_curved_faces_of_cad_and_are_long_on_flat_ones() {
     let edges = [0.02, 1.0].map(|part| longest_edges(&surface, part));
     assert!(edges[0] < 0.3 && edges[1] > 3.0, "{edges:?}");
     assert!(surface.triangles.len() < 20_000, "{}", surface.triangles.len());
-    run(&["import", "plate.step", "--chord", "1e-9", "-o", "never"])
+    dir.run("import plate.step --chord 1e-9 -o never")
         .fails(2, "triangles for a chord error of 1e-06 mm");
     assert!(!dir.path("never").exists());
 }
@@ -371,9 +355,8 @@ for name, x in (('inside', 5), ('open', -5)):
 
 #[test]
 fn of_two_solids_the_air_is_found_or_asked_for() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    run_script(&dir, &python, TWO);
+    let Some(dir) = Workdir::with(&["gmsh"]) else { return };
+    dir.script(TWO);
     // solids get names as a CAD program gives them
     let step = fs::read_to_string(dir.path("open.step")).unwrap();
     // and the face in which the air opens, too
@@ -383,45 +366,43 @@ fn of_two_solids_the_air_is_found_or_asked_for() {
         "open.step",
         &named.replacen("MANIFOLD_SOLID_BREP(''", "MANIFOLD_SOLID_BREP('air'", 1),
     );
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
     for verb in ["model", "import"] {
-        run(&[verb, "inside.step", "-o", "out"]).says(
+        dir.run(&format!("{verb} inside.step -o out")).says(
             "solid 2 of 1.200 cm3, from 5.0, 5.0, 3.0 to 35.0, 15.0, 7.0 mm lies inside solid 1",
         );
         assert!((result(&dir).1 / 6800.0 - 1.0).abs() < 1e-6);
-        let asked = run(&[verb, "open.step", "-o", "never"]);
+        let asked = dir.run(&format!("{verb} open.step -o never"));
         asked
             .fails(2, "solid 1 \"finger\" of 8.000 cm3, from 0.0, 0.0, 0.0 to 40.0, 20.0, 10.0 mm");
         let command = format!("cad2fem {verb} open.step -o never --subtract air");
         asked.fails(2, &format!("take it out of the others: {command}"));
-        run(&[verb, "open.step", "-o", "out", "--subtract", "air"]).succeeds();
+        dir.run(&format!("{verb} open.step -o out --subtract air")).succeeds();
         let (_, volume, names) = result(&dir);
         assert!((volume / 7000.0 - 1.0).abs() < 1e-6, "{volume}");
         let walls = names.iter().filter(|name| name.starts_with("air-")).count();
         assert_eq!((walls, names.len()), (5, 11), "{names:?}");
         assert!(names.contains(&"seat".to_owned()), "{names:?}");
-        run(&[verb, "open.step", "-o", "never", "--subtract", "3"])
+        dir.run(&format!("{verb} open.step -o never --subtract 3"))
             .fails(2, "--subtract 3: there is no such file or solid; the solids of open.step are 1 'finger', 2 'air'");
     }
-    run(&["pick", "open.step", "-o", "never.html"])
+    dir.run("pick open.step -o never.html")
         .fails(2, "take it out of the others: cad2fem pick open.step -o never.html --subtract air");
-    run(&["pick", "inside.step", "-o", "pick.html"]).says("12 faces, closed chambers: 1");
-    run(&["import", "open.step", "-o", "out", "--unite"]).succeeds();
+    dir.run("pick inside.step -o pick.html").says("12 faces, closed chambers: 1");
+    dir.run("import open.step -o out --unite").succeeds();
     assert!((result(&dir).1 / 8200.0 - 1.0).abs() < 1e-6);
     write_surface(&dir.path("box.stl"), &block(40.0, 20.0, 10.0)).unwrap();
-    run(&["import", "box.stl", "-o", "never", "--subtract", "air"]).fails(2, "--subtract air");
+    dir.run("import box.stl -o never --subtract air").fails(2, "--subtract air");
     assert!(!dir.path("never").exists());
 }
 
 #[test]
 fn printed_files_state_their_unit() {
-    let dir = Workdir::new();
-    let Some(python) = python_with("trimesh") else { return };
+    let Some(dir) = Workdir::with(&["trimesh"]) else { return };
     let write = "import trimesh; trimesh.creation.box((30, 20, 10)).export('box.3mf')";
-    run_script(&dir, &python, write);
-    dir.run(&["import", "box.3mf", "-o", "out"]).says("the file states its unit");
+    dir.script(write);
+    dir.run("import box.3mf -o out").says("the file states its unit");
     assert!((result(&dir).1 / 6000.0 - 1.0).abs() < 1e-6);
-    dir.run(&["import", "box.3mf", "-o", "out", "--unit", "m"]).fails(2, "leave out --unit");
+    dir.run("import box.3mf -o out --unit m").fails(2, "leave out --unit");
 }
 
 #[test]
@@ -437,7 +418,7 @@ fn the_boundary_of_a_mesh_comes_with_a_patch_for_each_tag() {
     let low = |t: &&[usize; 3]| t.iter().all(|&v| skin.vertices[v].z < 1e-9);
     skin.triangles.iter().filter(low).for_each(|&t| tags.set(t, 1));
     mesh::io::write_tets(&dir.path("in.msh"), &mesh::TetMesh { vertices, tets }, &tags).unwrap();
-    dir.run(&["import", "in.msh", "-o", "out"]).says("taken for mm");
+    dir.run("import in.msh -o out").says("taken for mm");
     let (surface, volume, patches) = result(&dir);
     assert_eq!(surface.triangles.len(), 12);
     assert_eq!(patches, ["floor", "rest"]);

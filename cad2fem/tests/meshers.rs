@@ -5,7 +5,7 @@
 
 use std::fs;
 
-use crate::support::{Workdir, python_with, scene};
+use crate::support::{Workdir, scene};
 use mesh::check::check_surface;
 use mesh::io::{read_surface, read_tets, write_surface};
 use mesh::measure::{area, enclosed_volume, quality, volume};
@@ -15,15 +15,13 @@ use mesh::{TetMesh, Vec3};
 
 #[test]
 fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
-    let Some(python) = python_with("wildmeshing") else { return };
-    let dir = Workdir::new();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
-    run(&["model", &scene("beam", "model.toml"), "-o", "model"]).succeeds();
+    let Some(dir) = Workdir::with(&["wildmeshing"]) else { return };
+    dir.run(&format!("model {} -o model", scene("beam", "model.toml"))).succeeds();
     let config = scene("beam", "cad2fem.toml");
-    let mesh = ["tetmesh", "model/model.stl", "--config", &config, "-o"];
+    let mesh = format!("tetmesh model/model.stl --config {config} -o");
     // a module of the standard library that Python imports for us
     dir.write("csv.py", "open('executed', 'w')");
-    run(&[&mesh[..], &["a.msh"]].concat()).succeeds();
+    dir.run(&format!("{mesh} a.msh")).succeeds();
     assert!(!dir.path("executed").exists(), "a file of the working directory was run");
 
     let tets = read_tets(&dir.path("a.msh")).unwrap().mesh;
@@ -44,28 +42,20 @@ fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
     // The envelope of 0.4 mm may shift the rim of the slot, 28 mm long.
     assert!((flat - fixed).abs() < 28e-3 * 4e-4, "{flat:e} of {fixed:e}");
 
-    run(&[&mesh[..], &["b.msh"]].concat()).says("from the cache");
+    dir.run(&format!("{mesh} b.msh")).says("from the cache");
     let bytes = |name: &str| fs::read(dir.path(name)).unwrap();
     assert_eq!(bytes("a.msh"), bytes("b.msh"));
 
-    let entry = fs::read_dir(dir.path("cache/meshes")).unwrap().map(|e| e.unwrap().path());
-    let entry = entry.filter(|p| p.extension().is_some_and(|e| e == "msh")).last().unwrap();
-    fs::write(&entry, &bytes("a.msh")[..5000]).unwrap();
-    let again = run(&[&mesh[..], &["c.msh"]].concat());
-    again.says("damaged cache entry");
-    assert!(!again.stderr.contains("from the cache"));
-    assert_eq!(fs::read(&entry).unwrap(), bytes("c.msh"));
     // made twice, with the same bits
+    dir.run(&format!("{mesh} c.msh --no-cache")).succeeds();
     assert_eq!(bytes("a.msh"), bytes("c.msh"));
 }
 
 #[test]
 fn gmsh_takes_the_chamber_from_cad_to_tets() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["gmsh"]) else { return };
     let script = scene("chamber", "model.geo");
-    run(&["model", &script, "--unit", "mm", "--set", "h=3", "-o", "model"]).succeeds();
+    dir.run(&format!("model {script} --unit mm --set h=3 -o model")).succeeds();
 
     let surface = read_surface(&dir.path("model/model.stl")).unwrap();
     assert_eq!(check_surface(&surface), vec![]);
@@ -77,7 +67,7 @@ fn gmsh_takes_the_chamber_from_cad_to_tets() {
     assert!((enclosed_volume(&surface) / exact - 1.0).abs() < 0.02);
 
     let config = scene("chamber", "cad2fem.toml");
-    let made = run(&["tetmesh", "model/model.stl", "--config", &config, "-o", "out.msh"]);
+    let made = dir.run(&format!("tetmesh model/model.stl --config {config} -o out.msh"));
     made.succeeds();
     let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
     let off = volume(&tets) / enclosed_volume(&surface) - 1.0;
@@ -87,13 +77,12 @@ fn gmsh_takes_the_chamber_from_cad_to_tets() {
 
     // a user who wants longer edges than the surface has learns what makes them
     assert!(!made.stderr.contains("keeps the triangles"), "{}", made.stderr);
-    let mesh = ["tetmesh", "model/model.stl", "--mesher", "gmsh", "-o", "longer.msh"];
-    run(&[&mesh[..], &["--edge-length", "6e-3"]].concat())
+    dir.run("tetmesh model/model.stl --mesher gmsh -o longer.msh --edge-length 6e-3")
         .says("edges of 6.0000 mm are wanted, but gmsh keeps the triangles of the surface");
 
-    run(&["model", &script, "--unit", "mm", "--set", "k=4", "-o", "model"]).fails(2, "no number k");
+    dir.run(&format!("model {script} --unit mm --set k=4 -o model")).fails(2, "no number k");
     dir.write("broken.geo", "Sphere(1) = {0,");
-    run(&["model", "broken.geo", "--unit", "mm", "-o", "model"]).fails(2, "syntax error");
+    dir.run("model broken.geo --unit mm -o model").fails(2, "syntax error");
 }
 
 /// The mesher of a mesh, and how far its boundary is from the surface [envelope].
@@ -105,12 +94,10 @@ fn made(dir: &Workdir) -> (String, f64) {
 
 #[test]
 fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
-    let (Some(python), Some(_)) = (python_with("gmsh"), python_with("wildmeshing")) else { return };
-    let dir = Workdir::new();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["gmsh", "wildmeshing"]) else { return };
     let ball = |radius: f64| Solid::sphere(&Vec3::zeros(), radius, 48);
     write_surface(&dir.path("ball.stl"), &ball(0.02).to_surface()).unwrap();
-    run(&["tetmesh", "ball.stl", "-o", "out.msh"]).succeeds();
+    dir.run("tetmesh ball.stl -o out.msh").succeeds();
     assert!(
         matches!(made(&dir), (mesher, off) if mesher == "gmsh" && off < 1e-9),
         "{:?}",
@@ -123,7 +110,7 @@ fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
         12,
     ));
     write_surface(&dir.path("hollow.stl"), &hollow.to_surface()).unwrap();
-    run(&["tetmesh", "hollow.stl", "--mesher", "gmsh", "-o", "out.msh"]).succeeds();
+    dir.run("tetmesh hollow.stl --mesher gmsh -o out.msh").succeeds();
     assert!(
         matches!(made(&dir), (mesher, off) if mesher == "gmsh" && off < 1e-9),
         "{:?}",
@@ -135,27 +122,25 @@ fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
     // what gmsh cannot keep goes to fTetWild, unless gmsh was asked for
     let plate = Solid::cube(&Vec3::new(-0.03, -0.03, -1e-3), &Vec3::new(0.03, 0.03, 1e-3));
     write_surface(&dir.path("plate.stl"), &plate.to_surface()).unwrap();
-    let inside = ["tetmesh", "ball.stl", "--inside", "plate.stl", "-o", "out.msh"];
-    run(&inside).says("ftetwild is tried");
+    let inside = "tetmesh ball.stl --inside plate.stl -o out.msh";
+    dir.run(inside).says("ftetwild is tried");
     assert_eq!(made(&dir).0, "ftetwild");
-    run(&[&inside[..], &["--mesher", "gmsh"]].concat()).fails(2, "surfaces inside cross");
+    dir.run(&format!("{inside} --mesher gmsh")).fails(2, "surfaces inside cross");
 }
 
 #[test]
 fn scripts_reach_outside_only_with_trust() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["gmsh"]) else { return };
     let body = "SetFactory('OpenCASCADE'); Box(1) = {0, 0, 0, 30, 20, 10};\n";
     let reach = |name: &str| format!("SystemCall 'touch {}';\n", dir.path(name).display());
-    let model = |name: &'static str| vec!["model", name, "--unit", "mm", "-o", "model"];
+    let model = |name: &str| dir.run(&format!("model {name} --unit mm -o model"));
 
     dir.write("calls.geo", &format!("{body}{}", reach("called")));
-    let refused = run(&model("calls.geo"));
+    let refused = model("calls.geo");
     refused.fails(2, "calls.geo: line 2: SystemCall runs programs");
     refused.fails(2, "--trust");
     assert!(!dir.path("called").exists());
-    run(&[&model("calls.geo")[..], &["--trust"]].concat()).says(&python);
+    model("calls.geo --trust").says("Python of the meshers: ");
     assert!(dir.path("called").exists());
 
     // gmsh skips what an If leaves out without a look at quotes, and begins a line anew in a loop
@@ -166,16 +151,16 @@ fn scripts_reach_outside_only_with_trust() {
         format!("If (0)\nE\" EndIf {} \"\nEndIf\n", hidden.trim()),
     ] {
         dir.write("escapes.geo", &format!("{body}{escape}"));
-        run(&model("escapes.geo")); // whether gmsh likes it or not
+        model("escapes.geo"); // whether gmsh likes it or not
         assert!(!dir.path("hidden").exists(), "{escape}");
     }
     // gmsh reads options from a file beside the one that it opens
     dir.write("box.geo", body);
     dir.write("box.geo.opt", &reach("options"));
-    run(&model("box.geo")).succeeds();
+    model("box.geo").succeeds();
     assert!(!dir.path("options").exists());
     dir.write("broken.geo", &format!("{body}Sphere(1) = {{0,"));
-    run(&model("broken.geo")).fails(2, "'broken.geo', line ");
+    model("broken.geo").fails(2, "'broken.geo', line ");
 }
 
 /// Two boxes of 20 × 10 mm, 2 and 4 mm high, on each other.
@@ -195,11 +180,9 @@ Mesh.MeshSizeMax = 3;
 
 #[test]
 fn surfaces_inside_are_facets_of_both_meshers() {
-    let Some(python) = python_with("gmsh") else { return };
-    let dir = Workdir::new();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["gmsh"]) else { return };
     dir.write("layered.geo", LAYERED);
-    let made = run(&["model", "layered.geo", "--unit", "mm", "-o", "model"]);
+    let made = dir.run("model layered.geo --unit mm -o model");
     made.succeeds();
     made.says("inside: cad2fem tetmesh --inside");
     let read = |name: &str| read_surface(&dir.path(&format!("model/{name}.stl"))).unwrap();
@@ -213,14 +196,13 @@ fn surfaces_inside_are_facets_of_both_meshers() {
         volume(&TetMesh { vertices: mesh.vertices.clone(), tets })
     };
     for mesher in ["gmsh", "ftetwild"] {
-        if mesher == "ftetwild" && python_with("wildmeshing").is_none() {
+        if mesher == "ftetwild" && Workdir::with(&["wildmeshing"]).is_none() {
             continue;
         }
         // The sheet, and the boundary of a part, most of which is on that of the body.
         for inside in ["model/patches/sheet.stl", "model/volumes/floor.stl"] {
-            let edge = ["--mesher", mesher, "--edge-length", "0.003", "--inside", inside];
-            let mesh = [&["tetmesh", "model/model.stl", "-o", "out.msh"][..], &edge].concat();
-            run(&mesh).succeeds();
+            let mesh = "tetmesh model/model.stl -o out.msh --edge-length 0.003";
+            dir.run(&format!("{mesh} --mesher {mesher} --inside {inside}")).succeeds();
             let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
             // the envelope of fTetWild, 0.02 mm, on the area of the sheet
             assert!((below(&tets) - 4e-7).abs() < 2e-4 * 2e-5, "{mesher}: {:e}", below(&tets));
@@ -228,18 +210,15 @@ fn surfaces_inside_are_facets_of_both_meshers() {
     }
     let across = "Box(1) = {5, 5, 1, 30, 30, 2}; Mesh.MeshSizeMax = 9;";
     dir.write("across.geo", &format!("SetFactory(\"OpenCASCADE\"); {across}"));
-    run(&["model", "across.geo", "--unit", "mm", "-o", "across"]).succeeds();
-    let crossing = ["tetmesh", "model/model.stl", "--mesher", "gmsh", "-o", "never.msh"];
-    let crossing = [&crossing[..], &["--inside", "across/model.stl"]].concat();
-    run(&crossing).fails(2, "surfaces inside cross each other or the boundary");
+    dir.run("model across.geo --unit mm -o across").succeeds();
+    dir.run("tetmesh model/model.stl --mesher gmsh -o never.msh --inside across/model.stl")
+        .fails(2, "surfaces inside cross each other or the boundary");
 }
 
 /// A skin and a chamber from two files, and the volume of a selection, which reaches out of the body.
 #[test]
 fn several_files_and_a_selection_go_to_the_mesher_together() {
-    let Some(python) = python_with("wildmeshing") else { return };
-    let dir = Workdir::new();
-    let run = |arguments: &[&str]| dir.run_with("PUFFER_PYTHON", &python, arguments);
+    let Some(dir) = Workdir::with(&["wildmeshing"]) else { return };
     let cuboid = |name: &str, low: [f64; 3], high: [f64; 3]| {
         let surface = Solid::cube(&Vec3::from(low), &Vec3::from(high)).to_surface();
         write_surface(&dir.path(name), &surface).unwrap();
@@ -247,8 +226,8 @@ fn several_files_and_a_selection_go_to_the_mesher_together() {
     cuboid("skin.stl", [0.0; 3], [0.02, 0.01, 0.01]);
     cuboid("chamber.stl", [0.004, 0.003, 0.003], [0.016, 0.007, 0.007]);
     cuboid("selection.stl", [0.0124, -0.001, -0.001], [0.021, 0.011, 0.011]);
-    let both = ["tetmesh", "skin.stl", "chamber.stl", "--edge-length", "0.002", "-o", "out.msh"];
-    run(&[&both[..], &["--inside", "selection.stl"]].concat()).succeeds();
+    dir.run("tetmesh skin.stl chamber.stl --edge-length 0.002 -o out.msh --inside selection.stl")
+        .succeeds();
     let tets = read_tets(&dir.path("out.msh")).unwrap().mesh;
     let expected = 2e-6 - 0.012 * 0.004 * 0.004;
     assert!((volume(&tets) / expected - 1.0).abs() < 1e-3, "{:e}", volume(&tets));
@@ -263,6 +242,6 @@ fn several_files_and_a_selection_go_to_the_mesher_together() {
     assert_eq!(report["input"][1]["path"], "chamber.stl");
     // one of them alone is no body
     cuboid("beside.stl", [0.018, 0.002, 0.002], [0.03, 0.008, 0.008]);
-    run(&["tetmesh", "skin.stl", "beside.stl", "-o", "never.msh"])
+    dir.run("tetmesh skin.stl beside.stl -o never.msh")
         .fails(2, "skin.stl, beside.stl: it does not bound");
 }

@@ -37,7 +37,7 @@ fn results() -> Workdir {
     dir
 }
 
-const PACK: [&str; 6] = ["pack", "mine/build", "--sources", "mine", "-o", "mine/build/mine.zip"];
+const PACK: &str = "pack mine/build --sources mine -o mine/build/mine.zip";
 
 fn entries(bytes: &[u8]) -> BTreeMap<String, Vec<u8>> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).unwrap();
@@ -59,7 +59,7 @@ fn a_package_has_results_and_sources_and_is_always_the_same() {
     dir.write("mine/Makefile", "$(shell touch ran)");
     dir.write("mine/rules.mk", "$(shell touch ran)");
     dir.write("mine/sim.`touch ran`.toml", "");
-    let run = dir.run(&PACK);
+    let run = dir.run(PACK);
     run.says("mine.zip: ");
     run.says("sources/sim.`touch ran`.toml: left out of the package, as make or a shell may take the '`'");
     let first = fs::read(dir.path("mine/build/mine.zip")).unwrap();
@@ -101,10 +101,10 @@ fn a_package_has_results_and_sources_and_is_always_the_same() {
     // another day, the same bits
     let model = fs::File::options().append(true).open(dir.path("mine/model.toml")).unwrap();
     model.set_modified(SystemTime::now() - Duration::from_secs(86_400)).unwrap();
-    dir.run(&PACK).succeeds();
+    dir.run(PACK).succeeds();
     assert!(fs::read(dir.path("mine/build/mine.zip")).unwrap() == first);
     dir.write("mine/model.toml", "changed");
-    dir.run(&PACK).succeeds();
+    dir.run(PACK).succeeds();
     assert!(fs::read(dir.path("mine/build/mine.zip")).unwrap() != first);
 }
 
@@ -132,7 +132,7 @@ fn a_model_made_by_hand_is_packed_with_its_cad() {
         dir.write(&format!("mine/build/model/{name}"), name);
     }
     dir.write("mine/Makefile", "LIKE := gripper\n");
-    let run = dir.run(&PACK);
+    let run = dir.run(PACK);
     run.says("gone.step is not what this result was made from");
     let packed = entries(&fs::read(dir.path("mine/build/mine.zip")).unwrap());
     let names: Vec<&str> =
@@ -156,13 +156,13 @@ fn a_model_made_by_hand_is_packed_with_its_cad() {
 #[test]
 fn what_cannot_be_packed_leaves_the_package_as_it_was() {
     let dir = results();
-    dir.run(&["pack", "mine/build", "-o", "mine.tar"]).fails(2, "must end with .zip");
-    dir.run(&["pack", "mine", "-o", "mine.zip"]).fails(2, "nothing to show");
-    dir.run(&["pack", "mine/build", "--sources", "nowhere", "-o", "mine.zip"]).fails(2, "nowhere");
-    dir.run(&PACK).succeeds();
+    dir.run("pack mine/build -o mine.tar").fails(2, "must end with .zip");
+    dir.run("pack mine -o mine.zip").fails(2, "nothing to show");
+    dir.run("pack mine/build --sources nowhere -o mine.zip").fails(2, "nowhere");
+    dir.run(PACK).succeeds();
     let before = fs::read(dir.path("mine/build/mine.zip")).unwrap();
     fs::remove_file(dir.path("mine/build/report.html")).unwrap();
-    dir.run(&PACK).fails(2, "cad2fem report mine/build -o mine/build/report.html");
+    dir.run(PACK).fails(2, "cad2fem report mine/build -o mine/build/report.html");
     assert!(fs::read(dir.path("mine/build/mine.zip")).unwrap() == before);
     assert!(!dir.path("mine.zip").exists() && !dir.path("mine.tar").exists());
 }

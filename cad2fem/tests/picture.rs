@@ -18,8 +18,7 @@ struct Picture {
 }
 
 fn run(dir: &Workdir, args: &str, threads: &str) -> Run {
-    let words = ["picture"].into_iter().chain(args.split_whitespace()).chain(["-o", "out.png"]);
-    dir.run_with("RAYON_NUM_THREADS", threads, &words.collect::<Vec<_>>())
+    dir.run_with("RAYON_NUM_THREADS", threads, &format!("picture {args} -o out.png"))
 }
 
 fn draw(dir: &Workdir, args: &str) -> Picture {

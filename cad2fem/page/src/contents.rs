@@ -38,7 +38,8 @@ pub fn all(survey: &Survey) -> Result<Vec<Content>> {
         Ok(())
     };
     add(&survey.folder, &|group, _| group != 0)?;
-    for folder in survey.runs.iter().chain(&survey.designs) {
+    let runs = survey.runs.iter().map(|run| &run.folder);
+    for folder in runs.chain(survey.designs.iter().map(|design| &design.folder)) {
         // of a folder of results no pictures and surfaces
         add(folder, &|group, _| group >= 2)?;
     }

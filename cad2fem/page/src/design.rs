@@ -15,12 +15,12 @@ use crate::Shown;
 use crate::reported::{Design, read_lines};
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
-use crate::survey::name;
+use crate::survey::{Reported, name};
 
 /// History and shapes of an optimisation.
-pub fn packed(folder: &Path, shown: Shown, store: &mut Store) -> Result<Value> {
+pub fn packed(found: &Reported<Design>, shown: Shown, store: &mut Store) -> Result<Value> {
+    let Reported { folder, report: Design { status, designed } } = found;
     let history: Vec<Iteration> = read_lines(&folder.join("history.jsonl"))?;
-    let Design { status, designed } = Design::read(folder)?;
     let mut shapes = Vec::new();
     let mut files = shape_files(folder)?;
     if shown == Shown::Last {
@@ -45,7 +45,7 @@ pub fn packed(folder: &Path, shown: Shown, store: &mut Store) -> Result<Value> {
         "history": history,
         "shapes": shapes,
         "status": status,
-        "levels": designed.map(|designed| designed.levels),
+        "levels": designed.as_ref().map(|designed| &designed.levels),
     }))
 }
 

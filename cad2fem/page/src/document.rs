@@ -39,7 +39,7 @@ pub fn assemble(
         main {
             @if shown == Shown::Last { p.notice { (LAST) } }
             (viewer())
-            (facts::results(survey)?)
+            (facts::results(survey))
             (validation::all(survey)?)
             (facts::checks(survey)?)
             (facts::casting(survey)?)

@@ -9,8 +9,8 @@ use program::InputFile;
 use reports::{Chamber, End, ErrorBar, ErrorBars, PointKind};
 
 use crate::prose::{digits, quantity};
-use crate::reported::{CastSheet, Design, Plan, Provenance, Run, read};
-use crate::survey::{Survey, name};
+use crate::reported::{CastSheet, Design, Provenance, read};
+use crate::survey::{Reported, Survey, name};
 use crate::wall;
 
 /// A table, without columns in which no row has anything.
@@ -63,10 +63,9 @@ fn largest_displacement(end: &End) -> Option<f64> {
 }
 
 /// What simulations and optimisations found, and the probes with their error bars.
-pub fn results(survey: &Survey) -> Result<Markup> {
+pub fn results(survey: &Survey) -> Markup {
     let (mut rows, mut probes, mut limits) = (Vec::new(), Vec::new(), Vec::new());
-    for folder in &survey.runs {
-        let report: Run = read(&folder.join("report.json"))?;
+    for Reported { folder, report } in &survey.runs {
         let end = report.end.as_ref();
         let chamber = |(tag, c): (&String, &Chamber)| {
             let (rest, now) = (quantity(c.volume_rest, "m3"), quantity(c.volume, "m3"));
@@ -96,9 +95,9 @@ pub fn results(survey: &Survey) -> Result<Markup> {
         @if !rows.is_empty() { (table(&heads, &rows)) }
         @if !probes.is_empty() { h3 { "Probes" } (table(&probe_heads, &probes)) }
         @if !limits.is_empty() { h3 { "Limits" } (table(&limit_heads, &limits)) }
-        @for folder in &survey.designs { (terms_of(folder)?) }
+        @for design in &survey.designs { (terms_of(design)) }
     };
-    Ok(section("results", "Results", &content))
+    section("results", "Results", &content)
 }
 
 fn probe_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
@@ -145,14 +144,12 @@ fn limit_rows(run: &str, end: &End, rows: &mut Vec<Vec<Markup>>) {
 }
 
 /// Objective and terms of an optimisation before and after.
-fn terms_of(folder: &Path) -> Result<Markup> {
-    let Design { status: Some(status), designed } = Design::read(folder)? else {
-        return Ok(html! {});
-    };
+fn terms_of(Reported { folder, report }: &Reported<Design>) -> Markup {
+    let Design { status: Some(status), designed } = report else { return html! {} };
     let text = |value: Option<f64>| value.map_or_else(String::new, whole_or_digits);
     let row = |label: &str, before, after| texts([label.to_owned(), text(before), text(after)]);
     let mut rows = Vec::new();
-    if let Some(found) = &designed {
+    if let Some(found) = designed {
         rows.push(row("objective", found.objective_before, found.objective_after));
         for (term, after) in &found.terms_after {
             rows.push(row(term, found.terms_before.get(term).copied().flatten(), *after));
@@ -160,13 +157,13 @@ fn terms_of(folder: &Path) -> Result<Markup> {
     }
     let head = ["term of the objective", "before", "after"];
     let levels = designed.iter().flat_map(|found| &found.levels);
-    Ok(html! {
-        h3 { (name(folder)) ": " (status_in_words(&status)) }
+    html! {
+        h3 { (name(folder)) ": " (status_in_words(status)) }
         @for end in levels {
             p { "Level " (end.level) " " (end.ending.in_words()) ": " (end.why) "." }
         }
         (table(&head, &rows))
-    })
+    }
 }
 
 /// What `fab verify` found, line by line; what failed comes first.
@@ -200,12 +197,10 @@ fn columns(line: &str) -> Vec<&str> {
 
 /// Why the mold is as it is, and the casting sheets.
 pub fn casting(survey: &Survey) -> Result<Markup> {
-    let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
-    let plans = plans.map(|path| read::<Plan>(path)).collect::<Result<Vec<_>>>()?;
     let sheets =
         survey.sheets().map(|path| read::<CastSheet>(&path)).collect::<Result<Vec<_>>>()?;
     let content = html! {
-        @for plan in &plans {
+        @for plan in &survey.plans {
             p { "Method: " strong { (plan.method) } "; " (plan.reason) "." }
         }
         @for sheet in &sheets {
@@ -214,7 +209,7 @@ pub fn casting(survey: &Survey) -> Result<Markup> {
                 ol { @for step in &sheet.steps { li { (step) } } }
             }
         }
-        @for plan in plans.iter().filter(|plan| sheets.len() > 1 && !plan.steps.is_empty()) {
+        @for plan in survey.plans.iter().filter(|plan| sheets.len() > 1 && !plan.steps.is_empty()) {
             ol { @for step in &plan.steps { li { (step) } } }
         }
     };
@@ -240,7 +235,7 @@ pub fn provenance(survey: &Survey) -> Result<Markup> {
     let head = ["report", "program", "inputs, SHA-256", "time", "memory"];
     let content = html! {
         (table(&head, &rows))
-        (timings(survey)?)
+        (timings(survey))
         p { "Page by cad2fem " (env!("CARGO_PKG_VERSION")) "." }
     };
     Ok(section("inputs", "Inputs and versions", &content))
@@ -251,10 +246,9 @@ fn input(input: &InputFile) -> Markup {
 }
 
 /// What took how long in simulations.
-fn timings(survey: &Survey) -> Result<Markup> {
+fn timings(survey: &Survey) -> Markup {
     let mut rows = Vec::new();
-    for folder in &survey.runs {
-        let report: Run = read(&folder.join("report.json"))?;
+    for Reported { folder, report } in &survey.runs {
         let tasks = report.end.iter().flat_map(|end| end.timings.tasks());
         rows.extend(tasks.map(|(task, time)| {
             let [wall, processor] = [time.wall_s, time.processor_s].map(|t| digits(t) + " s");
@@ -262,11 +256,11 @@ fn timings(survey: &Survey) -> Result<Markup> {
         }));
     }
     let head = ["simulation", "task", "wall time", "processor time"];
-    Ok(html! {
+    html! {
         @if !rows.is_empty() {
             details { summary { "where the time went" } (table(&head, &rows)) }
         }
-    })
+    }
 }
 
 /// All pictures, in the page itself.
@@ -301,8 +295,7 @@ pub(crate) fn picture(path: &Path) -> Result<Markup> {
 pub fn headlines(survey: &Survey) -> Result<Markup> {
     let mut tiles: Vec<(String, Vec<String>)> = Vec::new();
     let mut moved = Vec::new();
-    for folder in &survey.runs {
-        let report: Run = read(&folder.join("report.json"))?;
+    for Reported { folder, report } in &survey.runs {
         if let Some(u) = report.end.as_ref().and_then(largest_displacement) {
             moved.push(format!("{} {}", quantity(u, "m"), name(folder)));
         }
@@ -310,15 +303,15 @@ pub fn headlines(survey: &Survey) -> Result<Markup> {
     if !moved.is_empty() {
         tiles.push(("largest displacement".into(), moved));
     }
-    for folder in &survey.designs {
-        let designed = Design::read(folder)?.designed;
+    for Reported { folder, report } in &survey.designs {
+        let designed = report.designed.as_ref();
         let objectives = designed.map(|found| (found.objective_before, found.objective_after));
         if let Some((Some(before), Some(after))) = objectives {
             let value = format!("{} → {}", digits(before), digits(after));
             tiles.push((format!("objective, {}", name(folder)), vec![value]));
         }
     }
-    let walls = wall::all(survey)?;
+    let walls = wall::all(survey);
     if !walls.is_empty() {
         let each = walls.iter().map(|wall| quantity(wall.thickness, "m")).collect();
         tiles.push(("thinnest wall".into(), each));

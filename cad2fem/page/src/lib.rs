@@ -55,7 +55,7 @@ pub enum Shown {
 pub fn write(folder: &Path, output: &Path, title: &str, shown: Shown) -> Result<Summary> {
     let survey = Survey::of(folder)?;
     let mut store = Store::default();
-    let walls = wall::all(&survey)?;
+    let walls = wall::all(&survey);
     let runs = run::all(&survey, &walls, shown, &mut store)?;
     let mut designs = Vec::new();
     for found in &survey.designs {

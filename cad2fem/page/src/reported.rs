@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use mesh::Vec3;
 use mesh::io::read_text;
 use program::InputFile;
@@ -174,6 +174,56 @@ impl Mold {
     pub fn in_mold(&self, place: &Vec3) -> Option<Vec3> {
         let row = |[x, y, z, shift]: [f64; 4]| Vec3::new(x, y, z).dot(place) + shift;
         Some(Vec3::from(self.design_to_mold?.map(row)))
+    }
+}
+
+/// The report of a surface in regions, `model.json`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Model {
+    /// The file that was modelled.
+    pub input: Option<InputFile>,
+    /// Regions of the surface.
+    pub regions: Vec<Region>,
+    /// Surfaces inside the body.
+    pub inside: Vec<Region>,
+    /// Regions that meet without an edge, where CAD says so.
+    pub tangent: Option<Vec<[String; 2]>>,
+    /// What it was imported from, if it was.
+    pub import: Imported,
+}
+
+/// A region of a surface, or a surface inside the body.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Region {
+    /// The name of its file in `patches`, without extension.
+    pub name: String,
+    /// What its faces are, such as `plane`, where CAD says so.
+    pub kind: Option<String>,
+}
+
+/// What a surface was imported from.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Imported {
+    /// Angle at which faces of files of triangles end [deg], if they were parted.
+    pub split: Option<f64>,
+    /// The files.
+    pub files: Vec<InputFile>,
+}
+
+impl Model {
+    /// Reads the report in a folder that `cad2fem model` or `cad2fem import` wrote.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join("model.json");
+        ensure!(
+            path.is_file(),
+            "{}: there is no model.json; a folder is needed that `cad2fem model` or `cad2fem import` has written",
+            folder.display()
+        );
+        let model: Self = read(&path)?;
+        ensure!(!model.regions.is_empty(), "{}: model.json has no regions", folder.display());
+        Ok(model)
     }
 }
 

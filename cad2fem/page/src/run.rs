@@ -10,10 +10,10 @@ use program::{InputFile, sha256_file};
 use serde_json::{Value, json};
 
 use crate::Shown;
-use crate::reported::{self, read};
+use crate::reported::Run;
 use crate::solid::{Solid, TagsByPlace};
 use crate::store::Store;
-use crate::survey::{Survey, name};
+use crate::survey::{Reported, Survey, name};
 use crate::threads;
 use crate::wall::{self, Wall};
 
@@ -35,12 +35,11 @@ pub fn all(survey: &Survey, walls: &[Wall], shown: Shown, store: &mut Store) -> 
         .iter()
         .map(|path| Ok(Known { path: path.clone(), sha256: sha256_file(path)? }))
         .collect::<Result<_>>()?;
-    let mut sources = Vec::new();
-    for folder in &survey.runs {
-        sources.push(Source::of_run(folder, &known)?);
-    }
-    for folder in &survey.designs {
-        let source = Source::of_design(folder, &known)?;
+    let none = Run::default();
+    let mut sources: Vec<Source> =
+        survey.runs.iter().map(|run| Source::of_run(run, &known)).collect();
+    for design in &survey.designs {
+        let source = Source::of_design(&design.folder, &none, &known);
         let has = |s: &Source, hash: &str| s.meshes.iter().any(|m| m.mesh.sha256 == hash);
         let again = |s: &Source| source.meshes.iter().all(|m| has(s, &m.mesh.sha256));
         if !source.states.is_empty() && !sources.iter().any(again) {
@@ -57,9 +56,9 @@ pub fn all(survey: &Survey, walls: &[Wall], shown: Shown, store: &mut Store) -> 
 }
 
 /// Files of a simulation.
-struct Source {
-    folder: PathBuf,
-    report: reported::Run,
+struct Source<'a> {
+    folder: &'a Path,
+    report: &'a Run,
     /// States in their order, with the entry of `steps` in the report.
     states: Vec<(PathBuf, Option<usize>)>,
     /// Meshes that the report names.
@@ -75,9 +74,8 @@ struct Part {
     shift: Vec3,
 }
 
-impl Source {
-    fn of_run(folder: &Path, known: &[Known]) -> Result<Self> {
-        let report: reported::Run = read(&folder.join("report.json"))?;
+impl<'a> Source<'a> {
+    fn of_run(Reported { folder, report }: &'a Reported<Run>, known: &[Known]) -> Self {
         let steps = report.steps.len();
         let each = (0..steps).map(|i| (folder.join(format!("step_{i:03}.vtu")), Some(i)));
         let mut states: Vec<_> = each.filter(|(path, _)| path.exists()).collect();
@@ -87,19 +85,19 @@ impl Source {
         }
         let failed = folder.join("not_full_load.vtu");
         states.extend(failed.exists().then_some((failed, None)));
-        let meshes = meshes(&report, folder, known);
-        Ok(Self { folder: folder.to_owned(), report, states, meshes })
+        let meshes = meshes(report, folder, known);
+        Self { folder, report, states, meshes }
     }
 
-    fn of_design(folder: &Path, known: &[Known]) -> Result<Self> {
-        let report = reported::Run::default();
+    /// What an optimisation left; its report is that of no simulation.
+    fn of_design(folder: &'a Path, report: &'a Run, known: &[Known]) -> Self {
         let state = folder.join("result.vtu");
         let states = if state.exists() { vec![(state, None)] } else { vec![] };
         let is_design =
             |k: &&Known| k.path.parent() == Some(folder) && name(&k.path).starts_with("design.");
         let alone = |mesh: &Known| Part { mesh: mesh.clone(), body: None, shift: Vec3::zeros() };
         let meshes = known.iter().filter(is_design).map(alone).collect();
-        Ok(Self { folder: folder.to_owned(), report, states, meshes })
+        Self { folder, report, states, meshes }
     }
 
     /// The thinnest wall at rest of a body of the run, and its place [m]; nothing where no mold was planned
@@ -153,10 +151,10 @@ impl Source {
         let end = self.report.end.as_ref();
         let windings = end.and_then(|end| end.terms.windings.as_ref());
         let force = windings.map(|all| all.iter().map(|w| w.force[1]).fold(0.0, f64::max));
-        let threads = threads::packed(&self.folder, &solid, force, store)?;
+        let threads = threads::packed(self.folder, &solid, force, store)?;
         let chambers = end.map(|end| end.chambers.keys().collect::<Vec<_>>());
         Ok(json!({
-            "name": name(&self.folder),
+            "name": name(self.folder),
             "body": body,
             "threads": threads,
             "states": states,
@@ -174,7 +172,7 @@ impl Source {
 }
 
 /// The meshes of a report: by their hash, wherever they are now.
-fn meshes(report: &reported::Run, folder: &Path, known: &[Known]) -> Vec<Part> {
+fn meshes(report: &Run, folder: &Path, known: &[Known]) -> Vec<Part> {
     let part = |(i, input): (usize, &InputFile)| {
         let body = report.config.body.get(i).cloned().unwrap_or_default();
         let mesh = find(input, folder, known)?;

@@ -4,17 +4,19 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::reported::{Plan, read};
+use crate::reported::{Design, Plan, Run, read};
 
 /// Where the parts of a page are; all paths start with the folder that was searched.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// What was searched.
     pub folder: PathBuf,
-    /// Folders of simulations: `report.json` and states.
-    pub runs: Vec<PathBuf>,
-    /// Folders of optimisations: `history.jsonl`.
-    pub designs: Vec<PathBuf>,
+    /// Simulations: `report.json` and states.
+    pub runs: Vec<Reported<Run>>,
+    /// Optimisations: `history.jsonl`.
+    pub designs: Vec<Reported<Design>>,
+    /// Plans of molds: `plan.json`.
+    pub plans: Vec<Plan>,
     /// Folders of molds: `mold.json`.
     pub molds: Vec<PathBuf>,
     /// Comparisons with measurements: `errors.json`.
@@ -27,6 +29,15 @@ pub struct Survey {
     pub checks: Vec<PathBuf>,
     /// Pictures.
     pub pictures: Vec<PathBuf>,
+}
+
+/// A folder of results, and what its report says.
+#[derive(Clone, Debug)]
+pub struct Reported<T> {
+    /// Where it is.
+    pub folder: PathBuf,
+    /// The report.
+    pub report: T,
 }
 
 /// A file of a simulation that holds a state.
@@ -75,9 +86,11 @@ impl Survey {
         let files: Vec<PathBuf> = entries(folder)?.into_iter().filter(|p| p.is_file()).collect();
         let has = |wanted: &str| files.iter().any(|path| name(path) == wanted);
         if has("history.jsonl") {
-            self.designs.push(folder.to_owned());
+            self.designs
+                .push(Reported { folder: folder.to_owned(), report: Design::read(folder)? });
         } else if has("report.json") && files.iter().any(|path| is_state(path)) {
-            self.runs.push(folder.to_owned());
+            let report = read(&folder.join("report.json"))?;
+            self.runs.push(Reported { folder: folder.to_owned(), report });
         }
         if has("plan.json") {
             let plan: Plan = read(&folder.join("plan.json"))?;
@@ -92,6 +105,7 @@ impl Survey {
             let made: Vec<PathBuf> = folders.filter(|f| f.join("mold.json").exists()).collect();
             self.reports.extend(made.iter().map(|f| f.join("mold.json")));
             self.molds.extend(made);
+            self.plans.push(plan);
         }
         for path in files {
             let name = name(&path);
@@ -152,8 +166,8 @@ mod tests {
         write("model/patches/p.png", "");
         let found = Survey::of(top.path()).unwrap();
         let names = |paths: &[PathBuf]| paths.iter().map(|p| name(p)).collect::<Vec<_>>();
-        assert_eq!(names(&found.runs), ["a"]);
-        assert_eq!(names(&found.designs), ["b"]);
+        assert_eq!(found.runs.iter().map(|run| name(&run.folder)).collect::<Vec<_>>(), ["a"]);
+        assert_eq!(found.designs.iter().map(|d| name(&d.folder)).collect::<Vec<_>>(), ["b"]);
         assert_eq!(names(&found.molds), ["lid"]);
         assert_eq!(names(&found.validations), ["errors.json"]);
         assert_eq!(names(&found.pictures), ["p.png"]);

@@ -1,10 +1,9 @@
 //! Thinnest walls of bodies, as `fab` left them in `plan.json`.
 
-use anyhow::Result;
 use mesh::Vec3;
 
-use crate::reported::{Plan, ThinnestWall, read};
-use crate::survey::{Survey, name};
+use crate::reported::{Plan, ThinnestWall};
+use crate::survey::Survey;
 
 /// The thinnest wall of a body.
 #[derive(Clone, Debug)]
@@ -18,10 +17,8 @@ pub struct Wall {
 }
 
 /// The walls of all plans of a page.
-pub fn all(survey: &Survey) -> Result<Vec<Wall>> {
-    let plans = survey.reports.iter().filter(|path| name(path) == "plan.json");
-    let walls = plans.map(|path| Ok(of_plan(read(path)?)));
-    Ok(walls.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
+pub fn all(survey: &Survey) -> Vec<Wall> {
+    survey.plans.iter().filter_map(of_plan).collect()
 }
 
 /// The wall of one of these meshes, and the number of the mesh.
@@ -33,8 +30,8 @@ pub fn of<'a>(walls: &'a [Wall], hashes: &[&str]) -> Option<(&'a Wall, usize)> {
 }
 
 /// The wall of a plan, whose numbers are millimetres; none where it measured no wall.
-fn of_plan(plan: Plan) -> Option<Wall> {
-    let ThinnestWall { thickness, at } = plan.wall?;
-    let sha256 = plan.input?.sha256;
+fn of_plan(plan: &Plan) -> Option<Wall> {
+    let ThinnestWall { thickness, at } = plan.wall.clone()?;
+    let sha256 = plan.input.clone()?.sha256;
     Some(Wall { sha256, thickness: 1e-3 * thickness, at: 1e-3 * Vec3::from(at) })
 }

@@ -66,9 +66,9 @@ impl Camera {
         };
         // The image shrinks nearly as 1/distance, so that a few rounds are enough.
         for _ in 0..8 {
-            let image = camera.image(points);
+            let [width, height] = camera.extent(points);
             let room = size.map(|s| (1.0 - 2.0 * MARGIN) * s);
-            let excess = (image.width() / room[0]).max(image.height() / room[1]).max(1e-6);
+            let excess = (width / room[0]).max(height / room[1]).max(1e-6);
             match projection {
                 Projection::Perspective => {
                     camera.distance = (camera.distance * excess).max(1.5 * radius);
@@ -76,9 +76,10 @@ impl Camera {
                 Projection::Orthographic => camera.focal /= excess,
             }
         }
-        let image = camera.image(points);
-        camera.offset[0] += 0.5 * (size[0] - image.min[0] - image.max[0]);
-        camera.offset[1] += 0.5 * (size[1] - image.min[1] - image.max[1]);
+        let (min, max) = camera.image(points);
+        for k in 0..2 {
+            camera.offset[k] += 0.5 * (size[k] - min[k] - max[k]);
+        }
         camera
     }
 
@@ -129,32 +130,18 @@ impl Camera {
 
     /// Width and height of the smallest frame around the image of the points.
     pub fn extent(&self, points: &[Vec3]) -> [f64; 2] {
-        let image = self.image(points);
-        [image.width(), image.height()]
+        let (min, max) = self.image(points);
+        [max[0] - min[0], max[1] - min[1]]
     }
 
-    fn image(&self, points: &[Vec3]) -> Rectangle {
-        let mut r = Rectangle { min: [f64::INFINITY; 2], max: [f64::NEG_INFINITY; 2] };
+    /// Upper left and lower right corner of that frame.
+    fn image(&self, points: &[Vec3]) -> ([f64; 2], [f64; 2]) {
+        let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for p in points.iter().map(|p| self.project(p)) {
-            r.min = [r.min[0].min(p.x), r.min[1].min(p.y)];
-            r.max = [r.max[0].max(p.x), r.max[1].max(p.y)];
+            min = [min[0].min(p.x), min[1].min(p.y)];
+            max = [max[0].max(p.x), max[1].max(p.y)];
         }
-        r
-    }
-}
-
-struct Rectangle {
-    min: [f64; 2],
-    max: [f64; 2],
-}
-
-impl Rectangle {
-    fn width(&self) -> f64 {
-        self.max[0] - self.min[0]
-    }
-
-    fn height(&self) -> f64 {
-        self.max[1] - self.min[1]
+        (min, max)
     }
 }
 

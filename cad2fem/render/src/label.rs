@@ -139,11 +139,4 @@ mod tests {
         let [x, y] = found[1].at;
         assert!(x > 25.0 && x < 31.0 && y > 8.0 && y < 12.0, "{x} {y}");
     }
-
-    #[test]
-    fn papers_that_share_a_point_overlap() {
-        let at = |x: f64, y: f64| [[x, y], [x + 2.0, y + 1.0]];
-        assert!(overlap(&at(0.0, 0.0), &at(1.9, 0.9)));
-        assert!(!overlap(&at(0.0, 0.0), &at(2.0, 0.0)) && !overlap(&at(0.0, 0.0), &at(0.0, 1.0)));
-    }
 }

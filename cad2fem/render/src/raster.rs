@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::camera::{Camera, Projected};
 use super::color::{Rgb, Scale, inside};
 use super::zbuffer::{NOTHING, Samples, area2};
-use super::{Facet, Piece};
+use super::{Cap, Facet, Piece};
 
 /// Samples along each side of a pixel.
 pub const SAMPLES: usize = 3;
@@ -144,10 +144,8 @@ impl<'a> Facets<'a> {
             if samples.ids[i] == NOTHING || area2(&self.corners[samples.ids[i] as usize]) > 0.0 {
                 continue;
             }
-            let (x, y) = samples.place(i);
-            let (origin, direction) = self.view.camera.ray(x / SAMPLES as f64, y / SAMPLES as f64);
-            let along = -cap.plane.beyond(&origin) / cap.plane.normal.dot(&direction);
-            let nearness = self.view.camera.project(&(origin + along * direction)).nearness;
+            let (along, point) = self.on_cap(&cap, samples.place(i));
+            let nearness = self.view.camera.project(&point).nearness;
             if nearness.is_finite() && along > 0.0 {
                 samples.ids[i] = CAPS + piece as u32;
                 samples.nearness[i] = nearness;
@@ -234,15 +232,20 @@ impl<'a> Facets<'a> {
         }
     }
 
-    fn sample_cap(&self, piece: usize, (x, y): (f64, f64)) -> Fragment {
-        let cap = self.view.pieces[piece].cap.expect("only capped pieces are named so");
+    /// Where the ray through a sample meets the plane of a cut, and how far from the beginning of the ray.
+    fn on_cap(&self, cap: &Cap, (x, y): (f64, f64)) -> (f64, Vec3) {
         let (origin, direction) = self.view.camera.ray(x / SAMPLES as f64, y / SAMPLES as f64);
         let along = -cap.plane.beyond(&origin) / cap.plane.normal.dot(&direction);
+        (along, origin + along * direction)
+    }
+
+    fn sample_cap(&self, piece: usize, place: (f64, f64)) -> Fragment {
+        let cap = self.view.pieces[piece].cap.expect("only capped pieces are named so");
         let n = cap.plane.normal;
         Fragment {
             pixel: 0,
             coverage: 0.0,
-            point: origin + along * direction,
+            point: self.on_cap(&cap, place).1,
             normal: [n.x, n.y, n.z].map(|c| c as f32),
             color: cap.color,
             line: 0.0,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mesh::topology::DisjointSets;
+use mesh::topology::{DisjointSets, directed_edges, edge_facets};
 use mesh::{Vec3, measure};
 
 use super::Facet;
@@ -67,10 +67,11 @@ impl Shape {
 /// Triangles with shading normals: the mean of the normals around a point,
 /// weighted by angle, over those neighbours that do not lie across a crease.
 pub fn shade(points: &[Vec3], triangles: &[Triangle]) -> Vec<Facet> {
-    let sides = sides(triangles);
-    let normals = facet_normals(points, triangles, &sides);
+    let corners: Vec<[usize; 3]> = triangles.iter().map(|t| t.points).collect();
+    let edges = edge_facets(&corners);
+    let normals = facet_normals(points, triangles, &edges);
     let around = incidence(points.len(), triangles);
-    let features = features(points, triangles, &normals, &sides);
+    let features = features(points, &corners, &normals, &edges);
     let smooth = |t: usize, corner: usize| {
         let v = triangles[t].points[corner];
         let mut sum = Vec3::zeros();
@@ -94,32 +95,16 @@ pub fn shade(points: &[Vec3], triangles: &[Triangle]) -> Vec<Facet> {
         .collect()
 }
 
-/// A side of a triangle: the triangle, and the corner where the side starts.
-type Side = (usize, usize);
-
-/// Edges, ends in ascending order, and the sides on each.
-fn sides(triangles: &[Triangle]) -> BTreeMap<[usize; 2], Vec<Side>> {
-    let mut sides: BTreeMap<_, Vec<Side>> = BTreeMap::new();
-    for (t, triangle) in triangles.iter().enumerate() {
-        for i in 0..3 {
-            let (a, b) = (triangle.points[i], triangle.points[(i + 1) % 3]);
-            sides.entry([a.min(b), a.max(b)]).or_default().push((t, i));
-        }
-    }
-    sides
-}
+/// Edges, ends in ascending order, and the triangles at each.
+type Edges = BTreeMap<[usize; 2], Vec<usize>>;
 
 /// Unit normals. That of a sliver says little: where two triangles beside it
 /// agree with each other but not with it, it takes their mean.
-fn facet_normals(
-    points: &[Vec3],
-    triangles: &[Triangle],
-    sides: &BTreeMap<[usize; 2], Vec<Side>>,
-) -> Vec<Vec3> {
+fn facet_normals(points: &[Vec3], triangles: &[Triangle], edges: &Edges) -> Vec<Vec3> {
     let own: Vec<Vec3> = triangles.iter().map(|t| normal(points, t)).collect();
     let mut beside: Vec<Vec<Vec3>> = vec![Vec::new(); triangles.len()];
-    for on in sides.values() {
-        if let [(a, _), (b, _)] = on[..] {
+    for on in edges.values() {
+        if let [a, b] = on[..] {
             beside[a].push(own[b]);
             beside[b].push(own[a]);
         }
@@ -172,23 +157,20 @@ fn angle(points: &[Vec3], triangle: &Triangle, v: usize) -> f64 {
 
 /// Per triangle, the sides that are creases or open and belong to a chain of
 /// some length: single sharp edges are flaws of a mesh, not of a shape.
-fn features(
-    points: &[Vec3],
-    triangles: &[Triangle],
-    normals: &[Vec3],
-    sides: &BTreeMap<[usize; 2], Vec<Side>>,
-) -> Vec<u8> {
-    let sharp = |on: &[Side]| match on[..] {
-        [(a, _), (b, _)] => normals[a].dot(&normals[b]) < CREASE,
+fn features(points: &[Vec3], triangles: &[[usize; 3]], normals: &[Vec3], edges: &Edges) -> Vec<u8> {
+    let sharp = |on: &[usize]| match on[..] {
+        [a, b] => normals[a].dot(&normals[b]) < CREASE,
         _ => true,
     };
-    let sides: Vec<(&[usize; 2], &Vec<Side>)> = sides.iter().filter(|(_, on)| sharp(on)).collect();
-    let edges: Vec<[usize; 2]> = sides.iter().map(|(edge, _)| **edge).collect();
+    let sharp: Vec<(&[usize; 2], &Vec<usize>)> = edges.iter().filter(|(_, on)| sharp(on)).collect();
+    let ends: Vec<[usize; 2]> = sharp.iter().map(|(edge, _)| **edge).collect();
     let long = CHAIN * measure::diagonal(points);
     let mut features = vec![0; triangles.len()];
-    for ((_, on), length) in sides.iter().zip(chain_lengths(points, &edges)) {
-        for &(t, i) in on.iter().filter(|_| length >= long) {
-            features[t] |= 1 << i;
+    for ((edge, on), length) in sharp.iter().zip(chain_lengths(points, &ends)) {
+        for &t in on.iter().filter(|_| length >= long) {
+            let is_side = |[a, b]: [usize; 2]| **edge == [a.min(b), a.max(b)];
+            let sides = directed_edges(triangles[t]).into_iter().enumerate();
+            sides.filter(|(_, side)| is_side(*side)).for_each(|(i, _)| features[t] |= 1 << i);
         }
     }
     features

@@ -60,7 +60,7 @@ struct Info {
     quality: Option<Quality>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     tags: Vec<TagInfo>,
-    findings: Vec<FindingInfo>,
+    findings: Vec<Finding>,
 }
 
 #[derive(Debug, Serialize)]
@@ -72,43 +72,35 @@ struct TagInfo {
     area: f64,
 }
 
-#[derive(Debug, Serialize)]
-struct FindingInfo {
-    rule: &'static str,
-    count: usize,
-    message: String,
-}
-
 /// Runs the verb.
 pub fn run(args: &Args) -> Result<()> {
     let is_mesh = mesh::io::extension(&args.file) == "msh";
-    let (info, found) = if is_mesh { of_tets(args)? } else { of_surface(args)? };
+    let info = if is_mesh { of_tets(args)? } else { of_surface(args)? };
     if args.json {
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&info)?)?;
     } else {
         info.print(&mut program::stdout())?;
     }
-    if args.check && !found.is_empty() {
-        let message = format!("{}:{}", args.file.display(), findings(&found));
+    if args.check && !info.findings.is_empty() {
+        let message = format!("{}:{}", args.file.display(), findings(&info.findings));
         return Err(Unusable(message).into());
     }
     Ok(())
 }
 
-fn of_surface(args: &Args) -> Result<(Info, Vec<Finding>)> {
+fn of_surface(args: &Args) -> Result<Info> {
     let mut surface = read_surface(&args.file)?;
     if let (None, Some(remark)) = (args.unit, unlikely_size(&surface.vertices)) {
         log::warn!("{}: {remark}, or say --unit", args.file.display());
     }
     let unit = args.unit.unwrap_or(Unit::M);
     surface.vertices.iter_mut().for_each(|v| *v *= unit.metres());
-    let found = check_surface(&surface);
-    let mut info = Info::of(args, unit, &surface, &found);
+    let mut info = Info::of(args, unit, &surface, check_surface(&surface));
     info.volume = (info.open_edges == 0).then(|| enclosed_volume(&surface));
-    Ok((info, found))
+    Ok(info)
 }
 
-fn of_tets(args: &Args) -> Result<(Info, Vec<Finding>)> {
+fn of_tets(args: &Args) -> Result<Info> {
     let mut file = read_tets(&args.file)?;
     let unit = args.unit.unwrap_or(Unit::M);
     file.mesh.vertices.iter_mut().for_each(|v| *v *= unit.metres());
@@ -117,13 +109,13 @@ fn of_tets(args: &Args) -> Result<(Info, Vec<Finding>)> {
         found.extend(coincident(&file.mesh));
     }
     let (skin, _) = boundary(&file.mesh).surface(&file.mesh);
-    let mut info = Info::of(args, unit, &skin, &found);
+    let mut info = Info::of(args, unit, &skin, found);
     info.vertices = file.mesh.vertices.len();
     info.tets = Some(file.mesh.tets.len());
     info.volume = Some(volume(&file.mesh));
     info.quality = Some(quality(&file.mesh));
     info.tags = tags(&file.tags, &file.mesh.vertices);
-    Ok((info, found))
+    Ok(info)
 }
 
 fn tags(tags: &Tags, vertices: &[mesh::Vec3]) -> Vec<TagInfo> {
@@ -137,10 +129,8 @@ fn tags(tags: &Tags, vertices: &[mesh::Vec3]) -> Vec<TagInfo> {
 }
 
 impl Info {
-    fn of(args: &Args, unit: Unit, surface: &SurfaceMesh, found: &[Finding]) -> Self {
+    fn of(args: &Args, unit: Unit, surface: &SurfaceMesh, findings: Vec<Finding>) -> Self {
         let (min, max) = bounds(&surface.vertices);
-        let finding =
-            |f: &Finding| FindingInfo { rule: f.rule, count: f.count, message: f.message.clone() };
         Self {
             file: args.file.display().to_string(),
             unit,
@@ -156,7 +146,7 @@ impl Info {
             volume: None,
             quality: None,
             tags: Vec::new(),
-            findings: found.iter().map(finding).collect(),
+            findings,
         }
     }
 

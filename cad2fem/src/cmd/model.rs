@@ -10,7 +10,7 @@ use program::{Change, FolderLock, Unusable};
 use crate::implicit::{Fields, Model, ModelFile, assign, surface};
 use crate::mesher::gmsh::{CadOptions, Kind};
 use crate::model::cad::{self, parse_number};
-use crate::model::{Facts, LabelledSurface, remove_stamp};
+use crate::model::{LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
 use crate::units::Unit;
 
@@ -88,7 +88,6 @@ fn write(args: &Args, model: &Model, folder: &Path, input: &Input) -> Result<()>
         names: model.region_names(),
         region,
         thin: skin.thin,
-        facts: Facts { chord_error: skin.chord_error, ..Facts::default() },
         ..LabelledSurface::default()
     };
     finish(args, &labelled, folder, input.clone(), start)

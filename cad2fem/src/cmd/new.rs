@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<()> {
         folder.display(),
         template.name
     );
-    for (file, text) in template.files_for(&place.results()) {
+    for (file, text) in template.files_for(&place.results) {
         write_atomic(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }
     if !place.in_pipelines {
@@ -71,25 +71,22 @@ struct Place {
     command: String,
     /// What is made of it.
     page: PathBuf,
-    name: String,
+    /// The folder of results, as seen from that of the body.
+    results: String,
 }
 
 impl Place {
     fn of(folder: &Path, name: &str) -> Result<Self> {
         let full = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
         let above = full.parent().unwrap_or(Path::new("/"));
-        let here = std::env::current_dir().ok();
-        let from = |top: &Path, command: String| match here.as_deref() == Some(top) {
-            true => format!("make {command}"),
-            false => format!("make -C {} {command}", top.display()),
-        };
         if let (true, Some(top)) = (is_in_pipelines(&full), above.parent()) {
-            return Ok(Self {
-                in_pipelines: true,
-                command: from(top, name.to_owned()),
-                page: top.join("build").join(name).join("report.html"),
-                name: name.to_owned(),
-            });
+            let command = match std::env::current_dir().is_ok_and(|here| here == top) {
+                true => format!("make {name}"),
+                false => format!("make -C {} {name}", top.display()),
+            };
+            let page = top.join("build").join(name).join("report.html");
+            let results = format!("../../build/{name}");
+            return Ok(Self { in_pipelines: true, command, page, results });
         }
         let special = special(&full);
         ensure!(
@@ -103,13 +100,8 @@ impl Place {
             in_pipelines: false,
             command: format!("make -C {}", folder.display()),
             page: folder.join("build/report.html"),
-            name: name.to_owned(),
+            results: "build".into(),
         })
-    }
-
-    /// The folder of results, as seen from that of the body.
-    fn results(&self) -> String {
-        if self.in_pipelines { format!("../../build/{}", self.name) } else { "build".into() }
     }
 }
 
@@ -138,7 +130,7 @@ pub(super) fn makefile(template: &Template, own: Option<&Path>) -> String {
 }
 
 fn readme(name: &str, template: &Template, place: &Place) -> String {
-    let results = place.results();
+    let results = &place.results;
     let (model, _) = template.files[0];
     let design = template.files.iter().any(|(file, _)| *file == "design.toml");
     let design = if design {

@@ -8,10 +8,8 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 use mesh::io::{read_bytes, read_text, write_atomic};
 use page::contents;
-use page::reported::{Provenance, read};
+use page::reported::{Model, Provenance, read};
 use page::survey::{Survey, entries, name};
-use program::InputFile;
-use serde::Deserialize;
 use system::canonical;
 use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipWriter};
@@ -134,9 +132,9 @@ fn model_by_hand(sources: &Path, results: &Path) -> Result<Vec<(String, Vec<u8>)
         files
             .push((format!("sources/build/model/{}", inside(&path, &folder)?), read_bytes(&path)?));
     }
-    let imported: Imported = read(&report)?;
+    let imported = read::<Model>(&report)?.import;
     let top = canonical(sources)?;
-    for file in imported.import.files {
+    for file in imported.files {
         match file.find(&folder) {
             Ok(path) if canonical(&path).is_ok_and(|path| path.starts_with(&top)) => {}
             Ok(path) => files.push((format!("sources/cad/{}", name(&path)), read_bytes(&path)?)),
@@ -144,18 +142,6 @@ fn model_by_hand(sources: &Path, results: &Path) -> Result<Vec<(String, Vec<u8>)
         }
     }
     Ok(files)
-}
-
-/// The files that a model was imported from.
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct Imported {
-    import: Files,
-}
-
-#[derive(Default, Deserialize)]
-struct Files {
-    files: Vec<InputFile>,
 }
 
 /// The place of a file in the package: as it lies in its folder.

@@ -14,7 +14,6 @@
 //!    manifold: without a corner on the surface a linear function has no critical value there.
 //! 6. What may fail is sharpness (a corner that cannot be moved) and resolution (sheets that no edge tells
 //!    apart); either is said with its place (`thin`). Simplification is checked, and left out if need be.
-//! 7. With `remesh`, triangles are made again on the same functions (`remesh`), instead of simplification.
 
 mod carve;
 mod complex;
@@ -24,7 +23,6 @@ mod model;
 mod range;
 mod refine;
 mod region;
-mod remesh;
 mod resolution;
 mod shape;
 mod sides;

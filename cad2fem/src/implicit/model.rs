@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
 use program::schema::partial;
-use program::{Change, KeyPath, Keys, Settings, misfit, read_table};
+use program::{Change, KeyPath, Keys, Names, Settings, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::json;
@@ -30,12 +30,9 @@ pub struct Model {
     pub unit: Unit,
     /// Edge length of the triangles that are laid on the surface [unit].
     pub grid: f64,
-    /// How far simplification may move the surface, or remeshed triangles should be from it at most [unit].
+    /// How far simplification may move the surface [unit].
     #[serde(default)]
     pub simplify: f64,
-    /// Whether the surface is remeshed, by curvature and thickness; without `simplify` to a twentieth of the grid.
-    #[serde(default)]
-    pub remesh: bool,
     /// The body, cavities filled; built in the order of the file.
     pub solid: Vec<Primitive>,
     /// What is taken out of the body; built in the order of the file.
@@ -154,10 +151,8 @@ pub struct Region {
 pub enum Cavity {
     /// All, or nothing is said of them.
     All(bool),
-    /// Where this primitive is the nearest.
-    One(String),
-    /// Where one of these is.
-    Several(Vec<String>),
+    /// Where one of these primitives is the nearest.
+    Of(Names),
 }
 
 impl Default for Cavity {
@@ -176,8 +171,7 @@ impl Cavity {
     pub fn names(&self) -> &[String] {
         match self {
             Self::All(_) => &[],
-            Self::One(name) => std::slice::from_ref(name),
-            Self::Several(names) => names,
+            Self::Of(names) => names.all(),
         }
     }
 }
@@ -325,26 +319,17 @@ impl Model {
             ensure!(self.cut.iter().any(|c| c.name == *cut), what());
         }
         for name in region.primitives.iter().flatten() {
-            let known = names(self.solid.iter().map(|p| &p.name));
-            ensure!(
-                self.cavity.iter().all(|p| p.name != *name),
+            let what = || {
+                let known = names(self.solid.iter().map(|p| &p.name));
                 KeyPath::word(name).told(format!(
                     "{name:?} is in [[cavity]], and its walls are cavity = {name:?}; primitives: {known}"
                 ))
-            );
-            ensure!(
-                self.solid.iter().any(|p| p.name == *name && p.is_body()),
-                KeyPath::word(name)
-                    .told(format!("no body {name:?} in [[solid]]; primitives: {known}"))
-            );
+            };
+            ensure!(self.cavity.iter().all(|p| p.name != *name), what());
+            require_body("solid", &self.solid, name)?;
         }
         for name in region.cavity.names() {
-            let known = names(self.cavity.iter().map(|p| &p.name));
-            ensure!(
-                self.cavity.iter().any(|p| p.name == *name && p.is_body()),
-                KeyPath::word(name)
-                    .told(format!("no body {name:?} in [[cavity]]; primitives: {known}"))
-            );
+            require_body("cavity", &self.cavity, name)?;
         }
         let selective = region.cut.is_some()
             || region.cavity.is_given()
@@ -418,6 +403,16 @@ fn check_primitives(list: &str, primitives: &[Primitive]) -> Result<()> {
     Ok(())
 }
 
+/// Refuses a name that no body of a list has.
+fn require_body(list: &str, primitives: &[Primitive], name: &str) -> Result<()> {
+    let what = || {
+        let known = names(primitives.iter().map(|p| &p.name));
+        KeyPath::word(name).told(format!("no body {name:?} in [[{list}]]; primitives: {known}"))
+    };
+    ensure!(primitives.iter().any(|p| p.name == name && p.is_body()), what());
+    Ok(())
+}
+
 fn names<'a>(items: impl Iterator<Item = &'a String>) -> String {
     let items: Vec<&str> = items.map(String::as_str).collect();
     if items.is_empty() { "none".into() } else { items.join(", ") }
@@ -433,21 +428,6 @@ mod tests {
 
     fn error(text: &str) -> String {
         format!("{:#}", ModelFile::parse(text).unwrap_err())
-    }
-
-    #[test]
-    fn a_variant_changes_only_what_it_names() {
-        let text = format!(
-            "{BALL}[[variant]]\nname = 'big'\n[variant.solid.ball]\nshape.sphere.radius = 7\n"
-        );
-        let file = ModelFile::parse(&text).unwrap();
-        let radius = |model: &Model| match model.solid[0].shape {
-            Shape::Sphere { radius, center } => (radius, center),
-            _ => panic!("not a sphere"),
-        };
-        assert_eq!(radius(&file.model), (5.0, [0.0; 3]));
-        assert_eq!(file.variants[0].0, "big");
-        assert_eq!(radius(&file.variants[0].1), (7.0, [0.0; 3]));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use mesh::Vec3;
 
-use super::shape::{Rotation, Shape, smoothstep};
+use super::shape::{Shape, smoothstep};
 
 /// The least and the largest value, or bounds of them.
 pub type Range = (f64, f64);
@@ -60,29 +60,10 @@ fn ellipsoid(q: &Vec3, radii: &Vec3, r: f64) -> Range {
     (low, high)
 }
 
-impl Rotation {
-    /// Rᵀ v.
-    fn turned_back(&self, v: &Vec3) -> Vec3 {
-        self.matrix().tr_mul(v)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::shape::tests::shapes;
     use super::*;
-    use crate::implicit::Rotation;
-
-    /// One primitive of each kind that is a body, elsewhere than those in the tests of `shape`.
-    fn shapes() -> Vec<Shape> {
-        let rotation = Rotation::from([-20.0, 40.0, 15.0]);
-        vec![
-            Shape::Sphere { center: [0.5, -1.0, 1.0], radius: 1.2 },
-            Shape::Ellipsoid { center: [0.0, 0.5, 1.0], radii: [2.0, 3.0, 1.0], rotation },
-            Shape::Capsule { from: [1.0, 0.0, 0.0], to: [-2.0, 1.0, 1.0], radii: [0.6, 1.1] },
-            Shape::Cylinder { from: [0.0, 1.0, 0.0], to: [2.0, -1.0, 1.0], radius: 0.8 },
-            Shape::Box { center: [0.5; 3], size: [3.0, 2.0, 4.0], rounding: 0.3, rotation },
-        ]
-    }
 
     /// Points in the unit ball, evenly enough.
     fn ball() -> impl Iterator<Item = Vec3> {

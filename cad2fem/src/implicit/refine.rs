@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::complex::{Complex, Edge, edge, is_positive};
 use super::sides::{Side, Sides};
+use super::skin::{Kind, Thin};
 
 /// Edges that are not split any more [grid]: those of two octaves.
 pub const FINEST: f64 = 0.3;
@@ -37,26 +38,16 @@ const STEP: f64 = 1e-4;
 /// Most tetrahedra: a gigabyte with all that is made of them.
 const MOST: usize = 6_000_000;
 
-/// Sheets of a surface that no edge tells apart.
-#[derive(Clone, Copy, Debug)]
-pub struct Hidden {
-    /// Between them [unit].
-    pub at: Vec3,
-    /// Their distance [unit].
-    pub width: f64,
-    /// Whether the body is between them; else it is a gap.
-    pub wall: bool,
-}
-
 /// What an edge needs.
 enum Need {
     Nothing,
     Finer,
-    Sheets(Hidden),
+    /// To tell apart what is thin.
+    Sheets(Thin),
 }
 
-/// Halves tetrahedra until no edge above [`FINEST`] needs it. Also what is hidden still.
-pub fn refine(mut complex: Complex, sides: &Sides) -> Result<(Complex, Vec<Hidden>)> {
+/// Halves tetrahedra until no edge above [`FINEST`] needs it. Also the sheets that no edge tells apart.
+pub fn refine(mut complex: Complex, sides: &Sides) -> Result<(Complex, Vec<Thin>)> {
     let (mut hidden, mut coarse) = (HashMap::new(), HashSet::new());
     let curved = (0..sides.list.len()).filter(|&k| !matches!(sides.list[k], Side::Cut(..)));
     let mut values: Vec<(usize, Vec<f64>)> = curved.map(|k| (k, Vec::new())).collect();
@@ -81,7 +72,7 @@ pub fn refine(mut complex: Complex, sides: &Sides) -> Result<(Complex, Vec<Hidde
         }
         let marked = look.marked(&coarse);
         if marked.is_empty() || complex.tets.len() > MOST {
-            let mut left: Vec<(Edge, Hidden)> = hidden.into_iter().collect();
+            let mut left: Vec<(Edge, Thin)> = hidden.into_iter().collect();
             left.sort_unstable_by_key(|(edge, _)| *edge);
             return Ok((complex, left.into_iter().map(|(_, sheets)| sheets).collect()));
         }
@@ -177,7 +168,7 @@ impl Look<'_> {
     }
 
     /// The sheets of side `k` between the ends of an edge.
-    fn hidden(&self, k: usize, edge: Edge, ends: [f64; 2], length: f64) -> Option<Hidden> {
+    fn hidden(&self, k: usize, edge: Edge, ends: [f64; 2], length: f64) -> Option<Thin> {
         let sign = ends[0].signum();
         if sign != ends[1].signum() {
             return None;
@@ -204,7 +195,12 @@ impl Look<'_> {
         }
         let along = self.point(edge, 1.0) - self.point(edge, 0.0);
         let width = (sheets[1] - sheets[0]).abs() * n.dot(&along).abs().max(m.dot(&along).abs());
-        Some(Hidden { at, width: width.min(length), wall: sign > 0.0 })
+        Some(Thin {
+            kind: if sign > 0.0 { Kind::Wall } else { Kind::Gap },
+            resolved: false,
+            thickness: width.min(length) * self.sides.metres,
+            at: (at * self.sides.metres).into(),
+        })
     }
 
     /// The edges to split so that none of `coarse` is left of its length, the longest first.

@@ -1,12 +1,11 @@
 //! Whether a grid resolves a model: its thin primitives, its walls, and how its surface bends.
 
 use anyhow::Result;
-use mesh::measure::{enclosed_volume, longest_edge};
-use mesh::topology::{boundary_loops, edge_facets};
+use mesh::measure::enclosed_volume;
+use mesh::topology::boundary_loops;
 use mesh::{SurfaceMesh, Vec3, walls};
 
 use super::model::Model;
-use super::refine::FACING;
 use super::skin::{Part, Skin};
 use super::{Field, Fields};
 
@@ -16,9 +15,6 @@ const ACROSS: f64 = 2.0;
 /// Part of the volume of a set that its triangles may leave out without a warning: what a ball with
 /// four cells across loses.
 const LEFT_OUT: f64 = 0.05;
-
-/// A triangle lower than this says nothing about the direction of its surface [grid].
-const LOW: f64 = 0.02;
 
 /// Step of the differences that give normals [grid].
 const STEP: f64 = 1e-4;
@@ -71,33 +67,6 @@ pub fn remark_on_walls(model: &Model, fields: &Fields, skin: &Skin, grid: f64) {
         );
     } else {
         log::info!("the thinnest wall has {thickness:.4} {unit}, at {place}");
-    }
-}
-
-/// Says where the surface has a spike: neighbours on one side of the body that face each other, where lobes meet in a
-/// groove that the grid does not resolve.
-pub fn remark_on_spikes(model: &Model, skin: &Skin, grid: f64) {
-    let (surface, metres) = (&skin.surface, model.unit.metres());
-    let is_needle =
-        |t: usize| 2.0 * surface.area(t) < LOW * grid * metres * longest_edge(surface.corners(t));
-    let faces = |s: usize, t: usize| {
-        skin.part[s] == skin.part[t]
-            && ![s, t].map(is_needle).contains(&true)
-            && surface.normal(s).dot(&surface.normal(t)) < FACING
-    };
-    let edges = edge_facets(&surface.triangles);
-    let mut spikes = edges.iter().filter(|(_, beside)| matches!(beside[..], [s, t] if faces(s, t)));
-    if let Some(([a, b], _)) = spikes.next() {
-        let at = (surface.vertices[*a] + surface.vertices[*b]) / (2.0 * metres);
-        log::warn!(
-            "{} edges are spikes smaller than the grid of {grid:.4} {}, as at ({:.4}, {:.4}, {:.4}), where lobes meet: \
-             remesh = true in the model smooths them away",
-            1 + spikes.count(),
-            model.unit.symbol(),
-            at.x,
-            at.y,
-            at.z
-        );
     }
 }
 

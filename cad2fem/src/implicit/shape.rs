@@ -105,9 +105,9 @@ impl Default for Rotation {
 }
 
 impl Rotation {
-    /// R.
-    pub(super) fn matrix(&self) -> &Matrix3<f64> {
-        &self.0
+    /// Rᵀ v.
+    pub(super) fn turned_back(&self, v: &Vec3) -> Vec3 {
+        self.0.tr_mul(v)
     }
 
     /// F R F with the reflection F in y.
@@ -123,8 +123,7 @@ impl Shape {
         match self {
             Self::Sphere { center, radius } => (p - Vec3::from(*center)).norm() - radius,
             Self::Ellipsoid { center, radii, rotation } => {
-                let q = rotation.0.tr_mul(&(p - Vec3::from(*center)));
-                ellipsoid(&q, &Vec3::from(*radii))
+                ellipsoid(&rotation.turned_back(&(p - Vec3::from(*center))), &Vec3::from(*radii))
             }
             Self::Capsule { from, to, radii } => {
                 let (t, distance) = to_segment(p, &Vec3::from(*from), &Vec3::from(*to));
@@ -134,7 +133,7 @@ impl Shape {
                 cylinder(p, &Vec3::from(*from), &Vec3::from(*to), *radius)
             }
             Self::Box { center, size, rounding, rotation } => {
-                let q = rotation.0.tr_mul(&(p - Vec3::from(*center)));
+                let q = rotation.turned_back(&(p - Vec3::from(*center)));
                 let d = q.abs() - Vec3::from(*size) / 2.0 + Vec3::repeat(*rounding);
                 d.map(|x| x.max(0.0)).norm() + d.max().min(0.0) - rounding
             }
@@ -274,12 +273,12 @@ fn segment(a: &[f64; 3], b: &[f64; 3], radius: f64) -> Bounds {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// One primitive of each kind that is a body.
-    fn shapes() -> Vec<Shape> {
+    pub(crate) fn shapes() -> Vec<Shape> {
         let rotation = Rotation::from([30.0, -50.0, 70.0]);
         vec![
             Shape::Sphere { center: [1.0, 2.0, -1.0], radius: 1.5 },

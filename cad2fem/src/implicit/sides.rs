@@ -90,15 +90,6 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// The side that bounds a part.
-    pub fn index(&self, part: Part) -> usize {
-        match part {
-            Part::Cut(cut) => cut,
-            Part::Outside => self.cuts,
-            Part::Cavity => self.cuts + 1,
-        }
-    }
-
     /// The value of side `k` at a point in metres [unit].
     pub fn at(&self, k: usize, p: &Vec3) -> f64 {
         self.list[k].at(&(p / self.metres))

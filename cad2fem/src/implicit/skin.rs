@@ -23,8 +23,6 @@ pub struct Skin {
     pub part: Vec<Part>,
     /// Where the body is thinner than the finest cell, the thinnest first.
     pub thin: Vec<Thin>,
-    /// Largest distance of remeshed triangles from the function of their side [m].
-    pub chord_error: Option<f64>,
 }
 
 /// What is thin.

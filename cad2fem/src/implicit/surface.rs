@@ -15,8 +15,7 @@ use super::complex::Complex;
 use super::lattice::lattice;
 use super::model::Model;
 use super::refine::{FINEST, refine};
-use super::remesh::{chord_error, remeshed};
-use super::resolution::{remark_on_chords, remark_on_spikes, remark_on_walls, resolved};
+use super::resolution::{remark_on_chords, remark_on_walls, resolved};
 use super::sides::Sides;
 use super::skin::{Part, Skin};
 use super::thin;
@@ -24,9 +23,6 @@ use crate::report::findings;
 
 /// Parts of `simplify` that are tried in turn, until the surface is sound.
 const SIMPLIFY: [f64; 3] = [1.0, 0.3, 0.1];
-
-/// Accuracy of remeshed triangles without other wishes [grid].
-const ACCURACY: f64 = 0.05;
 
 /// The thickest needle that is taken out where triangles cross [diagonal]: 32 bits resolve 6e-8 of
 /// a coordinate.
@@ -38,14 +34,7 @@ pub fn surface(model: &Model, fields: &Fields) -> Result<Skin> {
     let laid = laid(model, &sides)?;
     thin::remark(&laid.thin, model.unit.symbol(), sides.metres);
     let tolerance = model.simplify * sides.metres * sides.grid / model.grid;
-    let skin = if model.remesh {
-        let usual = ACCURACY * sides.grid * sides.metres;
-        with_new_triangles(&laid, if tolerance > 0.0 { tolerance } else { usual }, &sides)?
-    } else {
-        let skin = simplified(&laid, tolerance, &sides)?;
-        remark_on_spikes(model, &skin, sides.grid);
-        skin
-    };
+    let skin = simplified(&laid, tolerance, &sides)?;
     remark_on_walls(model, fields, &skin, sides.grid);
     remark_on_chords(model, fields, &laid, sides.grid);
     Ok(skin)
@@ -66,57 +55,24 @@ fn laid(model: &Model, sides: &Sides) -> Result<Skin> {
         }
     }
     let mut skin = require_one_piece(Skin::of(&complex, sides), sides)?;
-    skin.thin = thin::places(&skin, &hidden, sides);
-    Ok(skin)
-}
-
-/// The surface remeshed to `tolerance` [m], or to a part of that, or as it is if that does not leave it sound.
-fn with_new_triangles(laid: &Skin, tolerance: f64, sides: &Sides) -> Result<Skin> {
-    let made = |tolerance| Ok(remeshed(laid, tolerance, sides));
-    let mut skin = first_sound(laid, tolerance, made)?;
-    let (off, at) = chord_error(&skin, sides);
-    if off > tolerance {
-        log::info!(
-            "triangles are up to {:.4} mm from the model, at ({:.4}, {:.4}, {:.4}); simplify asks for {:.4} mm: \
-             edges sharper than the grid are rounded off",
-            off * 1e3,
-            at.x / sides.metres,
-            at.y / sides.metres,
-            at.z / sides.metres,
-            tolerance * 1e3
-        );
-    }
-    skin.chord_error = Some(off);
+    skin.thin = thin::places(&skin, hidden, sides);
     Ok(skin)
 }
 
 /// A surface with fewer triangles, moved by `tolerance` [m] at most, or by a part of that, or not at
 /// all if it does not stay sound.
 fn simplified(laid: &Skin, tolerance: f64, sides: &Sides) -> Result<Skin> {
-    let made = |tolerance| {
-        let mut skin = Skin::rounded(&laid.solid()?.simplify(tolerance), sides);
-        skin.thin.clone_from(&laid.thin);
-        Ok(skin)
-    };
-    first_sound(laid, tolerance, made)
-}
-
-/// The first surface that is sound of those that are `made` with `tolerance` [m] and parts of that; else `laid`.
-fn first_sound(laid: &Skin, tolerance: f64, made: impl Fn(f64) -> Result<Skin>) -> Result<Skin> {
     if tolerance > 0.0 {
         for part in SIMPLIFY {
-            let skin = made(part * tolerance)?;
+            let by = part * tolerance;
+            let skin = Skin::rounded(&laid.solid()?.simplify(by), sides);
             let found = check_surface(&skin.surface);
             if found.is_empty() {
-                return Ok(skin);
+                return Ok(Skin { thin: laid.thin.clone(), ..skin });
             }
-            log::debug!(
-                "changed by {:.2e} m it is not sound:{}",
-                part * tolerance,
-                findings(&found)
-            );
+            log::debug!("simplified by {by:.2e} m it is not sound:{}", findings(&found));
         }
-        log::info!("no other triangles leave the surface sound: it is kept as it is");
+        log::info!("no simplification leaves the surface sound: it is kept as it is");
     }
     let found = check_surface(&laid.surface);
     if !found.is_empty() {
@@ -132,12 +88,7 @@ impl Skin {
         let first = |face: &[u32; 3]| sides.part(complex.common(*face).trailing_zeros() as usize);
         let part = faces.iter().map(first).collect();
         let triangles: Vec<[usize; 3]> = faces.iter().map(|f| f.map(|v| v as usize)).collect();
-        Self {
-            surface: submesh(&complex.vertices, &triangles).0,
-            part,
-            thin: Vec::new(),
-            chord_error: None,
-        }
+        Self { surface: submesh(&complex.vertices, &triangles).0, part, thin: Vec::new() }
     }
 
     /// The solid that it bounds, with labels of parts.
@@ -160,7 +111,7 @@ impl Skin {
         surface.vertices.iter_mut().zip(on).for_each(|(v, on)| *v = sides.settle(v, on));
         let rounded = Rounded::new(&surface, NEEDLE * diagonal(&surface.vertices));
         let part = rounded.source.iter().map(|&t| part[t]).collect();
-        Self { surface: rounded.surface, part, thin: Vec::new(), chord_error: None }
+        Self { surface: rounded.surface, part, thin: Vec::new() }
     }
 }
 

@@ -7,7 +7,7 @@
 use mesh::Vec3;
 use rayon::prelude::*;
 
-use super::refine::{FINEST, Hidden};
+use super::refine::FINEST;
 use super::sides::Sides;
 use super::skin::{Kind, Skin, Thin};
 
@@ -28,18 +28,12 @@ const PARALLEL: f64 = 0.5;
 const NOTHING: f64 = 0.02;
 
 /// The thin places of a body, the thinnest first, one of each neighbourhood.
-pub fn places(skin: &Skin, hidden: &[Hidden], sides: &Sides) -> Vec<Thin> {
-    let unseen = hidden.iter().map(|h| Thin {
-        kind: if h.wall { Kind::Wall } else { Kind::Gap },
-        resolved: false,
-        thickness: h.width * sides.metres,
-        at: (h.at * sides.metres).into(),
-    });
+pub fn places(skin: &Skin, hidden: Vec<Thin>, sides: &Sides) -> Vec<Thin> {
     let seen: Vec<Thin> = (0..skin.surface.triangles.len())
         .into_par_iter()
         .flat_map_iter(|t| measured(skin, sides, t))
         .collect();
-    let mut all: Vec<Thin> = unseen.chain(seen).collect();
+    let mut all: Vec<Thin> = hidden.into_iter().chain(seen).collect();
     all.sort_by(|a, b| a.resolved.cmp(&b.resolved).then(a.thickness.total_cmp(&b.thickness)));
     let mut kept: Vec<Thin> = Vec::new();
     let apart = APART * sides.grid * sides.metres;

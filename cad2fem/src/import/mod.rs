@@ -6,22 +6,25 @@ pub mod source;
 pub mod split;
 pub mod weld;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::diagonal;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, check};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Rotation3};
 use program::Unusable;
 
+use crate::mesher::gmsh::CadOptions;
 use crate::model::record::Record;
 use crate::model::{Facts, LabelledSurface};
 use crate::report::findings;
-use repair::Repair;
+use crate::units::Unit;
+use repair::{Repair, parse_positive};
 use source::Reader;
 
 /// Triangles thinner than this are needles, which rounding to 32 bits may fold [diagonal].
@@ -85,45 +88,86 @@ impl Patches {
 }
 
 /// What is asked for.
-#[derive(Debug)]
+#[derive(Debug, clap::Args)]
 pub struct Request {
-    /// Files of which the union is taken.
+    /// .stl, .obj, .ply, .3mf, .step, .brep or .iges, or a tetrahedral .msh, whose boundary counts; of
+    /// several the union
+    #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Files that are subtracted from it.
-    pub subtract: Vec<PathBuf>,
-    /// How files are read.
-    pub reader: Reader,
-    /// How what is not sound is repaired.
-    pub repair: Repair,
-    /// Factor of all lengths [1].
+    /// Unit of files that state none; otherwise it is guessed by their size, and said
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// Files with what is taken away, such as chambers, or solids of the CAD file by their names or
+    /// numbers
+    #[arg(long, value_name = "FILE|SOLID", num_args = 1..)]
+    subtract: Vec<String>,
+    /// CAD: several solids that touch or cross are one body
+    #[arg(long)]
+    unite: bool,
+    /// Factor of all lengths
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = parse_positive)]
     pub scale: f64,
-    /// Turns about the axes through the origin.
-    pub turn: Matrix3<f64>,
-    /// Shift after scaling and turning [m].
-    pub shift: Vec3,
-    /// Angle between triangles from which on an edge parts patches of meshes [deg].
-    pub split: Option<f64>,
+    /// Turn about an axis through the origin, such as x=90 [deg]; several follow each other
+    #[arg(long, value_name = "AXIS=DEG", value_parser = parse_turn)]
+    turn: Vec<Matrix3<f64>>,
+    /// Shift, after scale and turns [m]
+    #[arg(long = "move", value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    shift: Option<Vec3>,
+    /// Part patches at edges sharper than this [deg], such as 40
+    #[arg(long, value_name = "DEG", value_parser = parse_positive)]
+    split: Option<f64>,
+    #[command(flatten)]
+    repair: Repair,
+    /// CAD: longest edge [m]
+    #[arg(long, value_name = "M", value_parser = parse_positive)]
+    edge_length: Option<f64>,
+    /// CAD: how far triangles may be from the faces [m]
+    #[arg(long, value_name = "M", default_value_t = 2e-5, value_parser = parse_positive)]
+    pub chord: f64,
 }
 
-/// Reads, repairs and combines the files.
-pub fn import(request: &mut Request) -> Result<LabelledSurface> {
+/// Reads, repairs and combines the files; `command` is what the user would write again with one more option.
+pub fn import(request: &Request, command: &str) -> Result<LabelledSurface> {
+    let (subtract, solids): (Vec<_>, Vec<_>) =
+        request.subtract.iter().cloned().partition(|text| Path::new(text).exists());
+    if let (Some(solid), false) = (solids.first(), request.files.len() == 1) {
+        bail!(
+            "--subtract {solid}: there is no such file, and several files whose solid it could be"
+        );
+    }
+    let subtract: Vec<PathBuf> = subtract.into_iter().map(PathBuf::from).collect();
+    let mut reader = Reader {
+        unit: request.unit,
+        cad: CadOptions {
+            unit: None,
+            numbers: BTreeMap::new(),
+            edge_length: request.edge_length,
+            chord: Some(request.chord),
+            trust: false,
+            subtract: solids,
+            timeout: Duration::from_secs(request.repair.timeout),
+        },
+        unite: request.unite,
+        command: command.to_owned(),
+        guessed: None,
+        facts: Facts::default(),
+    };
     let mut record = Record::default();
     record.split = request.split;
     let mut patches = Patches::default();
-    let several = request.files.len() + request.subtract.len() > 1;
+    let several = request.files.len() + subtract.len() > 1;
     let mut solids = Vec::new();
-    let files = request.files.iter().chain(&request.subtract).cloned().collect::<Vec<_>>();
-    for file in &files {
-        let (raw, source) = request.reader.read(file, several, &mut patches)?;
+    for file in request.files.iter().chain(&subtract) {
+        let (raw, source) = reader.read(file, several, &mut patches)?;
         record.files.push(source);
         solids.push(request.repair.solid(raw, file, &mut patches, &mut record)?);
     }
     let cavities = solids.split_off(request.files.len());
-    let solid = combined(solids, &cavities, request, &mut record)?;
+    let solid = combined(solids, &cavities, &subtract, &mut record)?;
     let mut body = labels_of(&solid);
-    body.surface.vertices.iter_mut().for_each(|p| {
-        *p = request.turn * *p * request.scale + request.shift;
-    });
+    let turn = request.turn.iter().fold(Matrix3::identity(), |all, turn| turn * all);
+    let shift = request.shift.unwrap_or_default();
+    body.surface.vertices.iter_mut().for_each(|p| *p = turn * *p * request.scale + shift);
     let body = written(body, request, &mut record)?;
     for patch in patches.unused(&body) {
         record.change(format!("nothing is left of patch {patch}"));
@@ -132,7 +176,7 @@ pub fn import(request: &mut Request) -> Result<LabelledSurface> {
         Some(angle) => split::split(body, angle, &mut patches)?,
         None => body,
     };
-    let mut facts = std::mem::take(&mut request.reader.facts);
+    let mut facts = reader.facts;
     facts.chord_error = facts.chord_error.map(|error| (error + record.moved) * request.scale);
     Ok(labelled(body, &patches, record, facts))
 }
@@ -141,7 +185,7 @@ pub fn import(request: &mut Request) -> Result<LabelledSurface> {
 fn combined(
     bodies: Vec<Solid>,
     cavities: &[Solid],
-    request: &Request,
+    subtract: &[PathBuf],
     record: &mut Record,
 ) -> Result<Solid> {
     let count = bodies.len();
@@ -150,7 +194,7 @@ fn combined(
     if count > 1 {
         record.change(format!("union of {count} files: {:.4} cm3", body.volume() * 1e6));
     }
-    for (cavity, file) in cavities.iter().zip(&request.subtract) {
+    for (cavity, file) in cavities.iter().zip(subtract) {
         let before = body.volume();
         body = body.difference(cavity);
         let taken = before - body.volume();
@@ -229,5 +273,31 @@ fn labelled(body: Patched, patches: &Patches, record: Record, facts: Facts) -> L
         import,
         facts,
         ..LabelledSurface::default()
+    }
+}
+
+/// Reads `x=90`.
+fn parse_turn(text: &str) -> Result<Matrix3<f64>> {
+    let needed = "AXIS=DEG is needed, such as x=90";
+    let (axis, angle) = text.split_once('=').context(needed)?;
+    let axis = match axis {
+        "x" => Vec3::x_axis(),
+        "y" => Vec3::y_axis(),
+        "z" => Vec3::z_axis(),
+        _ => bail!("{axis:?} is not x, y or z"),
+    };
+    let angle: f64 = angle.parse().with_context(|| format!("{angle:?} is not a number"))?;
+    ensure!(angle.is_finite(), "{angle} is not an angle");
+    // quarters of a turn without rounding
+    let rotation = Rotation3::from_axis_angle(&axis, angle.to_radians()).into_inner();
+    Ok(if angle % 90.0 == 0.0 { rotation.map(f64::round) } else { rotation })
+}
+
+/// Reads `0.01,0,-0.02`.
+fn parse_point(text: &str) -> Result<Vec3> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().all(|x| x.is_finite()) => Ok(Vec3::new(x, y, z)),
+        _ => bail!("three numbers with commas are needed, found {text:?}"),
     }
 }

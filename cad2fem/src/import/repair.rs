@@ -18,21 +18,21 @@ use mesh::inside::WindingNumber;
 use mesh::measure::{diagonal, enclosed_volume, hausdorff};
 use mesh::needles::take_out;
 use mesh::solid::Solid;
-use mesh::topology::{
-    DisjointSets, boundary, boundary_edges, boundary_loops, components, edge_facets,
-};
+use mesh::topology::{boundary, boundary_edges, boundary_loops, components, edge_facets};
 use mesh::{SurfaceMesh, Vec3};
 use program::Unusable;
 
 use super::fill::fill;
+use super::split::across_edges;
 use super::weld::weld;
 use super::{Patched, Patches, THIN};
+use crate::mesher::TetMesher as _;
 use crate::mesher::ftetwild::FTetWild;
 use crate::mesher::layers::Layers;
 use crate::mesher::python::Python;
-use crate::mesher::{Options, TetMesher as _};
 use crate::model::record::Record;
 use crate::report::findings;
+use crate::tetmesh::config::Tetmesh;
 use crate::tetmesh::{settle, tidy};
 
 /// Vertices of a shell by which it is said to lie inside another.
@@ -103,7 +103,8 @@ impl Repair {
             name_cavities(&mut raw, patches);
             return solid_of(&raw).with_context(|| shown.to_string());
         }
-        let (shells, inward) = shells_of(&raw, &parted(&raw.surface.triangles));
+        // shells that meet in edges, of which welding has made one, are several again
+        let (shells, inward) = shells_of(&raw, &across_edges(&raw.surface.triangles, |_, _| true));
         let sound = |shell: &Patched| check::run(&shell.surface, &NEEDED).is_empty();
         if shells.len() > 1 && shells.iter().all(sound) {
             return united(&shells, &inward, file, record);
@@ -170,16 +171,8 @@ impl Repair {
     pub fn remesh(&self, raw: &Patched, record: &mut Record) -> Result<Patched> {
         let size = diagonal(&raw.surface.vertices);
         let envelope = self.envelope.unwrap_or(1e-3 * size);
-        let mut options = Options {
-            edge_length: 0.05 * size,
-            refine: Vec::new(),
-            envelope,
-            stop_energy: 10.0,
-            max_iterations: 80,
-            coarsen: true,
-            threads: 0,
-            seed: 1,
-        };
+        let coarse = Tetmesh { envelope: Some(envelope), coarsen: true, ..Tetmesh::default() };
+        let mut options = coarse.options(size)?;
         let (python, timeout) = (Python::find()?, Duration::from_secs(self.timeout));
         let oriented = oriented(raw);
         let mut attempt = 1;
@@ -290,17 +283,6 @@ fn depths(shells: &[Patched]) -> Vec<usize> {
     let depth =
         |i: usize| (0..shells.len()).filter(|&j| j != i && within(&shells[i], &winding[j])).count();
     (0..shells.len()).map(depth).collect()
-}
-
-/// What hangs together by edges of two triangles: shells that meet in edges, of which welding has made one, are several again.
-fn parted(triangles: &[[usize; 3]]) -> Vec<Vec<usize>> {
-    let mut shells = DisjointSets::new(triangles.len());
-    for beside in edge_facets(triangles).into_values() {
-        if let [s, t] = beside[..] {
-            shells.join(s, t);
-        }
-    }
-    shells.groups()
 }
 
 /// Shells with vertices of their own. Those that are closed face outward; which of them faced inward.

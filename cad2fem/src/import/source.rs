@@ -140,17 +140,13 @@ impl Reader {
     ) -> Result<(Patched, &'static str, Known)> {
         let brep = Kind::of(file)? == Kind::Brep;
         ensure!(
-            brep || self.unit.is_none(),
-            "{}: a STEP or IGES file states its unit; leave out --unit",
-            file.display()
-        );
-        ensure!(
             !brep || self.unit.is_some() || self.cad.edge_length.is_none(),
             "{}: a .brep file states no unit: --edge-length needs --unit",
             file.display()
         );
         let (unit, known) = match (brep, self.unit) {
-            (false, _) => (None, Known::Stated),
+            // one that is given is refused
+            (false, unit) => (unit, Known::Stated),
             (true, Some(unit)) => (Some(unit), Known::Given),
             // how large it is says what its unit is, and so how fine triangles are to be
             (true, None) => {

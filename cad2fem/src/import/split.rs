@@ -37,11 +37,19 @@ fn pieces(body: &Patched, angle: f64) -> Vec<Vec<usize>> {
     let triangles = &body.surface.triangles;
     let normal: Vec<_> = (0..triangles.len()).map(|t| body.surface.normal(t)).collect();
     let flattest = angle.to_radians().cos();
+    let is_smooth = |s: usize, t: usize| normal[s].dot(&normal[t]) >= flattest;
+    across_edges(triangles, |s, t| body.patch[s] == body.patch[t] && is_smooth(s, t))
+}
+
+/// Triangles that hang together by edges of two triangles that `joins` takes.
+pub fn across_edges(
+    triangles: &[[usize; 3]],
+    joins: impl Fn(usize, usize) -> bool,
+) -> Vec<Vec<usize>> {
     let mut pieces = DisjointSets::new(triangles.len());
-    for pair in edge_facets(triangles).values() {
-        if let [s, t] = pair[..]
-            && body.patch[s] == body.patch[t]
-            && normal[s].dot(&normal[t]) >= flattest
+    for beside in edge_facets(triangles).into_values() {
+        if let [s, t] = beside[..]
+            && joins(s, t)
         {
             pieces.join(s, t);
         }

@@ -3,7 +3,7 @@
 //!
 //! As CAD route it meshes the faces of a `.geo` script or a STEP file. As
 //! tetrahedral mesher it keeps the triangles of the input surface, so these should
-//! be well shaped; it is not dependable on marching-tetrahedra surfaces unless they are remeshed.
+//! be well shaped; it is not dependable on marching-tetrahedra surfaces.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,6 +12,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use mesh::io::{read_bytes, read_own_text};
 use mesh::{SurfaceMesh, TetMesh};
+use serde::Deserialize;
 use serde_json::json;
 
 use super::job::Job;
@@ -108,8 +109,10 @@ impl Kind {
 }
 
 /// The meshed faces of a CAD file, as gmsh orients them.
+#[derive(Deserialize)]
 pub struct Faces {
     /// All faces [m].
+    #[serde(skip)]
     pub surface: SurfaceMesh,
     /// Patch names.
     pub names: Vec<String>,
@@ -154,7 +157,7 @@ impl CadOptions {
     /// Metres per unit of what gmsh returns, and the unit that it is asked for: files that a script
     /// reads come in the unit of its numbers. What is to follow the faces comes in millimetres, in which OpenCASCADE's
     /// tolerances are meant.
-    fn scale(&self, path: &Path) -> Result<(f64, Option<&'static str>)> {
+    fn scale(&self, path: &Path) -> Result<(f64, Option<String>)> {
         match (Kind::of(path)?, self.unit) {
             (Kind::Script | Kind::Brep, Some(unit)) => Ok((unit.metres(), Some(unit.of_cad()))),
             (Kind::Script, None) => {
@@ -166,7 +169,7 @@ impl CadOptions {
             (Kind::Step, None) if self.chord.is_some() => {
                 Ok((Unit::Mm.metres(), Some(Unit::Mm.of_cad())))
             }
-            (Kind::Step, None) => Ok((1.0, Some("M"))),
+            (Kind::Step, None) => Ok((1.0, Some(Unit::M.of_cad()))),
             (Kind::Iges, None) => Ok((Unit::Mm.metres(), None)),
             (Kind::Step | Kind::Iges, Some(_)) => {
                 bail!("{}: a STEP or IGES file states its unit; leave out --unit", path.display())
@@ -201,31 +204,11 @@ pub fn mesh_faces(file: &Path, options: &CadOptions) -> Result<Faces> {
         include_str!("gmsh_surface.py")
     );
     job.run(&python, script, &settings, options.timeout)?;
-    let names = |file: &str| -> Result<Vec<String>> {
-        Ok(serde_json::from_str(&read_own_text(&job.file(file))?)?)
-    };
-    let column =
-        |file: &str| -> Result<Vec<f64>> { Ok(mesh::io::npy::read_f64(&job.file(file))?.0) };
-    let parts = |what: &str| -> Result<Vec<(String, Vec<usize>)>> {
-        let part = |(i, name): (usize, String)| {
-            let rows = column(&format!("{what}-{i}.npy"))?;
-            Ok((name, rows.into_iter().map(|row| row as usize).collect()))
-        };
-        names(&format!("{what}s.json"))?.into_iter().enumerate().map(part).collect()
-    };
+    let mut faces: Faces = serde_json::from_str(&read_own_text(&job.file("faces.json"))?)?;
     let vertices = job.points("points.npy")?.into_iter().map(|p| p * metres).collect();
-    let chord_error: Option<f64> = serde_json::from_str(&read_own_text(&job.file("chord.json"))?)?;
-    Ok(Faces {
-        surface: SurfaceMesh { vertices, triangles: job.indices("triangles.npy")? },
-        names: names("patches.json")?,
-        patch: column("patch.npy")?.into_iter().map(|p| (p >= 0.0).then_some(p as usize)).collect(),
-        inside: column("inside.npy")?.into_iter().map(|flag| flag > 0.0).collect(),
-        volumes: parts("volume")?,
-        solids: parts("solid")?,
-        kinds: names("kinds.json")?,
-        tangent: serde_json::from_str(&read_own_text(&job.file("tangent.json"))?)?,
-        chord_error: chord_error.map(|error| error * metres),
-    })
+    faces.surface = SurfaceMesh { vertices, triangles: job.indices("triangles.npy")? };
+    faces.chord_error = faces.chord_error.map(|error| error * metres);
+    Ok(faces)
 }
 
 /// The absolute path, which has to be text to reach gmsh.

@@ -1,7 +1,6 @@
-# Meshes the faces of a CAD file; leaves points.npy, triangles.npy, patch.npy (the
-# patch of each triangle), inside.npy (1 where it is no part of the boundary), patches.json
-# (their names), volumes.json (names of physical volumes), volume-N.npy (their triangles) and
-# chord.json (how far triangles are from their faces).
+# Meshes the faces of a CAD file; leaves points.npy, triangles.npy, and faces.json: names and kinds of
+# patches, the patch of each triangle and whether it is no part of the boundary, names and triangles of physical
+# volumes and of solids, and how far triangles are from their faces.
 arguments = ["cad2fem"]
 for name, value in settings["numbers"].items():
     if not re.search(rf"\b{re.escape(name)}\b", open(settings["file"], errors="replace").read()):
@@ -202,7 +201,7 @@ def take(face, index):
     rows[face] = range(len(patch), len(patch) + len(triangles) // 3)
     corners.append(triangles.reshape(-1, 3))
     patch.extend([index] * len(corners[-1]))
-    inside.extend([float(face in within)] * len(corners[-1]))
+    inside.extend([face in within] * len(corners[-1]))
 
 
 for name, faces in groups:
@@ -220,25 +219,21 @@ for name, faces in groups:
 left_over = [face for _, face in gmsh.model.getEntities(2)
              if face not in seen and len(gmsh.model.getAdjacencies(2, face)[0]) > 0]
 for face in left_over:
-    take(face, -1)
+    take(face, None)
 
-volumes = []
+volumes = {}
 for _, tag in gmsh.model.getPhysicalGroups(3):
     solids = [(3, solid) for solid in gmsh.model.getEntitiesForPhysicalGroup(3, tag)]
     faces = [abs(face) for _, face in gmsh.model.getBoundary(solids, combined=True, oriented=False)]
     name = file_name(gmsh.model.getPhysicalName(3, tag) or f"volume-{tag}")
     if name in volumes:
         explain(f"{settings['shown']}: two physical volumes are called {name}")
-    numpy.save(f"volume-{len(volumes)}.npy", numpy.array([[float(r)] for f in faces for r in rows[f]]))
-    volumes.append(name)
+    volumes[name] = [row for face in faces for row in rows[face]]
 
-solids = named_solids()
-if len(solids) > 1 and not walls:
-    for i, solid in enumerate(solids):
-        faces = gmsh.model.getAdjacencies(3, solid)[1]
-        numpy.save(f"solid-{i}.npy", numpy.array([[float(r)] for f in faces for r in rows.get(f, [])]))
-else:
-    solids = {}
+solids = [(name, [row for face in gmsh.model.getAdjacencies(3, solid)[1] for row in rows.get(face, [])])
+          for solid, name in named_solids().items()]
+if len(solids) < 2 or walls:
+    solids = []
 
 
 def kind_of(faces):
@@ -283,13 +278,16 @@ row = numpy.zeros(int(tags.max()) + 1, dtype=numpy.int64)
 row[tags.astype(numpy.int64)] = numpy.arange(len(tags))
 numpy.save("points.npy", points.reshape(-1, 3)[row[used]])
 numpy.save("triangles.npy", numpy.searchsorted(used, corners).astype(float))
-numpy.save("patch.npy", numpy.array(patch, dtype=float).reshape(-1, 1))
-numpy.save("inside.npy", numpy.array(inside, dtype=float).reshape(-1, 1))
-json.dump(names, open("patches.json", "w"))
-json.dump(off, open("chord.json", "w"))
-json.dump(volumes, open("volumes.json", "w"))
-json.dump(list(solids.values()), open("solids.json", "w"))
-of_patch = [[face for face, patch in patch_of.items() if patch == i] for i in range(len(names))]
-json.dump([kind_of(faces) for faces in of_patch], open("kinds.json", "w"))
-json.dump([[int(i) for i in pair] for pair in sorted(tangent)], open("tangent.json", "w"))
+of_patch = [[face for face, own in patch_of.items() if own == i] for i in range(len(names))]
+faces = {
+    "names": names,
+    "patch": patch,
+    "inside": inside,
+    "volumes": list(volumes.items()),
+    "solids": solids,
+    "kinds": [kind_of(faces) for faces in of_patch],
+    "tangent": sorted(tangent),
+    "chord_error": off,
+}
+json.dump(faces, open("faces.json", "w"))
 gmsh.finalize()

@@ -11,10 +11,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
+use mesh::faces::Face;
 use mesh::io::{read_surface, remove_output, remove_output_folder, write_surface};
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::topology::{boundary_loops, components};
-use mesh::{SurfaceMesh, Vec3, check};
+use mesh::{SurfaceMesh, check};
 use program::Unusable;
 use serde::Serialize;
 
@@ -105,7 +106,7 @@ pub struct Report {
     /// Regions that meet without an edge, where CAD says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     tangent: Option<Vec<[String; 2]>>,
-    /// Largest distance of the triangles from the faces of CAD, or from the functions of a remeshed implicit body [m].
+    /// Largest distance of the triangles from the faces of CAD [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     chord_error: Option<f64>,
     wall_s: f64,
@@ -148,15 +149,9 @@ impl PatchReport {
             area: area(patch),
             components: components(&patch.triangles).len(),
             loops: boundary_loops(&patch.triangles).len(),
-            middle: centroid(patch).into(),
+            middle: Face::of(patch, 0..patch.triangles.len()).middle.into(),
         }
     }
-}
-
-/// Middle of the area of a surface [m].
-fn centroid(patch: &SurfaceMesh) -> Vec3 {
-    let weighted = |t: usize| patch.area(t) * patch.centroid(t);
-    (0..patch.triangles.len()).map(weighted).sum::<Vec3>() / area(patch)
 }
 
 impl LabelledSurface {

@@ -27,13 +27,17 @@ pub fn remove_fragments(mesh: &mut TetMesh) -> usize {
         volumes[piece] += mesh.volume(t);
     }
     let least = MAX_VOLUME * volumes.iter().sum::<f64>();
-    let tets = mesh.tets.iter().zip(&piece_of);
-    let kept: Vec<_> = tets.filter(|(_, p)| volumes[**p] >= least).map(|(&t, _)| t).collect();
-    let removed = mesh.tets.len() - kept.len();
-    if removed > 0 {
-        *mesh = mesh.with_tets(&kept);
+    keep(mesh, |t| volumes[piece_of[t]] >= least)
+}
+
+/// Keeps some of the tetrahedra, with the vertices that they use. Returns how many go.
+fn keep(mesh: &mut TetMesh, kept: impl Fn(usize) -> bool) -> usize {
+    let before = mesh.tets.len();
+    let tets: Vec<_> = (0..before).filter(|&t| kept(t)).map(|t| mesh.tets[t]).collect();
+    if tets.len() < before {
+        *mesh = mesh.with_tets(&tets);
     }
-    removed
+    before - mesh.tets.len()
 }
 
 /// Removes the spikes whose tip is less than `height` [m] above the facet on which they hang.
@@ -47,16 +51,11 @@ pub fn remove_spikes(mesh: &mut TetMesh, height: f64) -> usize {
     let is_spike = |tet: usize| {
         let [a, b, c] = &free[tet][..] else { return false };
         let tip = a.iter().find(|v| b.contains(v) && c.contains(v));
-        let base = mesh.tets[tet].map(|v| mesh.vertices[v]);
+        let base = mesh.corners(tet);
         tip.is_some_and(|&tip| height_above(mesh.vertices[tip], base) < height)
     };
-    let kept: Vec<_> =
-        (0..mesh.tets.len()).filter(|&t| !is_spike(t)).map(|t| mesh.tets[t]).collect();
-    let removed = mesh.tets.len() - kept.len();
-    if removed > 0 {
-        *mesh = mesh.with_tets(&kept);
-    }
-    removed
+    let spikes: Vec<bool> = (0..mesh.tets.len()).map(is_spike).collect();
+    keep(mesh, |t| !spikes[t])
 }
 
 /// Removes, where the boundary touches itself in a vertex or an edge only, the tetrahedra of all but
@@ -77,11 +76,9 @@ pub fn open_pinches(mesh: &mut TetMesh) -> usize {
                 kept[t] = false;
             }
         }
-        if kept.iter().all(|&kept| kept) {
+        if keep(mesh, |t| kept[t]) == 0 {
             break; // nothing touches, or two cavities do
         }
-        let tets: Vec<_> = (0..kept.len()).filter(|&t| kept[t]).map(|t| mesh.tets[t]).collect();
-        *mesh = mesh.with_tets(&tets);
     }
     before - mesh.tets.len()
 }

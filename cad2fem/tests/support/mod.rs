@@ -13,6 +13,8 @@ mod skip;
 /// A folder that disappears with the test; runs use caches of their own.
 pub struct Workdir {
     folder: tempfile::TempDir,
+    /// The Python that runs use.
+    python: Option<String>,
 }
 
 /// A finished run.
@@ -24,7 +26,18 @@ pub struct Run {
 
 impl Workdir {
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        Self { folder: tempfile::tempdir().unwrap(), python: None }
+    }
+
+    /// One whose runs use the Python with the meshers; none if that lacks one of the `packages`, and the test is counted
+    /// as skipped.
+    pub fn with(packages: &[&str]) -> Option<Self> {
+        packages.iter().try_fold(Self::new(), |dir, package| dir.with_python(package))
+    }
+
+    /// The same folder, whose runs use the Python with the meshers if it has a package.
+    pub fn with_python(self, package: &str) -> Option<Self> {
+        Some(Self { python: Some(python_with(package)?), ..self })
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -48,13 +61,26 @@ impl Workdir {
         path.display().to_string()
     }
 
-    pub fn run(&self, arguments: &[&str]) -> Run {
-        self.run_with("PUFFER_UNUSED", "", arguments)
+    /// Runs the program with arguments separated by blanks.
+    pub fn run(&self, arguments: &str) -> Run {
+        self.run_words(&arguments.split_whitespace().collect::<Vec<_>>())
     }
 
-    pub fn run_with(&self, variable: &str, value: &str, arguments: &[&str]) -> Run {
+    /// The same with arguments that may have blanks in them.
+    pub fn run_words(&self, arguments: &[&str]) -> Run {
+        self.finish(Command::new(env!("CARGO_BIN_EXE_cad2fem")).args(arguments))
+    }
+
+    /// Runs a script of Python in the folder.
+    pub fn script(&self, script: &str) {
+        let mut python = Command::new(self.python.as_ref().unwrap());
+        let made = python.args(["-c", script]).current_dir(self.folder.path()).output().unwrap();
+        assert!(made.status.success(), "{made:?}");
+    }
+
+    pub fn run_with(&self, variable: &str, value: &str, arguments: &str) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cad2fem"));
-        self.finish(command.args(arguments).env(variable, value))
+        self.finish(command.args(arguments.split_whitespace()).env(variable, value))
     }
 
     /// Runs a shell script in which `$0` is the program.
@@ -65,6 +91,7 @@ impl Workdir {
 
     fn finish(&self, command: &mut Command) -> Run {
         let command = command.current_dir(self.folder.path());
+        command.envs(self.python.iter().map(|python| ("PUFFER_PYTHON", python)));
         let output = command.env("PUFFER_CACHE", self.path("cache")).output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
@@ -90,9 +117,8 @@ impl Run {
     }
 }
 
-/// The Python with the meshers; none if it lacks `package`, and the test is counted as
-/// skipped.
-pub fn python_with(package: &str) -> Option<String> {
+/// The Python with the meshers; none if it lacks `package`, which is said.
+fn python_with(package: &str) -> Option<String> {
     let named = std::env::var("PUFFER_PYTHON").ok();
     let venv = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
     let python = named.unwrap_or_else(|| venv.display().to_string());

@@ -12,18 +12,20 @@ pub use coincident::coincident;
 pub use nesting::orient_by_nesting;
 pub use tets::check_tets;
 
+use serde::Serialize;
+
 use crate::measure::diagonal;
 use crate::{SurfaceMesh, Vec3};
 
 /// A broken rule.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// Name of the rule.
     pub rule: &'static str,
-    /// What is wrong, with numbers, the first offender and its place [m].
-    pub message: String,
     /// Number of offenders.
     pub count: usize,
+    /// What is wrong, with numbers, the first offender and its place [m].
+    pub message: String,
 }
 
 impl Finding {

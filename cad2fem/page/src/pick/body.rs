@@ -11,7 +11,7 @@ use mesh::{SurfaceMesh, Vec3, triangle_key};
 use serde_json::{Value, json};
 
 use super::MM;
-use crate::reported::read;
+use crate::reported::{Model, Region};
 use crate::store::Store;
 
 /// Faces of triangles meet smoothly if these enclose less on average [deg]: half of the angle at
@@ -71,41 +71,32 @@ pub struct Body {
 impl Body {
     /// Reads a folder.
     pub fn read(folder: &Path) -> Result<Self> {
-        let report = folder.join("model.json");
-        ensure!(
-            report.is_file(),
-            "{}: there is no model.json; a folder is needed that `cad2fem model` or `cad2fem import` \
-             has written",
-            folder.display()
-        );
-        let report: Value = read(&report)?;
+        let report = Model::read(folder)?;
         let model = read_surface(&folder.join("model.stl"))?;
         let mut of_place = HashMap::with_capacity(model.triangles.len());
         for t in 0..model.triangles.len() {
             of_place.insert(triangle_key(&model.corners(t)), t);
         }
-        let mut groups = Groups { owner: vec![None; model.triangles.len()], named: Vec::new() };
-        for region in regions(&report, "regions") {
-            let (name, patch) = patch(folder, region)?;
-            groups.take(&name, region, &patch, &of_place).with_context(|| {
-                format!("{}: {name} is not of model.stl; make the model again", folder.display())
+        let mut groups = Groups { owner: vec![None; model.triangles.len()], regions: Vec::new() };
+        for region in &report.regions {
+            groups.take(region, &patch(folder, region)?, &of_place).with_context(|| {
+                format!(
+                    "{}: {} is not of model.stl; make the model again",
+                    folder.display(),
+                    region.name
+                )
             })?;
         }
-        let sheets = regions(&report, "inside").iter();
-        let sheets: Vec<_> =
-            sheets.map(|r| Ok((kind(r), patch(folder, r)?))).collect::<Result<_>>()?;
-        ensure!(
-            !groups.named.is_empty(),
-            "{}: model.json has no regions, so there is no face to choose",
-            folder.display()
-        );
+        let sheets = report.inside.iter().map(|region| patch(folder, region));
+        let sheets = sheets.collect::<Result<Vec<_>>>()?;
         let mut body = groups.body(&model);
         body.source = source(&report, folder);
-        body.split = report["import"]["split"].as_f64();
-        for (kind, (name, patch)) in sheets {
-            body.add_sheet(name, kind, &patch);
+        body.split = report.import.split;
+        for (region, patch) in report.inside.iter().zip(&sheets) {
+            body.add_sheet(region, patch);
         }
-        body.borders = borders(&body, model.triangles.len(), &tangent(&report, &body.faces));
+        let tangent = report.tangent.as_ref().map(|pairs| tangent(pairs, &body.faces));
+        body.borders = borders(&body, model.triangles.len(), tangent.as_ref());
         Ok(body)
     }
 
@@ -134,19 +125,19 @@ impl Body {
         with_file.iter().map(one).collect()
     }
 
-    fn add_sheet(&mut self, name: String, kind: Option<String>, patch: &SurfaceMesh) {
+    fn add_sheet(&mut self, region: &Region, patch: &SurfaceMesh) {
         let begin = self.surface.triangles.len();
         self.surface.append(patch);
-        let face =
-            Face { inside: true, ..self.face(name, kind, begin..begin + patch.triangles.len()) };
-        self.faces.push(face);
+        let face = self.face(region, begin..self.surface.triangles.len());
+        self.faces.push(Face { inside: true, ..face });
     }
 
     /// A face of some of the triangles.
-    fn face(&self, name: String, kind: Option<String>, triangles: Range<usize>) -> Face {
+    fn face(&self, region: &Region, triangles: Range<usize>) -> Face {
         let measured = mesh::faces::Face::of(&self.surface, triangles.clone());
         let mesh::faces::Face { area, middle, normal: facing, .. } = measured;
         let flat = (facing.norm() > FLAT_FACE_NORMAL).then(|| facing.normalize());
+        let Region { name, kind } = region.clone();
         let kind = kind.unwrap_or_else(|| if flat.is_some() { "plane" } else { "curved" }.into());
         let file = Some(format!("{name}.stl"));
         Face { name, file, kind, inside: false, triangles, area, middle, normal: flat, facing }
@@ -181,59 +172,47 @@ impl Body {
     }
 }
 
-fn source(report: &Value, folder: &Path) -> String {
-    let path = report["input"]["path"].as_str().map_or(folder, Path::new);
+fn source(report: &Model, folder: &Path) -> String {
+    let path = report.input.as_ref().map_or(folder, |input| input.path.as_path());
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn regions<'a>(report: &'a Value, key: &str) -> &'a [Value] {
-    report[key].as_array().map_or(&[], Vec::as_slice)
-}
-
-fn kind(region: &Value) -> Option<String> {
-    region["kind"].as_str().map(str::to_owned)
-}
-
-/// The name and the surface of a region.
-fn patch(folder: &Path, region: &Value) -> Result<(String, SurfaceMesh)> {
-    let Some(name) = region["name"].as_str() else {
-        bail!("{}: model.json has a region without a name", folder.display());
-    };
+/// The surface of a region.
+fn patch(folder: &Path, Region { name, .. }: &Region) -> Result<SurfaceMesh> {
     let file = format!("{name}.stl");
     let mut parts = Path::new(&file).components();
     let plain = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
     ensure!(plain, "{}: {name:?} is not the name of a patch", folder.display());
-    Ok((name.to_owned(), read_surface(&folder.join("patches").join(file))?))
+    Ok(read_surface(&folder.join("patches").join(file))?)
 }
 
 /// Which region has each triangle of the model.
 struct Groups {
     owner: Vec<Option<usize>>,
-    named: Vec<(String, Option<String>)>,
+    regions: Vec<Region>,
 }
 
 impl Groups {
     fn take(
         &mut self,
-        name: &str,
-        region: &Value,
+        region: &Region,
         patch: &SurfaceMesh,
         of_place: &HashMap<[[u64; 3]; 3], usize>,
     ) -> Result<()> {
-        let index = self.named.len();
+        let index = self.regions.len();
         for t in 0..patch.triangles.len() {
             match of_place.get(&triangle_key(&patch.corners(t))) {
                 Some(&own) => self.owner[own] = Some(index),
                 None => bail!("its triangle {t} is not there"),
             }
         }
-        self.named.push((name.to_owned(), kind(region)));
+        self.regions.push(region.clone());
         Ok(())
     }
 
     /// The triangles face by face; what no region has comes last.
     fn body(self, model: &SurfaceMesh) -> Body {
-        let rest = self.named.len();
+        let rest = self.regions.len();
         let mut order: Vec<usize> = (0..model.triangles.len()).collect();
         order.sort_by_key(|&t| self.owner[t].unwrap_or(rest));
         let triangles = order.iter().map(|&t| model.triangles[t]).collect();
@@ -246,32 +225,31 @@ impl Groups {
             borders: Vec::new(),
         };
         let mut begin = 0;
-        for (index, (name, kind)) in self.named.into_iter().enumerate() {
+        for (index, region) in self.regions.iter().enumerate() {
             let count = self.owner.iter().filter(|owner| **owner == Some(index)).count();
-            body.faces.push(body.face(name, kind, begin..begin + count));
+            body.faces.push(body.face(region, begin..begin + count));
             begin += count;
         }
         if begin < order.len() {
-            let none = body.face("no region".into(), None, begin..order.len());
-            body.faces.push(Face { file: None, ..none });
+            let none = Region { name: "no region".into(), kind: None };
+            body.faces.push(Face { file: None, ..body.face(&none, begin..order.len()) });
         }
         body
     }
 }
 
-/// Pairs of faces that CAD knows to be smooth; none where it knows nothing.
-fn tangent(report: &Value, faces: &[Face]) -> Option<BTreeSet<[usize; 2]>> {
-    let pairs = report["tangent"].as_array()?;
-    let index = |name: &Value| faces.iter().position(|face| Some(&face.name[..]) == name.as_str());
-    let pair = |pair: &Value| {
-        let (a, b) = (index(&pair[0])?, index(&pair[1])?);
+/// Pairs of faces that CAD knows to be smooth.
+fn tangent(pairs: &[[String; 2]], faces: &[Face]) -> BTreeSet<[usize; 2]> {
+    let index = |name: &String| faces.iter().position(|face| face.name == *name);
+    let pair = |[a, b]: &[String; 2]| {
+        let (a, b) = (index(a)?, index(b)?);
         Some([a.min(b), a.max(b)])
     };
-    Some(pairs.iter().filter_map(pair).collect())
+    pairs.iter().filter_map(pair).collect()
 }
 
 /// Where faces meet, of the first `count` triangles.
-fn borders(body: &Body, count: usize, tangent: &Option<BTreeSet<[usize; 2]>>) -> Vec<Border> {
+fn borders(body: &Body, count: usize, tangent: Option<&BTreeSet<[usize; 2]>>) -> Vec<Border> {
     let triangles = &body.surface.triangles[..count];
     let mut of_triangle = vec![0; count];
     for (i, face) in body.faces.iter().enumerate().filter(|(_, face)| !face.inside) {
@@ -293,7 +271,7 @@ fn borders(body: &Body, count: usize, tangent: &Option<BTreeSet<[usize; 2]>>) ->
     }
     let border = |(faces, [length, turned]): ([usize; 2], [f64; 2])| {
         let flat = turned < SMOOTH * length;
-        Border { faces, smooth: tangent.as_ref().map_or(flat, |known| known.contains(&faces)) }
+        Border { faces, smooth: tangent.map_or(flat, |known| known.contains(&faces)) }
     };
     sums.into_iter().map(border).collect()
 }
@@ -309,6 +287,7 @@ pub(crate) mod tests {
     use tempfile::TempDir;
 
     use super::*;
+    use crate::reported::read;
 
     /// A box of 40 × 20 × 10 mm with a box of air of 20 × 10 × 4 mm inside, its faces as patches `f0`
     /// to `f11`: those of the outside first.

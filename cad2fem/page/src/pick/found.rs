@@ -1,12 +1,11 @@
 //! What a body proposes by itself: closed chambers, chambers that open in a flat face, flat sides to
-//! hold or to mirror at, and planes in which it is its own mirror image.
+//! hold or to mirror at.
 
 use std::collections::BTreeSet;
 
 use mesh::Vec3;
-use mesh::bvh::SurfaceBvh;
 use mesh::measure::{bounds, diagonal, enclosed_volume};
-use mesh::topology::{components, submesh};
+use mesh::topology::components;
 use serde_json::{Value, json};
 
 use super::MM;
@@ -15,17 +14,11 @@ use super::body::{Body, Face};
 /// Lengths that differ by less are the same [diagonal].
 const SAME: f64 = 1e-4;
 
-/// How far a mirror image may be from the body, which both are made of triangles [diagonal].
-const MIRRORED: f64 = 2e-3;
-
 /// A flat side that is smaller is no proposal [area of the body].
 const LARGE: f64 = 0.01;
 
 /// A pocket that is smaller is no chamber [bounding box].
 const ROOMY: f64 = 2e-3;
-
-/// Points by which a mirror image is compared: vertices, and middles of triangles.
-const PROBES: usize = 4000;
 
 /// All proposals.
 pub fn of(body: &Body) -> Value {
@@ -33,7 +26,6 @@ pub fn of(body: &Body) -> Value {
         "chambers": chambers(body),
         "pockets": pockets(body),
         "sides": sides(body),
-        "mirrors": (0..3).filter_map(|axis| mirror(body, axis)).collect::<Vec<_>>(),
     })
 }
 
@@ -49,8 +41,7 @@ fn chambers(body: &Body) -> Vec<Value> {
     let mut found = Vec::new();
     let mut inner = vec![false; triangles.len()];
     for shell in components(triangles) {
-        let own: Vec<_> = shell.iter().map(|&t| triangles[t]).collect();
-        let volume = enclosed_volume(&submesh(&body.surface.vertices, &own).0);
+        let volume = enclosed_volume(&body.surface.part(&shell));
         if volume < 0.0 {
             shell.iter().for_each(|&t| inner[t] = true);
             found.push((-volume, shell));
@@ -166,41 +157,6 @@ fn sides(body: &Body) -> Vec<Value> {
     found.into_iter().map(|(_, side)| side).collect()
 }
 
-/// The plane across an axis through the middle, if the body is its mirror image in it, with the
-/// image of each face; null of a face whose image is not one.
-fn mirror(body: &Body, axis: usize) -> Option<Value> {
-    let vertices = &body.surface.vertices;
-    let (low, high) = bounds(vertices);
-    let at = 0.5 * (low[axis] + high[axis]);
-    let image = |p: &Vec3| {
-        let mut q = *p;
-        q[axis] = 2.0 * at - q[axis];
-        q
-    };
-    let close = MIRRORED * diagonal(vertices);
-    let bvh = SurfaceBvh::new(&body.surface);
-    // ends of an open chamber may meet its wall with all their vertices
-    let middles = (0..body.surface.triangles.len()).map(|t| body.surface.centroid(t));
-    let points = vertices.iter().copied().chain(middles);
-    let step = (vertices.len() + body.surface.triangles.len()).div_ceil(PROBES);
-    if points.step_by(step).any(|p| bvh.closest(&image(&p)).distance >= close) {
-        return None;
-    }
-    let partner = |face: &Face| {
-        let target = image(&face.middle);
-        let alike = |other: &Face| {
-            let area = (other.area / face.area - 1.0).abs() < 0.02;
-            let distance = (other.middle - target).norm();
-            (area && other.inside == face.inside && distance < close).then_some(distance)
-        };
-        let alike = body.faces.iter().enumerate().filter_map(|(i, f)| Some((alike(f)?, i)));
-        alike.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
-    };
-    let partners: Vec<Option<usize>> = body.faces.iter().map(partner).collect();
-    let at = if at.abs() < 1e-9 { 0.0 } else { MM * at };
-    Some(json!({ "axis": axis, "at": at, "partners": partners }))
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -221,7 +177,6 @@ mod tests {
         assert_eq!(pockets[0]["faces"].as_array().unwrap().len(), 5);
         let lid = &body.faces[pockets[0]["lid"].as_u64().unwrap() as usize];
         assert_eq!(lid.normal, Some(-Vec3::x()));
-        assert!(found["mirrors"].as_array().unwrap().iter().all(|m| m["axis"] != 0), "{found}");
         // folds give walls of a chamber more area than the outside has
         for face in pockets[0]["faces"].as_array().unwrap() {
             body.faces[face.as_u64().unwrap() as usize].area *= 10.0;
@@ -230,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hollow_box_has_a_chamber_sides_and_mirrors() {
+    fn a_hollow_box_has_a_chamber_and_sides() {
         let folder = hollow();
         let found = of(&Body::read(folder.path()).unwrap());
         assert_eq!(found["chambers"].as_array().unwrap().len(), 1);
@@ -241,12 +196,5 @@ mod tests {
         assert_eq!(sides.len(), 6);
         assert!(sides.iter().all(|side| side["faces"].as_array().unwrap().len() == 1));
         assert_eq!(sides[0]["axis"], 2, "the largest");
-        // the air is nearer to one end: no mirror across x
-        let mirrors = found["mirrors"].as_array().unwrap();
-        let axes: Vec<_> = mirrors.iter().map(|m| m["axis"].as_u64().unwrap()).collect();
-        assert_eq!(axes, [1, 2]);
-        let partners = mirrors[0]["partners"].as_array().unwrap();
-        let own = partners.iter().enumerate().filter(|(i, p)| **p == json!(i)).count();
-        assert_eq!(own, 8, "all but those that face ±y");
     }
 }

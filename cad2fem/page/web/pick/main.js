@@ -18,7 +18,7 @@ const faces = data.body.faces;
 
 /** What is seen, and what a click takes. */
 const look = {
-  axis: 'none', at: 0.5, sign: 1, hides: false, through: false, how: 'face', partners: [],
+  axis: 'none', at: 0.5, sign: 1, hides: false, through: false, how: 'face',
   plane(box) {
     return planeAcross(box, this);
   },
@@ -55,12 +55,6 @@ function view() {
   stage.invalidate();
 }
 
-/** All faces that a click on one takes. */
-function taken(face) {
-  const mirrored = look.partners.reduce((all, partners) => [...all, ...all.flatMap((f) => partners[f] ?? [])], [face]);
-  return [...new Set(mirrored.flatMap((f) => tags.grow(f, look.how)))];
-}
-
 /** Clicks go to a tag; without one that is made of faces there is a new one. */
 function target() {
   if (tags.active === NONE || tags.list[tags.active].kept) tags.add('tag');
@@ -70,7 +64,7 @@ function target() {
 function click(face) {
   if (!faces[face].file) return say(`${faces[face].name}: no file of patches holds it`);
   const before = tags.list.length;
-  const all = taken(face);
+  const all = tags.grow(face, look.how);
   const tag = target();
   tags.keep();
   const back = all.every((f) => tags.of[f] === tag);
@@ -87,7 +81,7 @@ function painted(face, first) {
     tags.keep();
     stroke = tags.of[face] === tag ? NONE : tag;
   }
-  tags.give(taken(face), stroke);
+  tags.give(tags.grow(face, look.how), stroke);
   mark(face);
 }
 
@@ -95,7 +89,7 @@ function painted(face, first) {
 function mark(face, pointer, quiet) {
   const tip = at('tip');
   const text = face === null ? '' : Panel.described(faces[face], tags.list[tags.of[face]]?.name);
-  body.mark(face === null ? [] : taken(face));
+  body.mark(face === null ? [] : tags.grow(face, look.how));
   stage.invalidate();
   stage.canvas.style.cursor = face === null ? 'grab' : 'pointer';
   if (face !== null && !quiet) say(text);

@@ -172,7 +172,7 @@ export class Panel {
 
   /** What the body proposes by itself. */
   proposals() {
-    const { chambers, pockets, sides, mirrors } = this.data.found;
+    const { chambers, pockets, sides } = this.data.found;
     const line = (text, faces, ...buttons) => {
       const made = make('div', { className: 'proposal' }, make('span', { textContent: text }), row(...buttons));
       made.addEventListener('pointerenter', () => this.on.look(faces));
@@ -216,13 +216,6 @@ export class Panel {
       const area = areaText(faces.reduce((sum, face) => sum + this.tags.faces[face].area, 0));
       const plane = at === 0 ? [take('cut', 'a plane of symmetry: only half of the body is here', {}, faces)] : [];
       this.found.append(line(`Flat at ${AXES[axis]} = ${number(at)} mm, ${area}`, faces, take('fixed', 'what is held', {}, faces), ...plane));
-    }
-    for (const { axis, at, partners } of mirrors) {
-      const both = check(`a click takes the mirror image, too`, false, (on) => {
-        this.look.partners = this.look.partners.filter((p) => p !== partners);
-        if (on) this.look.partners.push(partners);
-      });
-      this.found.append(make('div', { className: 'proposal' }, make('span', { textContent: `It mirrors itself in ${AXES[axis]} = ${number(at)} mm` }), both));
     }
     return fieldset('Found in this body', this.found);
   }

@@ -6,11 +6,10 @@ mod options;
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use log::info;
 use mesh::Vec3;
-use mesh::io::read_text;
-use serde_json::Value;
+use page::reported::Model;
 
 use load::Loaded;
 use looks::{Looks, values};
@@ -98,20 +97,10 @@ fn of_model(args: &Args) -> Result<Args> {
         "{shown}: a folder is drawn alone, {} are given",
         args.files.len()
     );
-    let report = folder.join("model.json");
-    ensure!(
-        report.is_file(),
-        "{shown}: there is no model.json; a folder that can be drawn is one that `cad2fem model` or \
-         `import` has written"
-    );
-    let report: Value =
-        serde_json::from_str(&read_text(&report)?).with_context(|| report.display().to_string())?;
-    let file = |region: &Value| {
-        Some(folder.join("patches").join(format!("{}.stl", region["name"].as_str()?)))
-    };
-    let lists = ["regions", "inside"].map(|key| report[key].as_array());
-    let files: Vec<PathBuf> = lists.into_iter().flatten().flatten().filter_map(file).collect();
-    ensure!(!files.is_empty(), "{shown}: model.json has no regions");
+    let model = Model::read(folder)?;
+    let regions = model.regions.iter().chain(&model.inside);
+    let files = regions.map(|region| folder.join("patches").join(format!("{}.stl", region.name)));
+    let files = files.collect();
     Ok(Args { files, together: true, label: true, ..args.clone() })
 }
 
