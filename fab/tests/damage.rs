@@ -199,8 +199,8 @@ fn molds_that_fail_a_check_are_not_written() {
 #[test]
 fn inflated_walls() {
     let lines_of = |folder: &tempfile::TempDir| {
-        let against = Against { simulation: Some(folder.path()), ..Against::default() };
-        verify(&sound().path("mold"), against).unwrap()
+        let against = Against { simulation: Some(folder.path().into()), ..Against::default() };
+        verify(&sound().path("mold"), &against).unwrap()
     };
     let lines = lines_of(&sound().simulation(0.5, true, 2.0));
     assert_status(&lines, "inflated: body", Status::Ok);
@@ -259,7 +259,8 @@ fn sheets_that_are_laid_in() {
         let copied = tempfile::tempdir().unwrap();
         copy(&folder, copied.path());
         change_report(copied.path(), damage);
-        verify(copied.path(), Against { design: Some(&design), ..Against::default() }).unwrap()
+        let against = Against { design: Some(design.clone()), ..Against::default() };
+        verify(copied.path(), &against).unwrap()
     };
     let sound = after(&|_| ());
     assert_status(&sound, "paper: in silicone", Status::Ok);

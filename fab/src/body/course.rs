@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::io::MshFile;
-use mesh::{SurfaceMesh, Vec3, measure};
+use mesh::{SurfaceMesh, Vec3};
 
 use super::groove::{Groove, Station};
 use crate::config::GrooveConfig;
@@ -48,9 +48,9 @@ pub struct Ground<'a> {
 }
 
 /// What is asked of the surface of a body along a line.
-struct Surface {
+struct Surface<'a> {
+    filled: &'a SurfaceMesh,
     bvh: SurfaceBvh,
-    normals: Vec<Vec3>,
     inside: WindingNumber,
     tags: Tagged,
 }
@@ -172,19 +172,11 @@ impl Groove {
     }
 }
 
-impl Surface {
-    fn new(ground: &Ground, config: &GrooveConfig) -> Result<Self> {
+impl<'a> Surface<'a> {
+    fn new(ground: &Ground<'a>, config: &GrooveConfig) -> Result<Self> {
         let filled = ground.filled;
-        let normal = |t: usize| {
-            let [a, b, c] = filled.corners(t);
-            measure::triangle_normal(a, b, c)
-        };
-        Ok(Self {
-            bvh: SurfaceBvh::new(filled),
-            normals: (0..filled.triangles.len()).map(normal).collect(),
-            inside: WindingNumber::new(filled),
-            tags: Tagged::new(ground.file, &config.on)?,
-        })
+        let (bvh, inside) = (SurfaceBvh::new(filled), WindingNumber::new(filled));
+        Ok(Self { filled, bvh, inside, tags: Tagged::new(ground.file, &config.on)? })
     }
 
     /// The line of a thread, on the surface.
@@ -217,7 +209,7 @@ impl Surface {
             let along = (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).normalize();
             let beside = [-0.5, 0.0, 0.5].map(|part| p + along * (part * thread));
             let normal: Vec3 =
-                beside.iter().map(|q| self.normals[self.bvh.closest(q).triangle]).sum();
+                beside.iter().map(|q| self.filled.normal(self.bvh.closest(q).triangle)).sum();
             // The section between both shells lies in the parting plane: no part of it leaves with the other shell.
             let between = groove.beyond(p).abs() < SAME;
             let along =

@@ -11,8 +11,7 @@ use mesh::check::Finding;
 
 use super::features::channel;
 use super::piece::{Feature, Purpose};
-use crate::body::air::AirPaths;
-use crate::body::boundary::Boundary;
+use crate::body::boundary::{AirPaths, Boundary};
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::geometry::frame::Frame;

@@ -12,12 +12,12 @@
 use std::collections::BinaryHeap;
 
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{bounds, triangle_area};
+use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::geometry::columns::{Grid, Layer, layers};
-use crate::geometry::frame::Frame;
+use crate::geometry::columns::{Grid, Layer, layers, middle_of_longest};
+use crate::geometry::frame::{Frame, moved};
 
 /// Columns along the longest side of the body.
 const COLUMNS: f64 = 120.0;
@@ -93,8 +93,7 @@ impl View {
     pub fn along(body: &SurfaceMesh, pull: &Vec3) -> Self {
         let (frame, _) = Frame::new(*pull, *pull).expect("a direction is along itself");
         let rotation = frame.rotation;
-        let vertices: Vec<Vec3> = body.vertices.iter().map(|p| rotation * p).collect();
-        let surface = SurfaceMesh { vertices, triangles: body.triangles.clone() };
+        let surface = moved(body, |p| rotation * p);
         let (low, high) = bounds(&surface.vertices);
         let step = (high.x - low.x).max(high.y - low.y) / COLUMNS;
         let grid = Grid::over([low.x, low.y], [high.x, high.y], step);
@@ -134,10 +133,7 @@ impl View {
             place.upper = false;
         }
         let facets: Vec<f64> = upper.0.iter().zip(&lower.0).map(|(a, b)| a.max(*b)).collect();
-        let area = |t: usize| {
-            let [a, b, c] = self.surface.corners(t);
-            triangle_area(a, b, c)
-        };
+        let area = |t: usize| self.surface.area(t);
         let all: f64 = (0..facets.len()).map(area).sum();
         let hidden: f64 = (0..facets.len()).filter(|&t| facets[t] > self.grid.step).map(area).sum();
         let trapped = [upper.1, lower.1].concat();
@@ -156,7 +152,7 @@ impl View {
     ) -> (Vec<f64>, Vec<Trapped>) {
         let floor = |column: &[Layer]| match parting {
             PartingHeight::Plane(z) => sign * z,
-            PartingHeight::Middle => middle_of_longest(column),
+            PartingHeight::Middle => middle_of_longest(column).unwrap_or(f64::NEG_INFINITY),
         };
         let mut first = Vec::with_capacity(columns.len());
         // By layers: what is trapped below each.
@@ -333,11 +329,6 @@ impl Trapped {
         let ([x, y], rim) = (grid.point(self.node), self.rim?);
         Some(Vec3::new(x - rim[0], y - rim[1], 0.0).normalize())
     }
-}
-
-fn middle_of_longest(column: &[Layer]) -> f64 {
-    let longest = column.iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    longest.map_or(f64::NEG_INFINITY, |layer| (layer[0] + layer[1]) / 2.0)
 }
 
 #[cfg(test)]

@@ -29,8 +29,7 @@ const MOUTH: f64 = 0.1;
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = Vec::new();
     for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Bolt] {
-        let same = mold.report.features.iter().filter(|f| f.purpose == purpose);
-        for (i, outline) in same.enumerate() {
+        for (i, outline) in mold.report.outlines(purpose).enumerate() {
             let name = format!("{} {}", purpose.name(), i + 1);
             match purpose {
                 Purpose::Sprue | Purpose::Vent => lines.extend(open(mold, &name, outline)),

@@ -42,27 +42,3 @@ fn directions() -> impl Iterator<Item = Vec3> {
 pub fn slab(block: &Block, min: Vec3, max: Vec3) -> Solid {
     Solid::cube(&min.sup(&block.min), &max.inf(&block.max))
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use mesh::bvh::SurfaceBvh;
-
-    #[test]
-    fn the_hull_keeps_the_wall_everywhere_and_saves_the_corners() {
-        let config = Config::default();
-        let ball = Solid::sphere(&Vec3::new(0.0, 0.0, 0.02), 0.02, 64).to_surface();
-        let reach = Vec3::repeat(0.02 + config.wall);
-        let centre = Vec3::new(0.0, 0.0, 0.02);
-        let block = Block { min: centre - reach, max: centre + reach };
-        let hull = hull(&ball.vertices, &block, config.wall, &config);
-        let outside = SurfaceBvh::new(&hull.to_surface());
-        let nearest = ball.vertices.iter().map(|p| outside.closest(p).distance);
-        let least = nearest.fold(f64::INFINITY, f64::min);
-        assert!((least - config.wall).abs() < 1e-9, "{least}");
-        // A ball that touches all sides has π/6 of the box, planes in 26 directions more.
-        let share = hull.volume() / block.solid().volume();
-        assert!((std::f64::consts::FRAC_PI_6..0.65).contains(&share), "{share}");
-    }
-}
