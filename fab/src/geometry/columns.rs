@@ -120,19 +120,21 @@ pub fn middle_of_longest(column: &[Layer]) -> Option<f64> {
 /// Height at which the vertical through a point of the plane crosses a triangle, and
 /// whether that faces up.
 fn crossing(corners: &[Vec3; 3], p: [f64; 2]) -> Option<(f64, bool)> {
-    let side = |a: &Vec3, b: &Vec3| (b.x - a.x) * (p[1] - a.y) - (b.y - a.y) * (p[0] - a.x);
+    let side =
+        |a: &Vec3, b: &Vec3, [x, y]: [f64; 2]| (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
     // Rounded alike in both triangles of an edge, so that no column slips through between them.
     let beside = |a: &Vec3, b: &Vec3| match (a.x, a.y) <= (b.x, b.y) {
-        true => side(a, b),
-        false => -side(b, a),
+        true => side(a, b, p),
+        false => -side(b, a, p),
     };
     let [a, b, c] = corners;
     let sides = [(b, c), (c, a), (a, b)];
-    let weights = sides.map(|(from, to)| side(from, to));
-    let sum: f64 = weights.iter().sum();
-    let inside = sum != 0.0 && sides.iter().all(|(from, to)| beside(from, to) * sum >= 0.0);
-    let height = (weights[0] * a.z + weights[1] * b.z + weights[2] * c.z) / sum;
-    inside.then_some((height, sum > 0.0))
+    // Upright triangles are not crossed.
+    let area = side(a, b, [c.x, c.y]);
+    let inside = area != 0.0 && sides.iter().all(|(from, to)| beside(from, to) * area >= 0.0);
+    let weights = sides.map(|(from, to)| side(from, to, p));
+    let height = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
+    inside.then_some((height / weights.iter().sum::<f64>(), area > 0.0))
 }
 
 #[cfg(test)]
