@@ -11,6 +11,7 @@ use crate::fixture::{
     CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report, copy,
 };
 use fab::files::report::MoldReport;
+use fab::mold::Purpose;
 use fab::verify::{Against, Line, Status, verify};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
@@ -121,12 +122,12 @@ fn channels() {
     let checks = ["sprue 1: blocked", "sprue 1: reaches the cavity", "filling: not reached"];
     assert_found(&checks, |mold| {
         // The file of the upper shell is turned upside down about x.
-        let [x, y, z] = feature(mold, "sprue").base;
+        let [x, y, z] = feature(mold, Purpose::Sprue).base;
         let plug = cube([x - 7.0, -y - 7.0, -z - 4.0], [x + 7.0, -y + 7.0, -z - 3.0]);
         change_solid(mold, "upper", |upper| upper.union(&plug));
     });
     assert_found(&["key 1: engaged"], |mold| {
-        let foot = Vec3::from(feature(mold, "key").base);
+        let foot = Vec3::from(feature(mold, Purpose::Key).base);
         let cut =
             Solid::cube(&(foot - Vec3::new(5.0, 5.0, 0.0)), &(foot + Vec3::new(5.0, 5.0, 5.0)));
         change_solid(mold, "lower", |lower| lower.difference(&cut));
@@ -138,12 +139,12 @@ fn channels() {
     for (check, change) in [
         (
             "sprue",
-            (|report| report.features.retain(|f| f.purpose.name() != "sprue"))
+            (|report| report.features.retain(|f| f.purpose != Purpose::Sprue))
                 as fn(&mut MoldReport),
         ),
         // Moved out of the mold, the sprue begins below the top of the body.
         ("sprue 1: rim", |report| {
-            let sprue = report.features.iter_mut().find(|f| f.purpose.name() == "sprue");
+            let sprue = report.features.iter_mut().find(|f| f.purpose == Purpose::Sprue);
             sprue.unwrap().base[0] += 40.0;
         }),
         ("wall: least", |report| report.wall = 5.1),

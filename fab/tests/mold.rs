@@ -5,8 +5,9 @@
 use std::process::Command;
 use std::sync::OnceLock;
 
-use crate::fixture::{CHAMBER, Cubes, Run, Scene, TWO_TOPS, change_report, copy};
+use crate::fixture::{CHAMBER, Cubes, Run, Scene, TWO_TOPS, change_report, copy, names};
 use fab::files::report::MoldReport;
+use fab::mold::Purpose;
 
 const PLANE: &str = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]\n";
 
@@ -37,14 +38,6 @@ fn sides() -> &'static Scene {
     })
 }
 
-fn names(report: &MoldReport) -> Vec<&str> {
-    report.parts.iter().map(|part| part.name.as_str()).collect()
-}
-
-fn count(report: &MoldReport, purpose: &str) -> usize {
-    report.features.iter().filter(|f| f.purpose.name() == purpose).count()
-}
-
 #[test]
 fn shells_on_a_base_and_above_each_other() {
     for (scene, parts, count_of) in [
@@ -55,7 +48,10 @@ fn shells_on_a_base_and_above_each_other() {
         scene.assert_verified();
         let report = scene.report(".");
         assert_eq!(names(&report), parts);
-        assert_eq!(["key", "sprue", "vent"].map(|purpose| count(&report, purpose)), count_of);
+        assert_eq!(
+            [Purpose::Key, Purpose::Sprue, Purpose::Vent].map(|kind| report.outlines(kind).count()),
+            count_of
+        );
     }
     // 7 · 5 · 6 cubes less 27 + 2, of 64 mm³ each, around walls of 6 · 12² − 4² + 8 · 16 mm².
     let cast = sides().report(".").cast;
@@ -102,7 +98,7 @@ fn a_name_that_does_not_fit_is_reported() {
 fn every_top_gets_a_channel() {
     let scene = Scene::new(&TWO_TOPS, "[sprue]\nat = [0.01, 0.014, 0]");
     let report = molded(&scene);
-    assert_eq!((count(&report, "sprue"), count(&report, "vent")), (1, 1));
+    assert_eq!([Purpose::Sprue, Purpose::Vent].map(|kind| report.outlines(kind).count()), [1, 1]);
     // Parts of an earlier mold do not stay beside those of a new one.
     scene.configure(&format!("method = \"soluble\"\n{PLANE}"));
     assert_eq!(names(&molded(&scene)), ["left", "right", "base", "core"]);
@@ -119,7 +115,7 @@ fn every_top_gets_a_channel() {
 #[test]
 fn nothing_runs_over_before_the_mold_is_full() {
     let report = molded(&Scene::new(&TWO_TOPS, "[sprue]\nat = [0.032, 0.014, 0]"));
-    let sprue = report.features.iter().find(|f| f.purpose.name() == "sprue").unwrap();
+    let sprue = report.outlines(Purpose::Sprue).next().unwrap();
     // It stands on the step, 16 mm high; the top is at 24 mm.
     assert!((15.0..16.0).contains(&sprue.base[2]), "{sprue:?}");
     assert!(sprue.base[2] + sprue.axis[2] >= 29.0, "{sprue:?}");

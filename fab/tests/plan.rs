@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::fixture::{CHAMBER, CLOSED, Cubes, Scene};
+use crate::fixture::{CHAMBER, CLOSED, Cubes, Scene, names};
 use fab::body::source::CastPart;
 use fab::files::report::MoldReport;
 use fab::mold::Purpose;
@@ -22,10 +22,6 @@ const PYRAMID: Cubes = Cubes {
         (k < 2 && off == 0) || ((2..5).contains(&k) && off < 5 - k)
     },
 };
-
-fn names(report: &MoldReport) -> Vec<&str> {
-    report.parts.iter().map(|part| part.name.as_str()).collect()
-}
 
 #[test]
 fn a_core_no_wider_than_its_inlet_is_pulled_out() {

@@ -189,24 +189,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_one_or_several() {
-        let text = |rim: &str| {
-            format!(
-                "epsilon = 2e-4\n[[tag]]\nname = \"seat\"\npatch = \"seat.stl\"\n[[tag]]\nname = \"cut\"\nbox = {{ min = [0, 0, 0], \
-                 max = [1, 1, 1] }}\n[[tag]]\nname = \"cavity\"\ncomponent = 1\npressure = true\nrim = {rim}\n"
-            )
-        };
-        let read = |rim: &str| Config::of(&Settings::of_text(&text(rim)));
-        let config = read("\"seat\"").unwrap();
-        assert_eq!(
-            (config.epsilon(1.0), config.tag[0].patches()),
-            (Some(2e-4), &["seat.stl".into()][..])
-        );
-        assert_eq!(config.tag[2].rim.all(), ["seat"]);
-        assert_eq!(read("[\"seat\", \"cut\"]").unwrap().tag[2].rim.all(), ["seat", "cut"]);
-    }
-
-    #[test]
     fn names_what_is_wrong() {
         let cases = [
             ("", "at least one selection"),
