@@ -18,8 +18,8 @@ use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::config::Config;
 use crate::config::fitting::Tube;
-use crate::geometry::MM;
 use crate::geometry::frame::Frame;
+use crate::geometry::{MM, place};
 
 /// Sides of a collar: so many that a turn about its axis moves its surface by less than
 /// R (1 − cos π/n), a micrometre at R = 7 mm.
@@ -166,10 +166,10 @@ impl Collar {
         let thin = self.axis.normalize() * (ROOT / 2.0);
         let end = Self::cylinder(self.base + self.axis - thin, thin, self.radius);
         let part = end.intersection(filled).volume() / end.volume();
-        let [x, y, z] = (inlet.centre * MM).into();
+        let at = place(&inlet.centre, 2);
         ensure!(
             part >= HELD,
-            "[fitting]: a collar of {:.1} mm around the inlet at ({x:.2}, {y:.2}, {z:.2}) mm lies on the body with {:.0} % of its \
+            "[fitting]: a collar of {:.1} mm around the inlet at {at} lies on the body with {:.0} % of its \
              end, at least {:.0} % are needed: choose a thinner tube or reduce fitting.wall",
             2.0 * self.radius * MM,
             100.0 * part,

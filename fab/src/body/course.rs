@@ -8,7 +8,7 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::groove::{Groove, Station};
 use crate::config::GrooveConfig;
-use crate::geometry::MM;
+use crate::geometry::{MM, place};
 
 /// How far a simplified line may be from that of the simulation, over the diameter of the thread [1].
 const STRAIGHT: f64 = 0.02;
@@ -185,14 +185,11 @@ impl<'a> Surface<'a> {
         let off = points.iter().map(|p| (self.bvh.closest(p).distance, p));
         let off = off.max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((off, at)) = off {
-            let at = at * MM;
+            let at = place(at, 2);
             ensure!(
                 off <= thread,
-                "[groove]: the thread of `wound` at ({:.2}, {:.2}, {:.2}) mm is {:.2} mm from the surface of the \
+                "[groove]: the thread of `wound` at {at} is {:.2} mm from the surface of the \
                  casting, more than its diameter: expected the report of a body whose thread lies on this one",
-                at.x,
-                at.y,
-                at.z,
                 off * MM
             );
         }

@@ -17,7 +17,7 @@ use crate::config::{Casts, Config, Support};
 use crate::geometry::frame::Frame;
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
-use crate::geometry::{MM, Triple};
+use crate::geometry::{MM, Triple, place};
 
 /// How a core is held.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -255,11 +255,7 @@ fn leaves_walls(pin: &Pin, others: &[Pin], cast: &Solid, config: &Config) -> boo
 fn pinned(name: &str, pins: &[Pin], shells: &[Piece], [alone, held, limit]: [f64; 3]) -> Finding {
     let each: Vec<String> = pins
         .iter()
-        .map(|pin| {
-            let at = pin.contact.at * 1e3;
-            let shell = &shells[pin.shell].name;
-            format!("of {shell} at ({:.1}, {:.1}, {:.1}) mm", at.x, at.y, at.z)
-        })
+        .map(|pin| format!("of {} at {}", shells[pin.shell].name, place(&pin.contact.at, 1)))
         .collect();
     let (count, s) = match pins.len() {
         1 => ("a pin".into(), "s"),

@@ -10,6 +10,7 @@ use crate::config::HeightFieldConfig;
 use crate::geometry::columns::{Grid, Layer, layers};
 use crate::geometry::frame::Turn;
 use crate::geometry::frustum::Frustum;
+use crate::geometry::place;
 use crate::mold::height_field::Terrain;
 
 /// Parting solids reach this far beyond the block, so that no faces coincide [m].
@@ -148,15 +149,11 @@ pub fn divide(region: &Solid, part: &Solid, split: &Split) -> Sides {
 
 fn moved(side: &str, crumb: &Solid) -> Finding {
     let (low, high) = measure::bounds(&crumb.to_surface().vertices);
-    let at = (low + high) / 2.0 * 1e3;
+    let (volume, at) = (crumb.volume() * 1e9, place(&((low + high) / 2.0), 2));
     Finding {
         rule: "crumb",
         message: format!(
-            "{:.4} mm³ around ({:.2}, {:.2}, {:.2}) mm cut off by the parting went to the shell {side}",
-            crumb.volume() * 1e9,
-            at.x,
-            at.y,
-            at.z
+            "{volume:.4} mm³ around {at} cut off by the parting went to the shell {side}"
         ),
         count: 1,
     }

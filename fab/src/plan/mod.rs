@@ -18,7 +18,7 @@ use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::Config;
-use crate::geometry::MM;
+use crate::geometry::{MM, place};
 use gluing::Flat;
 use pull::Choice;
 use report::{ChosenBy, PlanReport, ThinnestWall};
@@ -118,9 +118,9 @@ impl Casting {
                 return Ok(free);
             }
             let Worst { ratio, depth, opposite, width, at } = worst;
-            let [x, y, z] = (at * MM).into();
+            let at = place(&at, 2);
             return Err(Locked(format!(
-                "the {name} cannot be peeled out of its mold: {reason}; at ({x:.2}, {y:.2}, {z:.2}) mm the silicone must give way by \
+                "the {name} cannot be peeled out of its mold: {reason}; at {at} the silicone must give way by \
                  {:.2} mm and on its other side by {:.2} mm, {ratio:.2} of its width of {:.2} mm there, limits.peel is {limit:.2}: \
                  choose another `up` or parting.pull, set method = \"halves\", or raise limits.peel for a softer silicone",
                 depth * MM,

@@ -11,9 +11,9 @@ use crate::body::layout;
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::config::method::{Bodies, Castings, JudgedBy, Method};
-use crate::geometry::MM;
 use crate::geometry::girth::{self, Passage};
 use crate::geometry::walls::{self, Wall};
+use crate::geometry::{MM, place};
 
 /// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {
@@ -129,10 +129,10 @@ impl<'a> Judge<'a> {
         let wall = self.wall.get_or_insert_with(|| walls::thinnest(cast, boundary.beside.as_ref()));
         let Some(wall) = *wall else { return Ok(()) };
         let Wall { thickness, at, on } = wall;
-        let [x, y, z] = (at * MM).into();
+        let at = place(&at, 2);
         ensure!(
             !wall.is_thinner(least * (1.0 - self.config.shrinkage())),
-            "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm of the {on}, casting.least_wall is {:.3} mm: thicken \
+            "the silicone is {:.3} mm thick at {at} of the {on}, casting.least_wall is {:.3} mm: thicken \
              the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
             thickness * MM,
             least * MM
@@ -149,9 +149,9 @@ impl<'a> Judge<'a> {
             if let Some(Wall { thickness, at, .. }) = walls::too_thin(surface, None, in_design) {
                 let named = !core.chamber.is_empty();
                 let of = if named { format!(" of {:?}", core.chamber) } else { String::new() };
-                let [x, y, z] = (at * MM).into();
+                let at = place(&at, 2);
                 bail!(
-                    "the core{of} is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_core is {:.3} mm: widen the chamber \
+                    "the core{of} is {:.3} mm thick at {at}, casting.least_core is {:.3} mm: widen the chamber \
                      there, or lower casting.least_core",
                     thickness * MM,
                     least * MM
