@@ -303,7 +303,7 @@ fn close_core(
     for rim in rims {
         let polygon: Vec<Vec3> = rim.iter().map(|&v| vertices[v]).collect();
         let at = || place(&(polygon.iter().sum::<Vec3>() / polygon.len() as f64));
-        let Cap { triangles, normal, deviation, .. } = cap::close(&polygon)
+        let Cap { triangles, normal, deviation } = cap::close(&polygon)
             .with_context(|| format!("the rim of the chamber around {}", at()))?;
         ensure!(
             deviation <= limit,

@@ -15,9 +15,7 @@ pub struct Cap {
     pub triangles: Vec<[usize; 3]>,
     /// Unit normal; the polygon is counter-clockwise around it [1].
     pub normal: Vec3,
-    /// Mean of the polygon's vertices [m].
-    pub mean: Vec3,
-    /// Largest distance of a vertex from the plane through `mean` [m].
+    /// Largest distance of a vertex from the plane through the mean of all [m].
     pub deviation: f64,
 }
 
@@ -39,7 +37,7 @@ pub fn close(polygon: &[Vec3]) -> Result<Cap> {
     let crosses =
         || format!("the rim of {vertices} vertices crosses itself when seen along its normal");
     let triangles = triangulate(&flat).with_context(crosses)?;
-    Ok(Cap { triangles, normal, mean, deviation })
+    Ok(Cap { triangles, normal, deviation })
 }
 
 /// The circle inscribed in a polygon: its centre [m] and radius [m].
