@@ -203,18 +203,21 @@ fn inflated_walls() {
         let against = Against { simulation: Some(folder.path().into()), ..Against::default() };
         verify(&sound().path("mold"), &against).unwrap()
     };
-    let lines = lines_of(&sound().simulation(0.5, true, 2.0));
-    assert_status(&lines, "inflated: body", Status::Ok);
-    assert_status(&lines, "inflated: thinnest wall", Status::Ok);
-    assert_status(&lines, "inflated: largest stretch", Status::Ok);
-    assert_status(&lines, "inflated: elements", Status::Ok);
-    let inside_out = lines_of(&sound().simulation(-0.5, true, 2.0));
-    assert_status(&inside_out, "inflated: elements", Status::Warn);
-    // Dragon Skin 20 breaks at 620 %.
-    assert_fails(&lines_of(&sound().simulation(0.5, true, 7.3)), "inflated: largest stretch");
-    // 4 mm become 0.2 mm.
-    assert_fails(&lines_of(&sound().simulation(0.05, true, 2.0)), "inflated: thinnest wall");
-    assert_fails(&lines_of(&sound().simulation(0.5, false, 2.0)), "inflated: result");
+    let sound_lines = lines_of(&sound().simulation(0.5, true, 2.0));
+    for check in ["body", "thinnest wall", "largest stretch", "elements"] {
+        assert_status(&sound_lines, &format!("inflated: {check}"), Status::Ok);
+    }
+    for (thin, usable, stretch, check, status) in [
+        (-0.5, true, 2.0, "elements", Status::Warn),
+        // Dragon Skin 20 breaks at 620 %.
+        (0.5, true, 7.3, "largest stretch", Status::Fail),
+        // 4 mm become 0.2 mm.
+        (0.05, true, 2.0, "thinnest wall", Status::Fail),
+        (0.5, false, 2.0, "result", Status::Fail),
+    ] {
+        let lines = lines_of(&sound().simulation(thin, usable, stretch));
+        assert_status(&lines, &format!("inflated: {check}"), status);
+    }
     assert_fails(&lines_of(&tempfile::tempdir().unwrap()), "inflated: result");
 }
 

@@ -52,13 +52,8 @@ struct Surface<'a> {
     filled: &'a SurfaceMesh,
     bvh: SurfaceBvh,
     inside: WindingNumber,
-    tags: Tagged,
-}
-
-/// The facets of a mesh, and whether they get a groove.
-struct Tagged {
-    bvh: SurfaceBvh,
-    wanted: Vec<bool>,
+    /// The facets that have tags, and whether each gets a groove.
+    tagged: (SurfaceBvh, Vec<bool>),
 }
 
 /// A line on the body.
@@ -176,7 +171,7 @@ impl<'a> Surface<'a> {
     fn new(ground: &Ground<'a>, config: &GrooveConfig) -> Result<Self> {
         let filled = ground.filled;
         let (bvh, inside) = (SurfaceBvh::new(filled), WindingNumber::new(filled));
-        Ok(Self { filled, bvh, inside, tags: Tagged::new(ground.file, &config.on)? })
+        Ok(Self { filled, bvh, inside, tagged: tagged(ground.file, &config.on)? })
     }
 
     /// The line of a thread, on the surface.
@@ -224,7 +219,8 @@ impl<'a> Surface<'a> {
             let reach = self.reach(&corners, &[way]) + 0.25 * groove.depth;
             let wanted = |station: &&Station| {
                 let at = Vec3::from(station.at);
-                self.tags.wanted(&at).then(|| !ground.is_beside_pin(&at))
+                let (facets, wanted) = &self.tagged;
+                wanted[facets.closest(&at).triangle].then(|| !ground.is_beside_pin(&at))
             };
             let over = pair.iter().any(|s| Vec3::from(s.normal).dot(&way) < -OVER);
             let beside = pair.iter().map(|s| (s.across().dot(&way) * reach).abs());
@@ -255,27 +251,21 @@ impl<'a> Surface<'a> {
     }
 }
 
-impl Tagged {
-    fn new(file: &MshFile, on: &[String]) -> Result<Self> {
-        for tag in on {
-            ensure!(
-                file.tags.id(tag).is_some(),
-                "groove.on: no facet has the tag {tag:?}; the mesh has: {}",
-                file.tags.names.join(", ")
-            );
-        }
-        let asked: Vec<u32> = on.iter().filter_map(|tag| file.tags.id(tag)).collect();
-        let (triangles, wanted) = (file.tags.facets.iter())
-            .map(|(facet, id)| (*facet, on.is_empty() || asked.contains(id)))
-            .unzip();
-        let surface = SurfaceMesh { vertices: file.mesh.vertices.clone(), triangles };
-        Ok(Self { bvh: SurfaceBvh::new(&surface), wanted })
+/// The facets that have tags, and whether each gets a groove.
+fn tagged(file: &MshFile, on: &[String]) -> Result<(SurfaceBvh, Vec<bool>)> {
+    for tag in on {
+        ensure!(
+            file.tags.id(tag).is_some(),
+            "groove.on: no facet has the tag {tag:?}; the mesh has: {}",
+            file.tags.names.join(", ")
+        );
     }
-
-    /// Whether the facet nearest to a point gets a groove.
-    fn wanted(&self, p: &Vec3) -> bool {
-        self.wanted[self.bvh.closest(p).triangle]
-    }
+    let asked: Vec<u32> = on.iter().filter_map(|tag| file.tags.id(tag)).collect();
+    let (triangles, wanted) = (file.tags.facets.iter())
+        .map(|(facet, id)| (*facet, on.is_empty() || asked.contains(id)))
+        .unzip();
+    let surface = SurfaceMesh { vertices: file.mesh.vertices.clone(), triangles };
+    Ok((SurfaceBvh::new(&surface), wanted))
 }
 
 /// A line with as few points as it needs to keep within a tolerance (Douglas and Peucker).

@@ -21,8 +21,7 @@ pub fn hull(points: &[Vec3], block: &Block, below: f64, config: &Config) -> Soli
         let reach = points.iter().map(|p| p.dot(&n)).fold(f64::NEG_INFINITY, f64::max);
         let wall = if n.z < 0.0 { below.max(config.wall) } else { config.wall };
         let limit = reach + wall;
-        let lies_within = |p: &Vec3| p.dot(&n) <= limit;
-        if !block.corners().iter().all(lies_within) {
+        if block.reach(&n) > limit {
             hull = hull.trim_by_plane(&-n, -limit);
         }
     }
