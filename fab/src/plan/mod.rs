@@ -146,7 +146,9 @@ impl Casting {
             self.name,
             sides.reason
         );
-        let undercut = undercut::View::along(&self.filled, &sides.pull).undercut(sides.plane()?);
+        let PartingSurface::Plane(position) = sides.parting else { return None };
+        let plane = undercut::PartingHeight::Plane(position);
+        let undercut = undercut::View::along(&self.filled, &sides.pull).undercut(plane);
         Some(self.parted(Choice { undercut, ..sides }, Some(joint)))
     }
 

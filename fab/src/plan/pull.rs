@@ -69,14 +69,6 @@ impl Choice {
     pub fn ratio(&self) -> f64 {
         self.worst.map_or(0.0, |worst| worst.ratio)
     }
-
-    /// The plane on which the shells part, as a view sees it; none if it is not one.
-    pub fn plane(&self) -> Option<undercut::PartingHeight> {
-        match self.parting {
-            PartingSurface::Plane(position) => Some(undercut::PartingHeight::Plane(position)),
-            PartingSurface::HeightField(_) | PartingSurface::Seat | PartingSurface::Open => None,
-        }
-    }
 }
 
 /// The undercuts of a body along a hemisphere of directions, `up`, coordinate axes across it and

@@ -107,11 +107,6 @@ impl View {
         [low.z, high.z]
     }
 
-    /// Distance of the columns: smaller depths are not resolved [m].
-    pub fn resolution(&self) -> f64 {
-        self.grid.step
-    }
-
     /// Area covered by the body as seen [m²].
     pub fn outline(&self) -> f64 {
         let covered = self.columns.iter().filter(|column| !column.is_empty()).count();
@@ -356,7 +351,7 @@ mod tests {
             for parting in [PartingHeight::Middle, PartingHeight::Plane(0.0)] {
                 let undercut = view.undercut(parting);
                 assert!(undercut.share < 1e-2, "{}", undercut.share);
-                assert!(undercut.depth < view.resolution());
+                assert!(undercut.depth < view.grid.step);
                 assert_eq!(view.worst(&undercut), None);
             }
         }
@@ -370,9 +365,9 @@ mod tests {
         let ball = Solid::sphere(&Vec3::zeros(), 1.0, 256).to_surface();
         let view = View::along(&ball, &Vec3::z());
         let undercut = view.undercut(PartingHeight::Plane(-0.8));
-        let shallow = (1.0 - (1.0 - 2.0 * view.resolution()).powi(2)).sqrt();
+        let shallow = (1.0 - (1.0 - 2.0 * view.grid.step).powi(2)).sqrt();
         assert!((0.4 - shallow / 2.0..0.4).contains(&undercut.share), "{}", undercut.share);
-        assert!((undercut.depth - 0.4).abs() < view.resolution(), "{}", undercut.depth);
+        assert!((undercut.depth - 0.4).abs() < view.grid.step, "{}", undercut.depth);
         let worst = view.worst(&undercut).unwrap();
         assert!((worst.width - 2.0).abs() < 0.3, "{worst:?}");
     }
@@ -384,11 +379,11 @@ mod tests {
         let undercut = along.undercut(PartingHeight::Plane(10.0));
         // Both faces between the discs: 2π(10² − 4²), and the stem 2π·4·10 of radius 4,
         // whose columns are full.
-        assert!((undercut.depth - 6.0).abs() < 2.0 * along.resolution(), "{}", undercut.depth);
+        assert!((undercut.depth - 6.0).abs() < 2.0 * along.grid.step, "{}", undercut.depth);
         let worst = along.worst(&undercut).unwrap();
         // By 6 on both sides of a disc 20 wide.
         assert!((worst.ratio - 12.0 / 20.0).abs() < 0.06, "{worst:?}");
-        assert!((worst.opposite - 6.0).abs() < 2.0 * along.resolution(), "{worst:?}");
+        assert!((worst.opposite - 6.0).abs() < 2.0 * along.grid.step, "{worst:?}");
         // Each side by itself.
         assert!((along.steepest(&undercut) - 6.0 / 20.0).abs() < 0.03, "{worst:?}");
         assert!((worst.at.z - 17.5).abs() < 1e-9 || (worst.at.z - 2.5).abs() < 1e-9);
@@ -406,7 +401,7 @@ mod tests {
         let undercut = view.undercut(PartingHeight::Plane(1.0));
         let worst = view.worst(&undercut).unwrap();
         // The open side is nearer across the plate: 2 from either side, squeezed from both.
-        assert!((worst.depth - 2.0).abs() < 2.0 * view.resolution(), "{worst:?}");
+        assert!((worst.depth - 2.0).abs() < 2.0 * view.grid.step, "{worst:?}");
         assert!((worst.width - 4.0).abs() < 1e-9, "{worst:?}");
         // Of a bracket along a wall, only the front is open.
         let wall = Solid::cube(&Vec3::new(-2.0, -20.0, 0.0), &Vec3::new(2.0, 20.0, 10.0));
@@ -414,7 +409,7 @@ mod tests {
         let view = View::along(&wall.union(&plate).to_surface(), &Vec3::z());
         let undercut = view.undercut(PartingHeight::Plane(1.0));
         let worst = view.worst(&undercut).unwrap();
-        assert!((worst.depth - 6.0).abs() < 2.0 * view.resolution(), "{worst:?}");
+        assert!((worst.depth - 6.0).abs() < 2.0 * view.grid.step, "{worst:?}");
         assert_eq!(worst.opposite, 0.0, "{worst:?}");
         assert!((worst.ratio - 0.6).abs() < 0.06, "{worst:?}");
     }
