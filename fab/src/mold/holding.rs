@@ -290,8 +290,8 @@ fn unheld(name: &str, stand: &Stand, limit: f64, tried: Option<(Tried, usize)>) 
         return None;
     }
     let advice = match sag.bend <= limit {
-        true => "glue the stub into its socket",
-        false => "widen the inlet, or cast halves",
+        true => "Glue the stub into its socket",
+        false => "Widen the inlet, or cast halves",
     };
     let tried = tried.map_or(String::new(), |(tried, left)| {
         format!("No pin can hold it: {tried}; the other {left} hold too little, are too near to sprue or vents, or \
@@ -302,14 +302,12 @@ fn unheld(name: &str, stand: &Stand, limit: f64, tried: Option<(Tried, usize)>) 
         message: format!(
             "the {name} reaches {:.1} mm from its inlet. Floating with up to {:.3} N it bends by up to \
              {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm. {tried}\
-             {}{}",
+             {advice}",
             stand.reach * 1e3,
             stand.lift,
             sag.bend * 1e3,
             sag.lean * 1e3,
-            limit * 1e3,
-            advice[..1].to_uppercase(),
-            &advice[1..]
+            limit * 1e3
         ),
         count: 1,
     })

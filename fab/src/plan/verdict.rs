@@ -241,22 +241,15 @@ impl<'a> Judge<'a> {
             return (false, reason);
         }
         let up = layout::up(self.boundary, self.config);
-        match layout::require_inlets_down(self.boundary, up) {
-            Ok(_) => {
-                let count: usize = self.boundary.cores.iter().map(|core| core.inlets.len()).sum();
-                let cores = match self.boundary.cores.len() {
-                    1 => "the core".into(),
-                    n => format!("{n} cores"),
-                };
-                (
-                    true,
-                    format!(
-                        "{cores} can be held, and leave, through {count} inlets that face down"
-                    ),
-                )
-            }
-            Err(error) => (false, error.to_string()),
+        if let Err(error) = layout::require_inlets_down(self.boundary, up) {
+            return (false, error.to_string());
         }
+        let count: usize = self.boundary.cores.iter().map(|core| core.inlets.len()).sum();
+        let cores = match self.boundary.cores.len() {
+            1 => "the core".into(),
+            n => format!("{n} cores"),
+        };
+        (true, format!("{cores} can be held, and leave, through {count} inlets that face down"))
     }
 
     fn pull_out(&mut self) -> (bool, String) {
