@@ -102,7 +102,7 @@ impl Task {
         let inside = self.named(self.inside(&config))?;
         log::debug!("measuring a body of {} triangles", boundary.cast.triangles.len());
         let (boundary, collars) = self.named(collar::fit(boundary, &config))?;
-        let plan = self.planned(&boundary, &config, &[])?;
+        let plan = self.choose(&boundary, &config, &[])?;
         if let Some(weight) = &plan.report.weight {
             log::info!("the finished cast weighs {}", weight.in_words());
         }
@@ -133,13 +133,8 @@ impl Task {
         folder.join(path)
     }
 
-    /// Plans the task again, without methods that were tried.
-    pub fn plan_without(&self, refused: &[Refused], planned: Planned) -> Result<Planned> {
-        let plan = self.planned(&planned.boundary, &planned.config, refused)?;
-        Ok(Planned { plan, ..planned })
-    }
-
-    fn planned(&self, boundary: &Boundary, config: &Config, refused: &[Refused]) -> Result<Plan> {
+    /// The choices, without methods that were tried.
+    fn choose(&self, boundary: &Boundary, config: &Config, refused: &[Refused]) -> Result<Plan> {
         let input = self.input(&self.output, config, CastPart::Whole, boundary.casts)?;
         let plan = self.named(Plan::new(boundary, config, input, refused))?;
         log::info!("{}: {}", plan.report.method, plan.report.reason);

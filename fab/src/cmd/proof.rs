@@ -76,7 +76,8 @@ fn held(task: &Task, planned: Planned) -> Result<(Planned, Vec<Cut>)> {
     let refuse = |method| Refused { method, reason: leaning.0.clone() };
     let refused: Vec<Refused> = on_stubs.map(refuse).collect();
     let none = |error| Unusable(format!("{leaning}; no other method can be used: {error:#}"));
-    let planned = task.plan_without(&refused, planned).map_err(none)?;
+    let plan = task.choose(&planned.boundary, &planned.config, &refused).map_err(none)?;
+    let planned = Planned { plan, ..planned };
     let molds = castings(task, &planned)?;
     Ok((planned, molds))
 }
