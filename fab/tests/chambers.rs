@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use crate::fixture::{CHAMBER, Cubes, Scene, TWO_CHAMBERS, stderr};
+use crate::fixture::{CELL, CHAMBER, Cubes, Scene, TWO_CHAMBERS};
+use fab::mold::Purpose;
 use fab::plan::report::PlanReport;
 use mesh::{Tags, topology};
 
@@ -11,11 +12,11 @@ const TUBE: &str = "[fitting]\nname = \"tube-4x2.5\"\n";
 /// A scene whose chambers have the tags ch1, ch2, … from left to right, `width` cubes each.
 fn scene(body: &Cubes, width: f64, config: &str) -> Scene {
     let scene = Scene::planned(body, config);
-    let (mesh, tags) = body.mesh();
+    let (mesh, tags) = body.mesh(CELL);
     let mut apart = Tags::new(["seat", "ch1", "skin", "ch2", "ch3"].map(String::from).to_vec());
     for facet in topology::boundary(&mesh).facets {
         let x = facet.iter().map(|&v| mesh.vertices[v].x).sum::<f64>() / 3.0;
-        let chamber = [2, 4, 5][((x / crate::fixture::CELL / width) as usize).min(2)];
+        let chamber = [2, 4, 5][((x / CELL / width) as usize).min(2)];
         let id = tags.get(facet).unwrap();
         apart.set(facet, if id == 2 { chamber } else { id });
     }
@@ -37,6 +38,8 @@ fn how_cores_can_be_mistaken_is_told() {
     let report = two.report(".");
     assert_eq!(report.chambers, ["ch2", "ch1"]);
     assert!(report.one_way, "{:?}", report.findings);
+    let sockets = report.outlines(Purpose::Socket).count();
+    assert_eq!((report.parts.len(), sockets), (4, 2));
     two.assert_sheet(&[
         "its cores can be mixed up: mark",
         "core1 for `ch2` into socket 1 and core2 for `ch1` into socket 2",
@@ -136,26 +139,21 @@ fn another_method_is_chosen_where_cores_would_lean() {
     let config =
         "chamber = [\"ch1\", \"ch2\"]\ncore.support = \"stub\"\ncasting.least_wall = 3e-3\n";
     let open = scene(&tall, 2.5, config);
-    let made = open.mold();
-    assert!(made.status.success(), "{}", stderr(&made));
     let moves = "core1 would move by ";
-    assert!(stderr(&made).contains("another method is tried"), "{}", stderr(&made));
-    assert!(stderr(&made).contains(moves), "{}", stderr(&made));
+    open.mold().ended(0, &["another method is tried", moves]);
     let plan = PlanReport::read(&open.path("mold")).unwrap();
     assert_eq!(plan.method.name(), "open-top", "{}", plan.reason);
     assert!(plan.reason.starts_with("the largest flat wall"), "{}", plan.reason);
     assert!(plan.reason.contains(&format!("not pull-out: {moves}")), "{}", plan.reason);
     open.assert_sheet(&[moves]);
-    assert!(open.verify().status.success());
+    open.verify().good();
     // A plan alone says the same.
-    let planned = open.plan();
-    assert!(planned.status.success(), "{}", stderr(&planned));
+    open.plan().good();
     let alone = PlanReport::read(&open.path("plan")).unwrap();
     assert_eq!((alone.method, alone.reason), (plan.method, plan.reason));
     // What was asked for is not replaced.
     open.configure(&format!("method = \"pull-out\"\n{config}"));
     for refused in [open.mold(), open.plan()] {
-        assert_eq!(refused.status.code(), Some(1), "{}", stderr(&refused));
-        assert!(stderr(&refused).contains(moves), "{}", stderr(&refused));
+        refused.ended(1, &[moves]);
     }
 }

@@ -11,6 +11,7 @@ use crate::fixture::{
     CELL, CHAMBER, CLOSED, Cubes, Scene, TWO_TOPS, assert_fails, assert_status, change_report, copy,
 };
 use fab::files::report::MoldReport;
+use fab::mold::Purpose;
 use fab::verify::{Against, Line, Status, verify};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
@@ -121,12 +122,12 @@ fn channels() {
     let checks = ["sprue 1: blocked", "sprue 1: reaches the cavity", "filling: not reached"];
     assert_found(&checks, |mold| {
         // The file of the upper shell is turned upside down about x.
-        let [x, y, z] = feature(mold, "sprue").base;
+        let [x, y, z] = feature(mold, Purpose::Sprue).base;
         let plug = cube([x - 7.0, -y - 7.0, -z - 4.0], [x + 7.0, -y + 7.0, -z - 3.0]);
         change_solid(mold, "upper", |upper| upper.union(&plug));
     });
     assert_found(&["key 1: engaged"], |mold| {
-        let foot = Vec3::from(feature(mold, "key").base);
+        let foot = Vec3::from(feature(mold, Purpose::Key).base);
         let cut =
             Solid::cube(&(foot - Vec3::new(5.0, 5.0, 0.0)), &(foot + Vec3::new(5.0, 5.0, 5.0)));
         change_solid(mold, "lower", |lower| lower.difference(&cut));
@@ -138,12 +139,12 @@ fn channels() {
     for (check, change) in [
         (
             "sprue",
-            (|report| report.features.retain(|f| f.purpose.name() != "sprue"))
+            (|report| report.features.retain(|f| f.purpose != Purpose::Sprue))
                 as fn(&mut MoldReport),
         ),
         // Moved out of the mold, the sprue begins below the top of the body.
         ("sprue 1: rim", |report| {
-            let sprue = report.features.iter_mut().find(|f| f.purpose.name() == "sprue");
+            let sprue = report.features.iter_mut().find(|f| f.purpose == Purpose::Sprue);
             sprue.unwrap().base[0] += 40.0;
         }),
         ("wall: least", |report| report.wall = 5.1),
@@ -199,21 +200,24 @@ fn molds_that_fail_a_check_are_not_written() {
 #[test]
 fn inflated_walls() {
     let lines_of = |folder: &tempfile::TempDir| {
-        let against = Against { simulation: Some(folder.path()), ..Against::default() };
-        verify(&sound().path("mold"), against).unwrap()
+        let against = Against { simulation: Some(folder.path().into()), ..Against::default() };
+        verify(&sound().path("mold"), &against).unwrap()
     };
-    let lines = lines_of(&sound().simulation(0.5, true, 2.0));
-    assert_status(&lines, "inflated: body", Status::Ok);
-    assert_status(&lines, "inflated: thinnest wall", Status::Ok);
-    assert_status(&lines, "inflated: largest stretch", Status::Ok);
-    assert_status(&lines, "inflated: elements", Status::Ok);
-    let inside_out = lines_of(&sound().simulation(-0.5, true, 2.0));
-    assert_status(&inside_out, "inflated: elements", Status::Warn);
-    // Dragon Skin 20 breaks at 620 %.
-    assert_fails(&lines_of(&sound().simulation(0.5, true, 7.3)), "inflated: largest stretch");
-    // 4 mm become 0.2 mm.
-    assert_fails(&lines_of(&sound().simulation(0.05, true, 2.0)), "inflated: thinnest wall");
-    assert_fails(&lines_of(&sound().simulation(0.5, false, 2.0)), "inflated: result");
+    let sound_lines = lines_of(&sound().simulation(0.5, true, 2.0));
+    for check in ["body", "thinnest wall", "largest stretch", "elements"] {
+        assert_status(&sound_lines, &format!("inflated: {check}"), Status::Ok);
+    }
+    for (thin, usable, stretch, check, status) in [
+        (-0.5, true, 2.0, "elements", Status::Warn),
+        // Dragon Skin 20 breaks at 620 %.
+        (0.5, true, 7.3, "largest stretch", Status::Fail),
+        // 4 mm become 0.2 mm.
+        (0.05, true, 2.0, "thinnest wall", Status::Fail),
+        (0.5, false, 2.0, "result", Status::Fail),
+    ] {
+        let lines = lines_of(&sound().simulation(thin, usable, stretch));
+        assert_status(&lines, &format!("inflated: {check}"), status);
+    }
     assert_fails(&lines_of(&tempfile::tempdir().unwrap()), "inflated: result");
 }
 
@@ -259,7 +263,8 @@ fn sheets_that_are_laid_in() {
         let copied = tempfile::tempdir().unwrap();
         copy(&folder, copied.path());
         change_report(copied.path(), damage);
-        verify(copied.path(), Against { design: Some(&design), ..Against::default() }).unwrap()
+        let against = Against { design: Some(design.clone()), ..Against::default() };
+        verify(copied.path(), &against).unwrap()
     };
     let sound = after(&|_| ());
     assert_status(&sound, "paper: in silicone", Status::Ok);

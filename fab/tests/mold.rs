@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::OnceLock;
 
-use crate::fixture::{
-    CHAMBER, CLOSED, Cubes, Scene, TWO_CHAMBERS, TWO_TOPS, change_report, copy, fab, fab_in, stderr,
-};
+use crate::fixture::{CHAMBER, Cubes, Run, Scene, TWO_TOPS, change_report, copy, names};
 use fab::files::report::MoldReport;
-use mesh::Vec3;
+use fab::mold::Purpose;
 
 const PLANE: &str = "[parting]\nkind = \"plane\"\npull = [0, 1, 0]\n";
 
@@ -35,18 +33,9 @@ fn sides() -> &'static Scene {
     SCENE.get_or_init(|| {
         let scene = Scene::new(&CHAMBER, &format!("{PLANE}\n[core]\nsupport = \"stub\""));
         let command = ["mold", "design.msh", "--config", "mold.toml", "-o", "mold"];
-        let output = fab_in(&scene.path(""), &command);
-        assert!(output.status.success(), "{}", stderr(&output));
+        scene.run(&command).good();
         scene
     })
-}
-
-fn names(report: &MoldReport) -> Vec<&str> {
-    report.parts.iter().map(|part| part.name.as_str()).collect()
-}
-
-fn count(report: &MoldReport, purpose: &str) -> usize {
-    report.features.iter().filter(|f| f.purpose.name() == purpose).count()
 }
 
 #[test]
@@ -59,7 +48,10 @@ fn shells_on_a_base_and_above_each_other() {
         scene.assert_verified();
         let report = scene.report(".");
         assert_eq!(names(&report), parts);
-        assert_eq!(["key", "sprue", "vent"].map(|purpose| count(&report, purpose)), count_of);
+        assert_eq!(
+            [Purpose::Key, Purpose::Sprue, Purpose::Vent].map(|kind| report.outlines(kind).count()),
+            count_of
+        );
     }
     // 7 · 5 · 6 cubes less 27 + 2, of 64 mm³ each, around walls of 6 · 12² − 4² + 8 · 16 mm².
     let cast = sides().report(".").cast;
@@ -91,9 +83,8 @@ fn the_plug_of_a_hole_in_the_seat_belongs_to_the_base() {
 fn a_name_that_does_not_fit_is_reported() {
     let scene = Scene::new(&CHAMBER, "[keys]\nheight = 2e-3\n[flange]\nthickness = 3.4e-3\n");
     let output = scene.mold();
-    assert!(output.status.success(), "{}", stderr(&output));
     let sheet = scene.sheet();
-    for said in [stderr(&output), sheet] {
+    for said in [output.good(), sheet.as_str()] {
         for name in ["upper", "lower"] {
             let words = format!("label: the name \"{name}\" does not fit on a face of ");
             assert!(said.contains(&words), "{said}");
@@ -103,21 +94,11 @@ fn a_name_that_does_not_fit_is_reported() {
 }
 
 #[test]
-fn the_other_directions() {
-    for parting in [
-        "[parting]\nkind = \"height-field\"\npull = [0, 1, 0]",
-        "up = [0, 0, 1]\n[parting]\nkind = \"plane\"\npull = [-1, 1, 0]",
-    ] {
-        molded(&Scene::new(&CHAMBER, parting));
-    }
-}
-
-#[test]
 #[ignore = "many seconds: runs in make test-all"]
 fn every_top_gets_a_channel() {
     let scene = Scene::new(&TWO_TOPS, "[sprue]\nat = [0.01, 0.014, 0]");
     let report = molded(&scene);
-    assert_eq!((count(&report, "sprue"), count(&report, "vent")), (1, 1));
+    assert_eq!([Purpose::Sprue, Purpose::Vent].map(|kind| report.outlines(kind).count()), [1, 1]);
     // Parts of an earlier mold do not stay beside those of a new one.
     scene.configure(&format!("method = \"soluble\"\n{PLANE}"));
     assert_eq!(names(&molded(&scene)), ["left", "right", "base", "core"]);
@@ -126,7 +107,7 @@ fn every_top_gets_a_channel() {
     // Of a body that is refused nothing is lost.
     let files = files_below(&scene.path("mold"));
     scene.configure("[sprue]\nat = [1, 0, 0]");
-    assert_refused(&scene.mold(), "an older mold is still there");
+    scene.mold().ended(2, &["an older mold is still there"]);
     assert_eq!(files_below(&scene.path("mold")), files);
 }
 
@@ -134,20 +115,10 @@ fn every_top_gets_a_channel() {
 #[test]
 fn nothing_runs_over_before_the_mold_is_full() {
     let report = molded(&Scene::new(&TWO_TOPS, "[sprue]\nat = [0.032, 0.014, 0]"));
-    let sprue = report.features.iter().find(|f| f.purpose.name() == "sprue").unwrap();
+    let sprue = report.outlines(Purpose::Sprue).next().unwrap();
     // It stands on the step, 16 mm high; the top is at 24 mm.
     assert!((15.0..16.0).contains(&sprue.base[2]), "{sprue:?}");
     assert!(sprue.base[2] + sprue.axis[2] >= 29.0, "{sprue:?}");
-}
-
-#[test]
-#[ignore = "many seconds: runs in make test-all"]
-fn two_chambers_have_two_cores() {
-    for parting in ["", PLANE] {
-        let report = molded(&Scene::new(&TWO_CHAMBERS, parting));
-        assert!(names(&report).ends_with(&["core1", "core2"]));
-        assert_eq!(count(&report, "socket"), 2);
-    }
 }
 
 /// The sheet's numbers by hand, and its warnings.
@@ -173,8 +144,10 @@ fn the_sheet_adds_up() {
     assert!((number("/plastic_g") - 1.2e-3 * solid).abs() < 1e-9);
     let modulus = "shear modulus</th><td>220 kPa; one source</td>";
     let pressure = "A pressure computed with μ kPa has to be multiplied by 220/μ.";
-    let words = ["Uncured resin inhibits", "20.0 kPa", "Wacker", "`core.stl`", modulus, pressure];
-    scene.assert_sheet(&words);
+    let grams = format!("{mass:.1} g");
+    scene.assert_sheet(&["Uncured resin inhibits", "20.0 kPa", "Wacker", "`core.stl`"]);
+    scene.assert_sheet(&[modulus, pressure, &grams, "<h1>design</h1>", "type=\"checkbox\""]);
+    assert!(!scene.sheet().contains("<script") && !scene.sheet().contains("src=\"http"));
     // A filament printer inhibits nothing; a silicone with several sources has a range.
     let config = config.replace("elastosil-m4601", "dragon-skin-20");
     let scene = Scene::new(&CHAMBER, &format!("{config}printer = \"prusa-mk4\""));
@@ -219,64 +192,23 @@ fn the_same_mold_again() {
     assert_eq!(bytes(shells()), bytes(&again));
 }
 
-fn assert_refused(output: &Output, message: &str) {
-    let said = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains(message) && !said.contains("panicked"), "{said:?} of {message:?}");
-}
-
-#[test]
-fn bad_configurations() {
-    for (config, message) in [
-        (
-            "wal = 1",
-            "mold.toml:2:1: unknown field `wal`; did you mean `wall`? expected one of `chamber`, `method`, `layers`, `wound`, `around`, `surface`",
-        ),
-        (
-            "chamber = \"hole\"",
-            "the mesh has seat (68 facets), cavity (122 facets), skin (358 facets)",
-        ),
-        ("up = [1, 0, 0]", "faces 90.0° away from straight down"),
-        ("[parting]\nkind = \"plane\"\npull = [0, 1, 1]", "makes an angle of 45.00° with up"),
-        ("[sprue]\nat = [1, 0, 0]", "does not meet the part"),
-        ("[core]\nshoulder = 1.6e-3", "an inscribed radius of 2.000 mm, at least 2.4"),
-        ("[parting]\nkind = \"height-field\"\ncell = 2e-5\nsmoothing = 1e-4", "columns"),
-    ] {
-        Scene::new(&CHAMBER, config).refused(2, &[message]);
-    }
-}
-
-#[test]
-fn bad_bodies() {
-    Scene::new(&CLOSED, "").refused(2, &["a chamber of 1728.0 mm³ is closed"]);
-    Scene::new(&CLOSED, "chamber = \"skin\"").refused(2, &["separate pieces"]);
-    let spoiled = |place: [f64; 3], by: Vec3| {
-        let there = |p: &Vec3| (*p - Vec3::from(place)).norm() < 1e-9;
-        Scene::new(&CHAMBER, "").moved(|p| *p += if there(p) { by } else { Vec3::zeros() })
-    };
-    // A corner of the inlet, lifted.
-    spoiled([8e-3, 12e-3, 0.0], Vec3::z() * 1e-3).refused(2, &["leaves its plane by"]);
-    // An inner vertex, moved through the opposite faces of its tetrahedra.
-    spoiled([4e-3, 8e-3, 4e-3], Vec3::x() * 5e-3).refused(2, &["some are inverted or overlap"]);
-}
-
 #[test]
 fn bad_files() {
     let scene = Scene::new(&CHAMBER, "");
     let design = scene.path("design.msh");
     let text = std::fs::read_to_string(&design).unwrap();
     std::fs::write(&design, &text[..text.len() / 2]).unwrap();
-    assert_refused(&scene.mold(), "design.msh");
+    scene.mold().ended(2, &["design.msh"]);
     std::fs::write(&design, text.replacen("0.004", "nan", 1)).unwrap();
-    assert_refused(&scene.mold(), "design.msh");
+    scene.mold().ended(2, &["design.msh"]);
     std::fs::remove_file(&design).unwrap();
-    assert_refused(&scene.mold(), "design.msh");
-    assert_refused(&scene.verify(), "mold.json");
+    scene.mold().ended(2, &["design.msh"]);
+    scene.verify().ended(2, &["mold.json"]);
     // A file where the folder should be.
     std::fs::write(&design, text).unwrap();
     std::fs::write(scene.path("mold"), "").unwrap();
-    assert_refused(&scene.mold(), "mold");
-    assert_refused(&fab(&["mold"]), "Usage");
+    scene.mold().ended(2, &["mold"]);
+    scene.run(&["mold"]).ended(2, &["Usage"]);
 }
 
 #[test]
@@ -284,7 +216,7 @@ fn a_report_that_names_files_elsewhere_is_refused() {
     let scene = Scene::new(&CHAMBER, "");
     copy(&shells().path("mold"), &scene.path("mold"));
     change_report(&scene.path("mold"), |report| report.parts[0].file = "../design.msh".into());
-    assert_refused(&scene.verify(), "files must lie in its own folder");
+    scene.verify().ended(2, &["files must lie in its own folder"]);
 }
 
 fn files_below(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
@@ -307,7 +239,7 @@ fn a_full_disk_leaves_no_half_mold() {
         .current_dir(scene.path(""))
         .output()
         .unwrap();
-    assert_refused(&output, ".stl");
+    Run::from(output).ended(2, &[".stl"]);
     let left = files_below(&scene.path("mold"));
     assert!(left.is_empty(), "{left:?}");
 }

@@ -2,14 +2,14 @@
 
 mod fixture;
 
+mod bodies;
 mod castings;
 mod chambers;
 mod damage;
 mod films;
 mod fitting;
-mod hard;
 mod judges;
+mod models;
 mod mold;
 mod plan;
 mod sheet;
-mod sound;

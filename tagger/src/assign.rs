@@ -5,7 +5,7 @@ use mesh::{Tags, TetMesh};
 use program::Unusable;
 
 use crate::config::{Config, Tag};
-use crate::facets::Facets;
+use crate::facets::{self, Facets};
 use crate::inside;
 use crate::select::{Sources, nearest_patches};
 use crate::wall;
@@ -56,12 +56,9 @@ impl Assignment {
     /// Ids and names for the facets, in the order of the tag file.
     pub fn tags(&self, config: &Config, facets: &Facets) -> Tags {
         let mut tags = Tags::new(config.tag.iter().map(|t| t.name.clone()).collect());
-        for (triangle, owner) in facets.triangles.iter().zip(&self.owners) {
-            if let Some(id) = owner.and_then(|o| tags.id(&config.tag[o].name)) {
-                tags.set(*triangle, id);
-            }
-        }
-        for &(facet, owner) in &self.inside {
+        let outer = facets.surface.triangles.iter().zip(&self.owners);
+        let outer = outer.filter_map(|(facet, owner)| Some((*facet, (*owner)?)));
+        for (facet, owner) in outer.chain(self.inside.iter().copied()) {
             if let Some(id) = tags.id(&config.tag[owner].name) {
                 tags.set(facet, id);
             }
@@ -113,9 +110,9 @@ pub fn assign(
         wall::check(facets, &owners, index, config)
             .map_err(|message| anyhow!(Unusable(format!("{}: {message}", label(tag)))))?;
     }
-    for (owner, area) in owners.iter().zip(&facets.areas) {
+    for (facet, owner) in owners.iter().enumerate() {
         if let Some(o) = owner {
-            tallies[*o].area += area;
+            tallies[*o].area += facets.surface.area(facet);
         }
     }
     Ok(Assignment { owners, tallies, inside })
@@ -140,7 +137,7 @@ fn claim_inside(
         !free.is_empty(),
         Unusable(format!("all {selected} facets on {} have earlier tags", path.display()))
     );
-    let (contested, area) = (selected - free.len(), inside::area(mesh, &free));
+    let (contested, area) = (selected - free.len(), facets::area(mesh, &free));
     all.extend(free.into_iter().map(|facet| (facet, index)));
     let expected_area = Some(mesh::measure::area(&patch));
     Ok(Tally { selected, contested, area, expected_area, ..Tally::default() })

@@ -10,7 +10,7 @@ use std::path::Path;
 use anyhow::Result;
 use mesh::bvh::SurfaceBvh;
 use mesh::topology::TET_FACETS;
-use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key, measure, topology};
+use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 use program::Unusable;
 
 /// A facet that leaves the surface by more than ε counts where it is seen along the normal, to
@@ -25,16 +25,11 @@ pub fn select(
     epsilon: f64,
 ) -> Result<Vec<[usize; 3]>> {
     let bvh = SurfaceBvh::new(surface);
-    let normals: Vec<Vec3> = (0..surface.triangles.len())
-        .map(|t| {
-            let [a, b, c] = surface.corners(t);
-            measure::triangle_normal(a, b, c)
-        })
-        .collect();
+
     // Height above the nearest triangle, and distance [m].
     let seen = |p: &Vec3| {
         let near = bvh.closest(p);
-        (normals[near.triangle].dot(&(p - near.point)), near.distance)
+        (surface.normal(near.triangle).dot(&(p - near.point)), near.distance)
     };
     let heights: Vec<f64> = (0..mesh.tets.len())
         .map(|t| seen(&(mesh.corners(t).iter().sum::<Vec3>() / 4.0)).0)
@@ -82,9 +77,4 @@ fn between(mesh: &TetMesh, heights: &[f64]) -> Vec<[usize; 3]> {
         }
     }
     found
-}
-
-/// Area of some facets [m²].
-pub fn area(mesh: &TetMesh, facets: &[[usize; 3]]) -> f64 {
-    measure::area(&topology::submesh(&mesh.vertices, facets).0)
 }

@@ -24,9 +24,9 @@ pub fn fill_pinholes(
     tag: usize,
     pressure: bool,
 ) -> usize {
-    let edges = topology::edge_facets(&facets.triangles);
+    let edges = topology::edge_facets(&facets.surface.triangles);
     let surrounded = |f: usize| {
-        topology::directed_edges(facets.triangles[f])
+        topology::directed_edges(facets.surface.triangles[f])
             .into_iter()
             .all(|side| edges[&sorted(side)].iter().any(|&n| n != f && owners[n] == Some(tag)))
     };
@@ -96,7 +96,7 @@ fn check_manifold(facets: &Facets, triangles: &[[usize; 3]]) -> Result<(), Strin
     let pinched = topology::pinched_vertices(triangles);
     let first = crowded.first().map(|(e, _)| e[0]).or(pinched.first().copied());
     let place = first.map_or(String::new(), |v| {
-        format!(", first at vertex {v} at {} m", place(&facets.vertices[v]))
+        format!(", first at vertex {v} at {} m", place(&facets.surface.vertices[v]))
     });
     Err(format!(
         "the pressure wall is not a manifold patch: {} edges with more than two facets, \
@@ -110,9 +110,11 @@ fn check_manifold(facets: &Facets, triangles: &[[usize; 3]]) -> Result<(), Strin
 /// One line per loop: edges, length, and where it leaves the fixed tag.
 fn describe(facets: &Facets, loops: &[Vec<usize>], free: &[Vec<usize>]) -> String {
     let length = |l: &[usize]| -> f64 {
-        edges_of(l).map(|[a, b]| (facets.vertices[b] - facets.vertices[a]).norm()).sum()
+        edges_of(l)
+            .map(|[a, b]| (facets.surface.vertices[b] - facets.surface.vertices[a]).norm())
+            .sum()
     };
-    let place = |v: usize| format!("vertex {v} at {} m", place(&facets.vertices[v]));
+    let place = |v: usize| format!("vertex {v} at {} m", place(&facets.surface.vertices[v]));
     loops
         .iter()
         .zip(free)
@@ -127,7 +129,7 @@ fn describe(facets: &Facets, loops: &[Vec<usize>], free: &[Vec<usize>]) -> Strin
 }
 
 fn owned(facets: &Facets, owners: &[Option<usize>], tag: usize) -> Vec<[usize; 3]> {
-    let triangles = facets.triangles.iter().zip(owners);
+    let triangles = facets.surface.triangles.iter().zip(owners);
     triangles.filter(|(_, owner)| **owner == Some(tag)).map(|(t, _)| *t).collect()
 }
 

@@ -3,70 +3,35 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../fab/tests/fixture/cubes.rs"]
+mod cubes;
+#[path = "../../fab/tests/fixture/run.rs"]
+#[allow(dead_code)]
+mod run;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
+use cubes::Cubes;
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, io, topology};
+use run::Run;
 use tempfile::TempDir;
 
 const CUBES: usize = 5;
 const SIDE: f64 = 1e-3;
 
-/// Cubes of the hole, open at the underside z = 0.
-fn hole([x, y, z]: [usize; 3]) -> bool {
-    x == 2 && y == 2 && z < 3
+/// The block, with the tags of its three patches.
+fn block() -> (TetMesh, Tags) {
+    let hole = |[x, y, z]: [usize; 3]| x == 2 && y == 2 && z < 3;
+    Cubes { count: [CUBES; 3], solid: |_| true, chamber: hole }.mesh(SIDE)
 }
 
-/// Six tetrahedra per cube around its diagonal (Kuhn), conforming across cubes.
-fn block() -> TetMesh {
-    const PATHS: [[usize; 3]; 6] =
-        [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
-    let n = CUBES + 1;
-    let id = |[x, y, z]: [usize; 3]| x + n * (y + n * z);
-    let cells = (0..CUBES.pow(3)).map(|i| [i % CUBES, i / CUBES % CUBES, i / CUBES / CUBES]);
-    let mut tets = Vec::new();
-    for cell in cells.filter(|&c| !hole(c)) {
-        for path in PATHS {
-            let mut at = cell;
-            let mut tet = [id(at); 4];
-            for (corner, axis) in path.into_iter().enumerate() {
-                at[axis] += 1;
-                tet[corner + 1] = id(at);
-            }
-            tets.push(tet);
-        }
-    }
-    let point = |i: usize| SIDE * Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64);
-    let mut mesh = TetMesh { vertices: (0..n * n * n).map(point).collect(), tets };
-    for t in 0..mesh.tets.len() {
-        let [a, b, c, d] = mesh.corners(t);
-        if (b - a).cross(&(c - a)).dot(&(d - a)) < 0.0 {
-            mesh.tets[t].swap(2, 3);
-        }
-    }
-    mesh
-}
-
-fn in_hole(c: &Vec3) -> bool {
-    let margin = 1e-3 * SIDE;
-    let across = |v: f64| v > 2.0 * SIDE - margin && v < 3.0 * SIDE + margin;
-    c.z > margin && c.z < 3.0 * SIDE + margin && across(c.x) && across(c.y)
-}
-
-fn on_seat(c: &Vec3) -> bool {
-    c.z < 1e-3 * SIDE
-}
-
-fn on_skin(c: &Vec3) -> bool {
-    !in_hole(c) && !on_seat(c)
-}
-
-/// The facets of the boundary whose centroid is picked.
-fn patch(mesh: &TetMesh, pick: impl Fn(&Vec3) -> bool) -> SurfaceMesh {
+/// The facets with a tag whose centroid is picked.
+fn patch((mesh, tags): &(TetMesh, Tags), tag: &str, pick: impl Fn(&Vec3) -> bool) -> SurfaceMesh {
     let centroid = |f: &[usize; 3]| f.iter().map(|&v| mesh.vertices[v]).sum::<Vec3>() / 3.0;
-    let facets: Vec<_> =
-        topology::boundary(mesh).facets.into_iter().filter(|f| pick(&centroid(f))).collect();
+    let own = |f: &[usize; 3]| tags.get(*f) == tags.id(tag) && pick(&centroid(f));
+    let facets: Vec<_> = topology::boundary(mesh).facets.into_iter().filter(own).collect();
     topology::submesh(&mesh.vertices, &facets).0
 }
 
@@ -81,12 +46,12 @@ impl Scene {
     }
 
     /// A folder with the volume.msh and three patches of a block that was bent a little.
-    fn of(mesh: &TetMesh) -> Self {
+    fn of(block: &(TetMesh, Tags)) -> Self {
         let scene = Self { dir: tempfile::tempdir().unwrap() };
-        scene.write_volume(mesh);
-        scene.write_patch("seat.obj", &patch(mesh, on_seat));
-        scene.write_patch("cavity.obj", &patch(mesh, in_hole));
-        scene.write_patch("skin.obj", &patch(mesh, on_skin));
+        scene.write_volume(&block.0);
+        for tag in ["seat", "cavity", "skin"] {
+            scene.write_patch(&format!("{tag}.obj"), &patch(block, tag, |_| true));
+        }
         scene
     }
 
@@ -102,40 +67,21 @@ impl Scene {
         io::write_surface(&self.path(name), surface).unwrap();
     }
 
-    fn run(&self, args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_tagger"))
-            .args(args)
-            .current_dir(self.dir.path())
-            .output()
-            .unwrap()
+    fn run(&self, args: &[&str]) -> Run {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tagger"));
+        command.args(args).current_dir(self.dir.path()).output().unwrap().into()
     }
 
-    fn tag(&self, config: &str) -> Output {
+    fn tag(&self, config: &str) -> Run {
         fs::write(self.path("tags.toml"), config).unwrap();
         self.run(&["tag", "volume.msh", "--config", "tags.toml", "-o", "tagged.msh"])
     }
 
-    /// Checks the exit code and that stderr holds all of `expected`, and that a
-    /// failure leaves no result.
-    fn fails(&self, output: &Output, code: i32, expected: &[&str]) {
-        let message = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{message}");
-        for e in expected {
-            assert!(message.contains(e), "{e:?} is not in: {message}");
-        }
-        assert!(!message.contains("panicked"), "{message}");
+    /// A tag file is refused with an exit code and all of `expected`, and no result.
+    fn fails(&self, config: &str, code: i32, expected: &[&str]) {
+        self.tag(config).ended(code, expected);
         assert!(!self.path("tagged.msh").exists());
     }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn succeeded(output: &Output) -> String {
-    let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{message}");
-    message
 }
 
 const PATCHES: &str = r#"
@@ -162,7 +108,7 @@ fn several_patches_and_picked_faces_are_tags() {
     let scene = Scene::new();
     let tags = "[[tag]]\nname = \"outside\"\npatch = [\"se*.obj\", \"skin.obj\"]\n\
                 [[tag]]\nname = \"hole\"\npatch = \"cav*\"\n";
-    succeeded(&scene.tag(tags));
+    scene.tag(tags).good();
     let tagged = scene.path("tagged.msh");
     assert_eq!(["outside", "hole"].map(|name| facet_count(&tagged, name)), [298, 26]);
 
@@ -171,44 +117,31 @@ fn several_patches_and_picked_faces_are_tags() {
             "[[tag]]\nname = \"top\"\npoint = {{ at = [2.5e-3, 2.5e-3, 9e-3], angle = {angle} }}\n"
         )
     };
-    succeeded(&scene.tag(&picked(40.0)));
+    scene.tag(&picked(40.0)).good();
     assert_eq!(facet_count(&tagged, "top"), 50); // 25 squares
-    succeeded(&scene.tag(&picked(180.0)));
+    scene.tag(&picked(180.0)).good();
     assert_eq!(facet_count(&tagged, "top"), 324);
-    std::fs::remove_file(&tagged).unwrap();
-    scene.fails(&scene.tag(&picked(200.0)), 2, &["angle = 200°: must lie between 0 and 180°"]);
-    let none = "[[tag]]\nname = \"a\"\npatch = \"face-*.stl\"\n";
-    scene.fails(&scene.tag(none), 2, &["is called face-*.stl; there are", "skin.obj"]);
-    let one = none.replace("face-*", "fixed");
-    scene.fails(&scene.tag(&one), 2, &["is called fixed.stl; there are", "skin.obj"]);
 }
 
 #[test]
 fn patches_partition_the_boundary() {
     let scene = Scene::new();
-    let message = succeeded(&scene.tag(PATCHES));
+    let message = scene.tag(PATCHES).good().to_owned();
     assert!(message.contains("0 contested, 0 of 324 facets left over"), "{message}");
     let tagged = scene.path("tagged.msh");
     // two triangles per square: 25 − 1 below, 4 × 3 + 1 in the hole, 5 × 25 outside
     let counts = ["seat", "cavity", "skin"].map(|name| facet_count(&tagged, name));
     assert_eq!(counts, [48, 26, 250]);
     let shown = scene.run(&["show", "tagged.msh"]);
-    assert_eq!(fs::read_to_string(scene.path("tags.txt")).unwrap(), text(&shown.stdout));
     let json: serde_json::Value =
         serde_json::from_slice(&fs::read(scene.path("tags.json")).unwrap()).unwrap();
     assert_eq!(json["names"][1], "cavity");
     assert_eq!(json["ids"][1], 2);
     // 13 squares of 1 mm², summed with rounding of order 1e-16 relative
     assert!((json["areas"][1].as_f64().unwrap() - 13e-6).abs() < 1e-18);
-}
-
-#[test]
-fn table_shows_areas_components_and_loops() {
-    let scene = Scene::new();
-    succeeded(&scene.tag(PATCHES));
-    let output = scene.run(&["show", "tagged.msh"]);
-    succeeded(&output);
-    let table = text(&output.stdout);
+    shown.good();
+    let table = shown.stdout.clone();
+    assert_eq!(fs::read_to_string(scene.path("tags.txt")).unwrap(), table);
     let row = |name: &str| -> Vec<String> {
         let line = table.lines().find(|l| l.starts_with(name)).unwrap();
         line.split_whitespace().map(str::to_owned).collect()
@@ -233,11 +166,16 @@ fn other_selectors_pick_the_same_facets() {
         name = "skin"
         component = 0
     "#;
-    let message = succeeded(&scene.tag(config));
+    let message = scene.tag(config).good().to_owned();
     assert!(
         message.contains("skin: 250 facets") && message.contains("74 contested, 0 of 324"),
         "{message}"
     );
+    // a box that takes a part of a patch
+    let half = "[[tag]]\nname = \"half\"\nbox = { min = [-1, -1, -1], max = [0.002, 1, 1e-6] }\n";
+    let config = format!("{half}{PATCHES}").replace("pressure = true\n    rim = \"seat\"", "");
+    let message = scene.tag(&config).good().to_owned();
+    assert!(message.contains("warning: seat: area 14.000 mm² differs by 41.7 %"), "{message}");
 }
 
 #[test]
@@ -249,20 +187,21 @@ fn closed_volume_selects_by_winding_number() {
     let mut surface = slab.to_surface();
     surface.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     scene.write_patch("slab.obj", &surface);
-    succeeded(&scene.tag("[[tag]]\nname = \"seat\"\nvolume = \"slab.obj\"\n"));
+    scene.tag("[[tag]]\nname = \"seat\"\nvolume = \"slab.obj\"\n").good();
     assert_eq!(facet_count(&scene.path("tagged.msh"), "seat"), 48);
 }
 
 #[test]
 fn what_selects_nothing_or_cannot_be_meant_is_refused() {
     let scene = Scene::new();
-    let seat = patch(&block(), on_seat);
+    let block = block();
+    let seat = patch(&block, "seat", |_| true);
     let mut far = seat.clone();
     far.vertices.iter_mut().for_each(|v| v.z -= 0.01);
     let mut turned = seat;
     turned.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     // a seat that ends one square before the mouth of the hole at one side
-    let short = patch(&block(), |c| on_seat(c) && c.x < 2.0 * SIDE);
+    let short = patch(&block, "seat", |c| c.x < 2.0 * SIDE);
     let surfaces =
         [("far", &far), ("turned", &turned), ("short", &short), ("sheet", &sheet(3.5 * SIDE))];
     for (name, surface) in surfaces {
@@ -310,6 +249,13 @@ fn what_selects_nothing_or_cannot_be_meant_is_refused() {
             2,
             &["tags.toml:3:1", "unknown field `ptach`; did you mean `patch`?", "`patch`, `volume`"],
         ),
+        (
+            tag("point = { at = [0, 0, 0], angle = 200 }"),
+            2,
+            &["angle = 200°: must lie between 0 and 180°"],
+        ),
+        (tag("patch = \"face-*.stl\""), 2, &["is called face-*.stl; there are", "skin.obj"]),
+        (tag("patch = \"none.obj\""), 2, &["is called none.obj; there are", "skin.obj"]),
         // the mesh does not follow the sheet
         (
             format!("{PATCHES}{SHEET}"),
@@ -317,21 +263,24 @@ fn what_selects_nothing_or_cannot_be_meant_is_refused() {
             &["[[tag]] `sheet`", "0 facets inside", "does not follow", "tetmesh SURFACE --inside"],
         ),
     ] {
-        scene.fails(&scene.tag(&config), code, words);
+        scene.fails(&config, code, words);
     }
+    let whole = fs::read(scene.path("volume.msh")).unwrap();
+    fs::write(scene.path("volume.msh"), &whole[..whole.len() / 2]).unwrap();
+    scene.fails(PATCHES, 2, &["volume.msh"]);
 }
 
 #[test]
 fn pinhole_is_filled() {
     let scene = Scene::new();
-    let mut wall = patch(&block(), in_hole);
+    let mut wall = patch(&block(), "cavity", |_| true);
     let top = |t: &[usize; 3]| t.iter().all(|&v| wall.vertices[v].z > 2.9 * SIDE);
     let hole = wall.triangles.iter().position(top).unwrap();
     wall.triangles.remove(hole);
     scene.write_patch("cavity.obj", &wall);
     let plain = PATCHES.replace("pressure = true\n    rim = \"seat\"", "");
     for config in [PATCHES, &plain] {
-        let message = succeeded(&scene.tag(config));
+        let message = scene.tag(config).good().to_owned();
         assert!(
             message.contains("cavity: 26 facets, 13.000 mm², 0 contested, 1 pinholes"),
             "{message}"
@@ -344,7 +293,7 @@ fn pinhole_is_filled() {
 /// wall does.
 #[test]
 fn a_sliver_on_the_rim_does_not_open_the_wall() {
-    let mut mesh = block();
+    let (mut mesh, tags) = block();
     let at = |mesh: &TetMesh, place: [f64; 3]| {
         let place = SIDE * Vec3::from(place);
         mesh.vertices.iter().position(|p| (p - place).norm() < 1e-9).unwrap()
@@ -353,7 +302,7 @@ fn a_sliver_on_the_rim_does_not_open_the_wall() {
         let v = at(&mesh, place);
         mesh.vertices[v].y += 0.3 * SIDE;
     }
-    let scene = Scene::of(&mesh);
+    let scene = Scene::of(&(mesh.clone(), tags));
     // 6 µm across the rim and half a micrometre below the seat; epsilon is 8.7 µm
     let rim = [at(&mesh, [2.0, 2.0, 0.0]), at(&mesh, [3.0, 2.0, 0.0])];
     let beside = |f: &[usize; 3]| {
@@ -363,27 +312,8 @@ fn a_sliver_on_the_rim_does_not_open_the_wall() {
     mesh.vertices.push(Vec3::new(2.5 * SIDE, 2.0 * SIDE + 6e-6, -5e-7));
     mesh.tets.push([a, b, c, mesh.vertices.len() - 1]);
     scene.write_volume(&mesh);
-    let message = succeeded(&scene.tag(PATCHES));
+    let message = scene.tag(PATCHES).good().to_owned();
     assert!(message.contains("0 contested, 0 of "), "{message}");
-}
-
-#[test]
-fn area_mismatch_is_a_warning() {
-    let scene = Scene::new();
-    let config = format!("[[tag]]\nname = \"half\"\nbox = {{ min = [-1, -1, -1], max = [0.002, 1, 1e-6] }}\n{PATCHES}")
-        .replace("pressure = true\n    rim = \"seat\"", "");
-    let message = succeeded(&scene.tag(&config));
-    assert!(message.contains("warning: seat: area 14.000 mm² differs by 41.7 %"), "{message}");
-}
-
-#[test]
-fn truncated_mesh_and_missing_patch_are_input_errors() {
-    let scene = Scene::new();
-    let whole = fs::read(scene.path("volume.msh")).unwrap();
-    fs::write(scene.path("volume.msh"), &whole[..whole.len() / 2]).unwrap();
-    scene.fails(&scene.tag(PATCHES), 2, &["volume.msh"]);
-    fs::write(scene.path("volume.msh"), &whole).unwrap();
-    scene.fails(&scene.tag(&PATCHES.replace("skin.obj", "none.obj")), 2, &["none.obj"]);
 }
 
 /// Two triangles across the block at a height [m].
@@ -400,7 +330,7 @@ const SHEET: &str = "[[tag]]\nname = \"sheet\"\npatch = \"sheet.obj\"\ninside = 
 fn a_sheet_inside_is_one_layer_of_facets() {
     let scene = Scene::new();
     scene.write_patch("sheet.obj", &sheet(4.0 * SIDE));
-    let message = succeeded(&scene.tag(&format!("{PATCHES}{SHEET}")));
+    let message = scene.tag(&format!("{PATCHES}{SHEET}")).good().to_owned();
     assert!(message.contains("sheet: 50 facets inside, 25.000 mm²"), "{message}");
     let tagged = scene.path("tagged.msh");
     // two triangles per square, and the boundary as without it
@@ -408,7 +338,7 @@ fn a_sheet_inside_is_one_layer_of_facets() {
     assert_eq!(counts, [48, 26, 250, 50]);
     // above the hole it is a part of the boundary, and no sheet; the rest of its plane is
     scene.write_patch("sheet.obj", &sheet(3.0 * SIDE));
-    let message = succeeded(&scene.tag(&format!("{PATCHES}{SHEET}")));
+    let message = scene.tag(&format!("{PATCHES}{SHEET}")).good().to_owned();
     assert!(message.contains("sheet: 48 facets inside, 24.000 mm²"), "{message}");
 }
 
@@ -424,7 +354,7 @@ const VOLUMES: &str = r#"
 #[test]
 fn tetrahedra_are_named_and_keep_their_names() {
     let scene = Scene::new();
-    let message = succeeded(&scene.tag(&format!("{PATCHES}{VOLUMES}")));
+    let message = scene.tag(&format!("{PATCHES}{VOLUMES}")).good().to_owned();
     // six per cube, and one cube less where the hole is
     for line in ["floor: 144 tetrahedra, 24.000 mm³", "roof: 150 tetrahedra, 25.000 mm³"] {
         assert!(message.contains(line), "{message}");
@@ -440,26 +370,21 @@ fn tetrahedra_are_named_and_keep_their_names() {
     assert_eq!(count("tagged.msh"), expected);
     // tagged again without volumes it keeps those that it has
     fs::rename(scene.path("tagged.msh"), scene.path("volume.msh")).unwrap();
-    succeeded(&scene.tag(PATCHES));
+    scene.tag(PATCHES).good();
     assert_eq!(count("tagged.msh"), expected);
 }
 
 #[test]
 fn volumes_that_overlap_are_refused_and_rough_ones_told() {
     let scene = Scene::new();
-    let output = scene.tag(&format!("{PATCHES}{VOLUMES}").replace("0.004]", "0.0005]"));
+    let volumes = format!("{PATCHES}{VOLUMES}");
     let words = ["[[volume]] `floor` and [[volume]] `roof` overlap", "mm³, are in both"];
-    scene.fails(&output, 1, &words);
-    let output = scene.tag(&format!("{PATCHES}{VOLUMES}").replace("0, 0, 0.004", "0, 0, 0.4"));
-    scene.fails(&output, 1, &["[[volume]] `roof`: no centroid"]);
-    let output = scene.tag(&format!("{PATCHES}[[volume]]\nname = \"a\"\npatch = \"seat.obj\"\n"));
-    scene.fails(
-        &output,
-        2,
-        &["unknown field `patch`, expected one of `name`, `volume`, `plane`, `box`"],
-    );
-    let message = succeeded(
-        &scene.tag(&format!("{PATCHES}{VOLUMES}").replace("0, 0, 0.004", "0, 0, 0.0035")),
-    );
-    assert!(message.contains("volume roof") && message.contains("cross its surface"), "{message}");
+    scene.fails(&volumes.replace("0.004]", "0.0005]"), 1, &words);
+    let words = ["[[volume]] `roof`: no centroid"];
+    scene.fails(&volumes.replace("0, 0, 0.004", "0, 0, 0.4"), 1, &words);
+    let words = ["unknown field `patch`, expected one of `name`, `volume`, `plane`, `box`"];
+    let patch = format!("{PATCHES}[[volume]]\nname = \"a\"\npatch = \"seat.obj\"\n");
+    scene.fails(&patch, 2, &words);
+    let message = scene.tag(&volumes.replace("0, 0, 0.004", "0, 0, 0.0035"));
+    message.ended(0, &["volume roof", "cross its surface"]);
 }

@@ -41,9 +41,8 @@ fn surfaces(dir: &Workdir, report: &MoldReport) -> Vec<SurfaceMesh> {
 /// The checks of a mold with these surfaces.
 fn checked(dir: &Workdir, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Line> {
     let plan = PlanReport::read(&dir.path("mold")).unwrap();
-    let design = dir.path("body.msh");
-    let against = Against { design: Some(&design), ..Against::default() };
-    before_writing(report, surfaces, against, &plan)
+    let against = Against { design: Some(dir.path("body.msh")), ..Against::default() };
+    before_writing(report, surfaces, &against, &plan)
 }
 
 /// Ends of the segments of the threads at rest [m].

@@ -17,7 +17,6 @@ use mesh::measure::{bounds, diagonal, enclosed_volume, farthest, tet_volume};
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
 use program::Names;
 
-use super::air::AirPaths;
 use crate::config::Casts;
 use crate::geometry::cap::{self, Cap};
 use crate::geometry::walls::OFF;
@@ -81,6 +80,17 @@ pub struct Inlet {
     pub cap: SurfaceMesh,
 }
 
+/// Points in and on a body, and edges along which air rises in it.
+#[derive(Clone, Debug)]
+pub struct AirPaths {
+    /// The points [m].
+    pub points: Vec<Vec3>,
+    /// For each, those it is connected with.
+    pub neighbours: Vec<Vec<usize>>,
+    /// Points on the outer boundary.
+    pub outer: BTreeSet<usize>,
+}
+
 impl Boundary {
     /// Splits the boundary of a tagged mesh.
     pub fn new(msh: &MshFile, chambers: &Names) -> Result<Self> {
@@ -88,7 +98,11 @@ impl Boundary {
         let facets = topology::boundary(mesh).facets;
         let chamber = chambers_of(mesh, &facets, &msh.tags, chambers)?;
         let outer = facets.iter().zip(&chamber).filter(|(_, chamber)| chamber.is_none());
-        let air_paths = AirPaths::within(mesh, outer.flat_map(|(f, _)| *f).collect());
+        let points = mesh.vertices.clone();
+        let edges = topology::tet_edges(&mesh.tets);
+        let neighbours = topology::vertex_neighbours(points.len(), &edges);
+        let outer = outer.flat_map(|(f, _)| *f).collect();
+        let air_paths = AirPaths { points, neighbours, outer };
         let boundary = Self::divided(&mesh.vertices, &facets, &chamber, chambers, air_paths)?;
         boundary.check()?;
         boundary.check_volume(mesh)?;
@@ -289,7 +303,7 @@ fn close_core(
     for rim in rims {
         let polygon: Vec<Vec3> = rim.iter().map(|&v| vertices[v]).collect();
         let at = || place(&(polygon.iter().sum::<Vec3>() / polygon.len() as f64));
-        let Cap { triangles, normal, deviation, .. } = cap::close(&polygon)
+        let Cap { triangles, normal, deviation } = cap::close(&polygon)
             .with_context(|| format!("the rim of the chamber around {}", at()))?;
         ensure!(
             deviation <= limit,

@@ -9,7 +9,7 @@
 //! than the tube, which therefore seals.
 
 use anyhow::{Result, ensure};
-use mesh::solid::{Solid, SolidError};
+use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,8 +18,8 @@ use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::config::Config;
 use crate::config::fitting::Tube;
-use crate::geometry::MM;
 use crate::geometry::frame::Frame;
+use crate::geometry::{MM, place};
 
 /// Sides of a collar: so many that a turn about its axis moves its surface by less than
 /// R (1 − cos π/n), a micrometre at R = 7 mm.
@@ -85,8 +85,7 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
     let tube = fitting.tube().map_err(anyhow::Error::msg)?;
     let up = layout::up(&boundary, config);
     let filled = Solid::from_surface(&boundary.filled)?;
-    let mut collars = Vec::new();
-    let mut cores = Vec::new();
+    let (mut collars, mut cores, mut solids) = (Vec::new(), Vec::new(), Vec::new());
     for core in &boundary.cores {
         let mut solid = Solid::from_surface(&core.surface)?;
         let mut inlets = Vec::new();
@@ -104,28 +103,13 @@ pub fn fit(boundary: Boundary, config: &Config) -> Result<(Boundary, Vec<Collar>
             inlets.push(collar.inlet(&inward));
             collars.push(collar);
         }
-        cores.push((core.chamber.clone(), solid, inlets));
+        let (chamber, surface) = (core.chamber.clone(), solid.to_surface());
+        cores.push(CoreBoundary { chamber, surface, inlets });
+        solids.push(solid);
     }
-    let solids: Vec<Solid> = cores.iter().map(|(_, solid, _)| solid.clone()).collect();
     let (filled, cast) = body(&filled, &solids, &collars);
-    let cores = cores
-        .into_iter()
-        .map(|(chamber, solid, inlets)| CoreBoundary {
-            chamber,
-            surface: solid.to_surface(),
-            inlets,
-        })
-        .collect();
-    let boundary = Boundary {
-        filled: filled.to_surface(),
-        cast: cast.to_surface(),
-        casts: boundary.casts,
-        beside: boundary.beside,
-        plain: None,
-        cores,
-        air_paths: boundary.air_paths,
-    };
-    Ok((boundary, collars))
+    let (filled, cast) = (filled.to_surface(), cast.to_surface());
+    Ok((Boundary { filled, cast, plain: None, cores, ..boundary }, collars))
 }
 
 /// A filled part with its collars, and what is cast of it around the cores.
@@ -182,10 +166,10 @@ impl Collar {
         let thin = self.axis.normalize() * (ROOT / 2.0);
         let end = Self::cylinder(self.base + self.axis - thin, thin, self.radius);
         let part = end.intersection(filled).volume() / end.volume();
-        let [x, y, z] = (inlet.centre * MM).into();
+        let at = place(&inlet.centre, 2);
         ensure!(
             part >= HELD,
-            "[fitting]: a collar of {:.1} mm around the inlet at ({x:.2}, {y:.2}, {z:.2}) mm lies on the body with {:.0} % of its \
+            "[fitting]: a collar of {:.1} mm around the inlet at {at} lies on the body with {:.0} % of its \
              end, at least {:.0} % are needed: choose a thinner tube or reduce fitting.wall",
             2.0 * self.radius * MM,
             100.0 * part,
@@ -217,42 +201,5 @@ impl FittedTube {
         let Self { base, axis, radius, bore, length, .. } = self;
         let [base, axis] = [base, axis].map(|v| Vec3::from(*v));
         Collar { base, axis, radius: *radius, bore: *bore, length: *length }
-    }
-}
-
-/// What is cast of a design with collars, all in the same unit.
-pub fn cast(
-    filled: &SurfaceMesh,
-    cores: &[SurfaceMesh],
-    collars: &[Collar],
-) -> Result<SurfaceMesh, SolidError> {
-    let cores: Vec<Solid> = cores.iter().map(Solid::from_surface).collect::<Result<_, _>>()?;
-    Ok(body(&Solid::from_surface(filled)?, &cores, collars).1.to_surface())
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    #[test]
-    fn a_collar_adds_a_ring_and_leaves_the_cavity() {
-        // A cube of 20 with a chamber of 10 above an inlet of radius 1, which is cut at z = 0.
-        let filled = Solid::cube(&Vec3::new(-10.0, -10.0, 0.0), &Vec3::new(10.0, 10.0, 20.0));
-        let neck = Solid::cylinder(&Vec3::zeros(), &(Vec3::z() * 6.0), 1.0, 1.0, 48);
-        let chamber = Solid::cube(&Vec3::new(-5.0, -5.0, 5.0), &Vec3::new(5.0, 5.0, 15.0));
-        let core = neck.union(&chamber);
-        let axis = Vec3::z() * 8.5;
-        let collar = Collar { base: Vec3::z() * -8.0, axis, radius: 4.0, bore: 1.8, length: 8.0 };
-        let surfaces = [filled.to_surface(), core.to_surface()];
-        let found = cast(&surfaces[0], &surfaces[1..], std::slice::from_ref(&collar)).unwrap();
-        assert!(mesh::check::check_surface(&found).is_empty());
-        let disc = |r: f64, n: f64| 0.5 * n * r * r * (std::f64::consts::TAU / n).sin();
-        let ring = 8.0 * (disc(4.0, 192.0) - disc(1.8, 192.0));
-        // The bore is wider than the neck for the length of its root.
-        let root = 0.5 * (disc(1.8, 192.0) - disc(1.0, 48.0));
-        let expected = filled.volume() - core.volume() + ring - root;
-        let volume = mesh::measure::enclosed_volume(&found);
-        assert!((volume - expected).abs() < 1e-9 * expected, "{volume} {expected}");
     }
 }

@@ -4,11 +4,11 @@ use anyhow::{Result, ensure};
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::io::MshFile;
-use mesh::{SurfaceMesh, Vec3, measure};
+use mesh::{SurfaceMesh, Vec3};
 
 use super::groove::{Groove, Station};
 use crate::config::GrooveConfig;
-use crate::geometry::MM;
+use crate::geometry::{MM, place};
 
 /// How far a simplified line may be from that of the simulation, over the diameter of the thread [1].
 const STRAIGHT: f64 = 0.02;
@@ -48,17 +48,12 @@ pub struct Ground<'a> {
 }
 
 /// What is asked of the surface of a body along a line.
-struct Surface {
+struct Surface<'a> {
+    filled: &'a SurfaceMesh,
     bvh: SurfaceBvh,
-    normals: Vec<Vec3>,
     inside: WindingNumber,
-    tags: Tagged,
-}
-
-/// The facets of a mesh, and whether they get a groove.
-struct Tagged {
-    bvh: SurfaceBvh,
-    wanted: Vec<bool>,
+    /// The facets that have tags, and whether each gets a groove.
+    tagged: (SurfaceBvh, Vec<bool>),
 }
 
 /// A line on the body.
@@ -172,19 +167,11 @@ impl Groove {
     }
 }
 
-impl Surface {
-    fn new(ground: &Ground, config: &GrooveConfig) -> Result<Self> {
+impl<'a> Surface<'a> {
+    fn new(ground: &Ground<'a>, config: &GrooveConfig) -> Result<Self> {
         let filled = ground.filled;
-        let normal = |t: usize| {
-            let [a, b, c] = filled.corners(t);
-            measure::triangle_normal(a, b, c)
-        };
-        Ok(Self {
-            bvh: SurfaceBvh::new(filled),
-            normals: (0..filled.triangles.len()).map(normal).collect(),
-            inside: WindingNumber::new(filled),
-            tags: Tagged::new(ground.file, &config.on)?,
-        })
+        let (bvh, inside) = (SurfaceBvh::new(filled), WindingNumber::new(filled));
+        Ok(Self { filled, bvh, inside, tagged: tagged(ground.file, &config.on)? })
     }
 
     /// The line of a thread, on the surface.
@@ -193,14 +180,11 @@ impl Surface {
         let off = points.iter().map(|p| (self.bvh.closest(p).distance, p));
         let off = off.max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((off, at)) = off {
-            let at = at * MM;
+            let at = place(at, 2);
             ensure!(
                 off <= thread,
-                "[groove]: the thread of `wound` at ({:.2}, {:.2}, {:.2}) mm is {:.2} mm from the surface of the \
+                "[groove]: the thread of `wound` at {at} is {:.2} mm from the surface of the \
                  casting, more than its diameter: expected the report of a body whose thread lies on this one",
-                at.x,
-                at.y,
-                at.z,
                 off * MM
             );
         }
@@ -217,7 +201,7 @@ impl Surface {
             let along = (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).normalize();
             let beside = [-0.5, 0.0, 0.5].map(|part| p + along * (part * thread));
             let normal: Vec3 =
-                beside.iter().map(|q| self.normals[self.bvh.closest(q).triangle]).sum();
+                beside.iter().map(|q| self.filled.normal(self.bvh.closest(q).triangle)).sum();
             // The section between both shells lies in the parting plane: no part of it leaves with the other shell.
             let between = groove.beyond(p).abs() < SAME;
             let along =
@@ -235,7 +219,8 @@ impl Surface {
             let reach = self.reach(&corners, &[way]) + 0.25 * groove.depth;
             let wanted = |station: &&Station| {
                 let at = Vec3::from(station.at);
-                self.tags.wanted(&at).then(|| !ground.is_beside_pin(&at))
+                let (facets, wanted) = &self.tagged;
+                wanted[facets.closest(&at).triangle].then(|| !ground.is_beside_pin(&at))
             };
             let over = pair.iter().any(|s| Vec3::from(s.normal).dot(&way) < -OVER);
             let beside = pair.iter().map(|s| (s.across().dot(&way) * reach).abs());
@@ -266,27 +251,21 @@ impl Surface {
     }
 }
 
-impl Tagged {
-    fn new(file: &MshFile, on: &[String]) -> Result<Self> {
-        for tag in on {
-            ensure!(
-                file.tags.id(tag).is_some(),
-                "groove.on: no facet has the tag {tag:?}; the mesh has: {}",
-                file.tags.names.join(", ")
-            );
-        }
-        let asked: Vec<u32> = on.iter().filter_map(|tag| file.tags.id(tag)).collect();
-        let (triangles, wanted) = (file.tags.facets.iter())
-            .map(|(facet, id)| (*facet, on.is_empty() || asked.contains(id)))
-            .unzip();
-        let surface = SurfaceMesh { vertices: file.mesh.vertices.clone(), triangles };
-        Ok(Self { bvh: SurfaceBvh::new(&surface), wanted })
+/// The facets that have tags, and whether each gets a groove.
+fn tagged(file: &MshFile, on: &[String]) -> Result<(SurfaceBvh, Vec<bool>)> {
+    for tag in on {
+        ensure!(
+            file.tags.id(tag).is_some(),
+            "groove.on: no facet has the tag {tag:?}; the mesh has: {}",
+            file.tags.names.join(", ")
+        );
     }
-
-    /// Whether the facet nearest to a point gets a groove.
-    fn wanted(&self, p: &Vec3) -> bool {
-        self.wanted[self.bvh.closest(p).triangle]
-    }
+    let asked: Vec<u32> = on.iter().filter_map(|tag| file.tags.id(tag)).collect();
+    let (triangles, wanted) = (file.tags.facets.iter())
+        .map(|(facet, id)| (*facet, on.is_empty() || asked.contains(id)))
+        .unzip();
+    let surface = SurfaceMesh { vertices: file.mesh.vertices.clone(), triangles };
+    Ok((SurfaceBvh::new(&surface), wanted))
 }
 
 /// A line with as few points as it needs to keep within a tolerance (Douglas and Peucker).

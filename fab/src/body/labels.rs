@@ -8,9 +8,8 @@
 use std::collections::{BTreeMap, HashMap};
 
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{triangle_area, triangle_normal};
-use mesh::topology::edge_facets;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::topology::{DisjointSets, edge_facets};
+use mesh::{SurfaceMesh, triangle_key};
 
 /// The chamber whose wall a facet is, if any.
 pub type Chamber = Option<usize>;
@@ -67,9 +66,9 @@ impl<'a> Votes<'a> {
         let mut total = 0.0;
         for (f, &answer) in chamber.iter().enumerate() {
             let near = on_model.closest(&mesh.centroid(f));
-            let area = area(mesh, f);
+            let area = mesh.area(f);
             total += area;
-            if normal(mesh, f).dot(&normal(model, near.triangle)) > 0.0 {
+            if mesh.normal(f).dot(&model.normal(near.triangle)) > 0.0 {
                 *of[near.triangle].entry(answer).or_insert(0.0) += area;
             }
         }
@@ -85,7 +84,7 @@ impl<'a> Votes<'a> {
         let asked = triangles.iter().all(|&t| self.of[t].is_empty());
         if asked {
             // No facet is nearest to it: it is smaller than facets.
-            triangles.iter().for_each(|&t| add(self.nearest(t), area(self.model, t)));
+            triangles.iter().for_each(|&t| add(self.nearest(t), self.model.area(t)));
         }
         let total: f64 = sums.values().sum();
         let (answer, most) = sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -99,23 +98,9 @@ impl<'a> Votes<'a> {
     }
 }
 
-fn area(surface: &SurfaceMesh, t: usize) -> f64 {
-    let [a, b, c] = surface.corners(t);
-    triangle_area(a, b, c)
-}
-
-fn normal(surface: &SurfaceMesh, t: usize) -> Vec3 {
-    let [a, b, c] = surface.corners(t);
-    triangle_normal(a, b, c)
-}
-
 /// The triangles of a model by region, and last those of none.
 fn regions(model: &SurfaceMesh, patches: &[SurfaceMesh]) -> Vec<Vec<usize>> {
-    let key = |surface: &SurfaceMesh, t: usize| {
-        let mut corners = surface.corners(t).map(|p| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits()));
-        corners.sort_unstable();
-        corners
-    };
+    let key = |surface: &SurfaceMesh, t: usize| triangle_key(&surface.corners(t));
     let mut owner = HashMap::new();
     for (i, patch) in patches.iter().enumerate() {
         for t in 0..patch.triangles.len() {
@@ -133,27 +118,13 @@ fn regions(model: &SurfaceMesh, patches: &[SurfaceMesh]) -> Vec<Vec<usize>> {
 /// Parts of a region that are connected across edges which are not sharp.
 fn smooth_pieces(model: &SurfaceMesh, region: &[usize]) -> Vec<Vec<usize>> {
     let triangles: Vec<[usize; 3]> = region.iter().map(|&t| model.triangles[t]).collect();
-    let mut near = vec![Vec::new(); region.len()];
+    let mut pieces = DisjointSets::new(region.len());
     for pair in edge_facets(&triangles).into_values() {
         let [a, b] = pair[..] else { continue };
-        if normal(model, region[a]).dot(&normal(model, region[b])) >= SMOOTH {
-            near[a].push(b);
-            near[b].push(a);
+        if model.normal(region[a]).dot(&model.normal(region[b])) >= SMOOTH {
+            pieces.join(a, b);
         }
     }
-    let mut done = vec![false; region.len()];
-    let mut pieces = Vec::new();
-    for start in 0..region.len() {
-        let (mut stack, mut piece) = (vec![start], Vec::new());
-        while let Some(t) = stack.pop() {
-            if !std::mem::replace(&mut done[t], true) {
-                piece.push(region[t]);
-                stack.extend(&near[t]);
-            }
-        }
-        if !piece.is_empty() {
-            pieces.push(piece);
-        }
-    }
-    pieces
+    let members = |piece: Vec<usize>| piece.into_iter().map(|t| region[t]).collect();
+    pieces.groups().into_iter().map(members).collect()
 }

@@ -48,8 +48,7 @@ impl Layer {
                 file.tags.names.join(", ")
             ));
         }
-        let oriented = oriented(&facets);
-        Ok(Self { tag: tag.into(), surface: submesh(&file.mesh.vertices, &oriented).0 })
+        Ok(Self { tag: tag.into(), surface: submesh(&file.mesh.vertices, &facets).0 })
     }
 
     /// Lowest and highest point in a frame [m].
@@ -69,7 +68,16 @@ impl Layer {
                 self.tag
             ));
         }
+        // Facets inside a body wind either way; here they do as the first of them.
         let places = self.places(frame);
+        let looks_up =
+            |[a, b, c]: [usize; 3]| (places[b] - places[a]).cross(&(places[c] - places[a])).z > 0.0;
+        let facets = &self.surface.triangles;
+        let as_first = |&[a, b, c]: &[usize; 3]| match looks_up([a, b, c]) == looks_up(facets[0]) {
+            true => [a, b, c],
+            false => [a, c, b],
+        };
+        let facets: Vec<_> = facets.iter().map(as_first).collect();
         let outline = |rim: Vec<usize>| -> Vec<[f64; 2]> {
             rim.into_iter().map(|v| [places[v].x * MM, places[v].y * MM]).collect()
         };
@@ -77,7 +85,7 @@ impl Layer {
             tag: self.tag.clone(),
             height: ((low + high) / 2.0 - floor) * MM,
             below_ml: below * MM.powi(3) / 1e3,
-            outlines: boundary_loops(&self.surface.triangles).into_iter().map(outline).collect(),
+            outlines: boundary_loops(&facets).into_iter().map(outline).collect(),
         })
     }
 
@@ -94,13 +102,9 @@ impl LaidIn {
     }
 
     fn extent(&self) -> [[f64; 2]; 2] {
-        let all = || self.outlines.iter().flatten();
-        let fold =
-            |i: usize, start: f64, f: fn(f64, f64) -> f64| all().map(|p| p[i]).fold(start, f);
-        [
-            [0, 1].map(|i| fold(i, f64::INFINITY, f64::min)),
-            [0, 1].map(|i| fold(i, f64::NEG_INFINITY, f64::max)),
-        ]
+        let all = self.outlines.iter().flatten().map(|p| Vec3::new(p[0], p[1], 0.0));
+        let (low, high) = measure::bounds(&all.collect::<Vec<_>>());
+        [low, high].map(|p| [p.x, p.y])
     }
 
     /// The file with its outline.
@@ -132,39 +136,15 @@ impl LaidIn {
     }
 }
 
-/// The facets of a surface, neighbours winding alike as far as each edge has two.
-fn oriented(facets: &[[usize; 3]]) -> Vec<[usize; 3]> {
-    let mut all = facets.to_vec();
-    let edges = mesh::topology::edge_facets(&all);
-    let mut done = vec![false; all.len()];
-    for start in 0..all.len() {
-        let mut stack = vec![start];
-        while let Some(f) = stack.pop() {
-            if std::mem::replace(&mut done[f], true) {
-                continue;
-            }
-            for [a, b] in mesh::topology::directed_edges(all[f]) {
-                let near = &edges[&[a.min(b), a.max(b)]];
-                for &other in near.iter().filter(|&&other| !done[other]) {
-                    if mesh::topology::directed_edges(all[other]).contains(&[a, b]) {
-                        all[other].swap(1, 2);
-                    }
-                    stack.push(other);
-                }
-            }
-        }
-    }
-    all
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use mesh::{Tags, TetMesh};
 
-    /// A pyramid above and one below a square of 20 × 10 mm at z = 1 mm, which has the tag.
-    fn layered() -> MshFile {
+    /// A square of 20 × 10 mm at z = 1 mm between a pyramid above and one below.
+    #[test]
+    fn a_sheet_is_laid_in_where_it_lies_and_level() {
         let square = [(0.0, 0.0), (0.02, 0.0), (0.02, 0.01), (0.0, 0.01)];
         let mut vertices: Vec<Vec3> = square.map(|(x, y)| Vec3::new(x, y, 1e-3)).to_vec();
         vertices.extend([Vec3::new(0.01, 0.005, 3e-3), Vec3::new(0.01, 0.005, 0.0)]);
@@ -172,30 +152,16 @@ mod tests {
         let mut tags = Tags::new(vec!["paper".into()]);
         tags.set([0, 1, 2], 1);
         tags.set([0, 2, 3], 1);
-        MshFile { mesh: TetMesh { vertices, tets }, tags }
-    }
-
-    #[test]
-    fn a_sheet_is_laid_in_where_it_lies() {
-        let layer = Layer::find(&layered(), "paper").unwrap();
-        let (frame, _) = Frame::new(Vec3::z(), Vec3::z()).unwrap();
-        let laid = layer.laid_in(&frame, 0.0, 2e-7).unwrap();
-        assert!((laid.height - 1.0).abs() < 1e-12 && (laid.below_ml - 0.2).abs() < 1e-12);
-        assert_eq!(laid.outlines.len(), 1);
-        let [width, depth] = laid.size();
-        let (long, short) = (width.max(depth), width.min(depth));
-        assert!((long - 20.0).abs() < 1e-9 && (short - 10.0).abs() < 1e-9);
+        let file = MshFile { mesh: TetMesh { vertices, tets }, tags };
+        let layer = Layer::find(&file, "paper").unwrap();
+        let laid = |up: Vec3| layer.laid_in(&Frame::new(up, Vec3::z()).unwrap().0, 0.0, 2e-7);
+        let level = laid(Vec3::z()).unwrap();
+        assert!((level.height - 1.0).abs() < 1e-12 && (level.below_ml - 0.2).abs() < 1e-12);
+        let [width, depth] = level.size();
+        assert!((width + depth - 30.0).abs() < 1e-9 && level.outlines.len() == 1, "{level:?}");
         // with a margin of 5 mm on all sides, in millimetres
-        assert!(laid.svg().contains("viewBox=\"0 0 ") && laid.svg().contains("30.000"));
-    }
-
-    #[test]
-    fn what_cannot_be_laid_in_is_told() {
-        let message = Layer::find(&layered(), "card").unwrap_err();
-        assert!(message.contains("\"card\"; the mesh has: paper"), "{message}");
-        let layer = Layer::find(&layered(), "paper").unwrap();
-        let (frame, _) = Frame::new(Vec3::x(), Vec3::z()).unwrap();
-        let message = layer.laid_in(&frame, 0.0, 0.0).unwrap_err();
+        assert!(level.svg().contains("viewBox=\"0 0 ") && level.svg().contains("30.000"));
+        let message = laid(Vec3::x()).unwrap_err();
         assert!(message.contains("not level") && message.contains("20.00 mm"), "{message}");
     }
 }

@@ -7,7 +7,7 @@ use mesh::{SurfaceMesh, Vec3};
 use crate::body::boundary::{Boundary, Inlet};
 use crate::body::orientation::Orientation;
 use crate::config::Config;
-use crate::geometry::frame::{Frame, Pull};
+use crate::geometry::frame::{Frame, Pull, moved};
 
 /// An inlet faces down, and `up` is a coordinate axis, within this angle's
 /// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.
@@ -58,10 +58,7 @@ pub fn frame(
 
 /// A surface of the design in the mold's frame.
 pub fn placed(surface: &SurfaceMesh, frame: &Frame) -> SurfaceMesh {
-    SurfaceMesh {
-        vertices: surface.vertices.iter().map(|p| frame.point(p)).collect(),
-        triangles: surface.triangles.clone(),
-    }
+    moved(surface, |p| frame.point(p))
 }
 
 /// Opposite to the first inlet, or the coordinate axis that is nearly so.

@@ -2,7 +2,6 @@
 //! around its inlets, sheets laid into it, grooves for thread, which way it stands in a mold, what it weighs, and from
 //! which files it came.
 
-pub mod air;
 pub mod boundary;
 pub mod collar;
 pub mod course;

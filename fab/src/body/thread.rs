@@ -248,18 +248,11 @@ mod tests {
             words.contains("a left-handed screw, 39.0 turns, 2.50 to 4.00 mm apart"),
             "{words}"
         );
-        let below = Thread { depth: Some(1.5), ..helix(Some(4.0), None, false) }.in_words();
-        assert!(
-            below.starts_with("Tie the thread `thread` 1.50 mm below `skin` of the"),
-            "{below}"
-        );
-        let words = helix(None, Some(-75.0), false).in_words();
-        assert!(words.contains("a left-handed screw, 39.0 turns, 75° to the axis"), "{words}");
-        assert!(!words.contains("second"), "{words}");
-    }
-
-    #[test]
-    fn there_is_more_thread_than_is_wound() {
+        let below = Thread { depth: Some(1.5), ..helix(None, Some(-75.0), false) }.in_words();
+        let start = "Tie the thread `thread` 1.50 mm below `skin` of the finished body";
+        assert!(below.starts_with(start) && !below.contains("second"), "{below}");
+        assert!(below.contains("a left-handed screw, 39.0 turns, 75° to the axis"), "{below}");
+        // There is more thread than is wound.
         assert_eq!(helix(None, None, true).item(), "3.4 m of thread that bears 11.0 N (`thread`)");
     }
 }

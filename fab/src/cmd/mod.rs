@@ -24,7 +24,7 @@ use crate::body::source::{CastPart, Input};
 use crate::body::thread::Thread;
 use crate::config::{Casts, Config};
 use crate::geometry::MM;
-use crate::plan::report::PlanReport;
+
 use crate::plan::{Plan, Refused};
 
 /// What `fab` can do.
@@ -74,8 +74,6 @@ pub struct Planned {
     pub boundary: Boundary,
     /// The choices.
     pub plan: Plan,
-    /// The choices as they are written.
-    pub report: PlanReport,
     /// Around its inlets.
     pub collars: Vec<Collar>,
     /// Sheets that are laid in.
@@ -104,24 +102,11 @@ impl Task {
         let inside = self.named(self.inside(&config))?;
         log::debug!("measuring a body of {} triangles", boundary.cast.triangles.len());
         let (boundary, collars) = self.named(collar::fit(boundary, &config))?;
-        let plan = self.named(Plan::new(&boundary, &config))?;
-        log::info!("{}: {}", plan.method, plan.reason);
-        if let Some(weight) = &plan.weight {
+        let plan = self.choose(&boundary, &config, &[])?;
+        if let Some(weight) = &plan.report.weight {
             log::info!("the finished cast weighs {}", weight.in_words());
         }
-        let report = self.report(&plan, &boundary, &config)?;
-        Ok(Planned {
-            config,
-            boundary,
-            plan,
-            report,
-            collars,
-            layers,
-            threads,
-            lines,
-            file,
-            inside,
-        })
+        Ok(Planned { config, boundary, plan, collars, layers, threads, lines, file, inside })
     }
 
     /// The threads that are wound on the casting.
@@ -148,17 +133,12 @@ impl Task {
         folder.join(path)
     }
 
-    /// Plans the task again, without methods that were tried.
-    pub fn plan_without(&self, refused: &[Refused], planned: Planned) -> Result<Planned> {
-        let plan = self.named(Plan::without(refused, &planned.boundary, &planned.config))?;
-        log::info!("{}: {}", plan.method, plan.reason);
-        let report = self.report(&plan, &planned.boundary, &planned.config)?;
-        Ok(Planned { plan, report, ..planned })
-    }
-
-    fn report(&self, plan: &Plan, boundary: &Boundary, config: &Config) -> Result<PlanReport> {
+    /// The choices, without methods that were tried.
+    fn choose(&self, boundary: &Boundary, config: &Config, refused: &[Refused]) -> Result<Plan> {
         let input = self.input(&self.output, config, CastPart::Whole, boundary.casts)?;
-        Ok(PlanReport::new(plan, input))
+        let plan = self.named(Plan::new(boundary, config, input, refused))?;
+        log::info!("{}: {}", plan.report.method, plan.report.reason);
+        Ok(plan)
     }
 
     /// The mesh, of which a part and a surface are cast, as a report in `folder` names it.

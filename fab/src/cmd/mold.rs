@@ -13,6 +13,7 @@ use crate::body::layer::Layer;
 use crate::files::output;
 use crate::files::page;
 use crate::files::report::{FILE, MoldReport};
+use crate::plan::Plan;
 use crate::plan::report::{Entry, FILE as PLAN, PlanReport};
 
 /// Arguments of `fab mold`.
@@ -36,7 +37,7 @@ pub fn run(args: &Args) -> Result<()> {
                 log::warn!("{}: an older mold is still there", task.output.display());
             }
         })?;
-    let Planned { layers, report: planned, .. } = planned;
+    let Planned { layers, plan: Plan { report: planned, .. }, .. } = planned;
     let laid = |layer: &&Layer| {
         molds.iter().any(|(_, files)| files.report.layers.iter().any(|one| one.tag == layer.tag))
     };

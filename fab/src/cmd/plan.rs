@@ -8,9 +8,9 @@ use crate::files::undercut;
 
 /// Runs the verb.
 pub fn run(task: &Task) -> Result<()> {
-    let Planned { plan, report, .. } = proof::holding(task, task.plan()?)?;
+    let Planned { plan, .. } = proof::holding(task, task.plan()?)?;
     let _lock = FolderLock::new(&task.output)?;
-    report.write(&task.output)?;
+    plan.report.write(&task.output)?;
     if !task.no_pictures {
         undercut::draw(&task.output.join(undercut::FILE), &plan)?;
     }

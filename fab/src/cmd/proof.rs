@@ -17,7 +17,6 @@ use crate::config::method::Method;
 use crate::files::export::printable;
 use crate::files::report::{CAST, Cast, MoldReport, OUTSIDE, Role};
 use crate::geometry::frame::Turn;
-use crate::mold::holding::Lean;
 use crate::mold::{Mold, Piece};
 use crate::plan::report::{ChosenBy, Entry};
 use crate::plan::{Casting, Refused};
@@ -34,7 +33,7 @@ struct Leaning(String);
 /// The molds of a plan, or of the next method, proved.
 pub fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, MoldFiles)>)> {
     let (planned, molds) = held(task, planned)?;
-    let each = planned.plan.castings.iter().zip(&planned.report.molds).zip(molds);
+    let each = planned.plan.castings.iter().zip(&planned.plan.report.molds).zip(molds);
     let files = each.map(|((casting, entry), (mold, groove))| {
         log::debug!("rounding the {} and checking its surfaces", entry.name);
         let mut files = MoldFiles::new(&mold, task, &planned, entry)?;
@@ -52,7 +51,8 @@ pub fn proved(task: &Task, planned: Planned) -> Result<(Planned, Vec<(Entry, Mol
 
 /// A plan whose molds hold the cores, or that of the next method: nothing else is proved of the molds.
 pub fn holding(task: &Task, planned: Planned) -> Result<Planned> {
-    let stand = planned.plan.method.core.stands_on_stub && !planned.boundary.cores.is_empty();
+    let stands = planned.plan.report.method.core.stands_on_stub;
+    let stand = stands && !planned.boundary.cores.is_empty();
     if stand { Ok(held(task, planned)?.0) } else { Ok(planned) }
 }
 
@@ -67,16 +67,17 @@ fn held(task: &Task, planned: Planned) -> Result<(Planned, Vec<Cut>)> {
         Err(error) => error,
     };
     let leaning = error.downcast::<Leaning>()?;
-    if planned.plan.chosen_by == ChosenBy::Configuration {
+    if planned.plan.report.chosen_by == ChosenBy::Configuration {
         return Err(Unusable(leaning.to_string()).into());
     }
-    log::warn!("{}: {}: another method is tried", planned.plan.method, leaning.0);
+    log::warn!("{}: {}: another method is tried", planned.plan.report.method, leaning.0);
     // A core that dissolves stands as one that is pulled out.
     let on_stubs = Method::ALL.into_iter().filter(|method| method.core.stands_on_stub);
     let refuse = |method| Refused { method, reason: leaning.0.clone() };
     let refused: Vec<Refused> = on_stubs.map(refuse).collect();
     let none = |error| Unusable(format!("{leaning}; no other method can be used: {error:#}"));
-    let planned = task.plan_without(&refused, planned).map_err(none)?;
+    let plan = task.choose(&planned.boundary, &planned.config, &refused).map_err(none)?;
+    let planned = Planned { plan, ..planned };
     let molds = castings(task, &planned)?;
     Ok((planned, molds))
 }
@@ -89,10 +90,10 @@ fn castings(task: &Task, planned: &Planned) -> Result<Vec<Cut>> {
         let groove = task.named(groove(planned, casting))?;
         let grooved = task.named(groove.as_ref().map(|groove| groove.cut(boundary)).transpose())?;
         let boundary = grooved.as_ref().unwrap_or(boundary);
-        let mold = task.named(Mold::new(boundary, &casting.orientation, plan.method, config))?;
+        let method = plan.report.method;
+        let mold = task.named(Mold::new(boundary, &casting.orientation, method, config))?;
         let leaning = mold.leaning(config.casting.least_wall);
-        let words: Vec<String> = leaning.iter().map(Lean::in_words).collect();
-        ensure!(words.is_empty(), Leaning(words.join("; ")));
+        ensure!(leaning.is_empty(), Leaning(leaning.join("; ")));
         Ok((mold, groove))
     };
     plan.castings.iter().map(cut).collect()
@@ -202,9 +203,9 @@ impl MoldFiles {
 
     /// Refuses a mold that `fab verify` would reject.
     fn prove(&self, task: &Task, planned: &Planned, name: &str) -> Result<()> {
-        let (model, from) = (task.model.as_deref(), task.from.as_deref());
-        let against = Against { design: Some(&task.mesh), model, from, simulation: None };
-        let lines = before_writing(&self.report, &self.surfaces, against, &planned.report);
+        let (design, model, from) = (task.mesh.clone(), task.model.clone(), task.from.clone());
+        let against = Against { design: Some(design), model, from, simulation: None };
+        let lines = before_writing(&self.report, &self.surfaces, &against, &planned.plan.report);
         let failed = lines.iter().filter(|line| line.status == Status::Fail);
         let words = failed
             .map(|line| format!("{} is {}, expected {}", line.name, line.found, line.needed))

@@ -14,18 +14,9 @@ use crate::verify::{Against, Status, verify};
 pub struct Args {
     /// Folder with mold.json and its parts
     pub folder: PathBuf,
-    /// The design, if it is no longer where mold.json says
-    #[arg(long)]
-    pub design: Option<PathBuf>,
-    /// The surface that the design was meshed from, if it is no longer where mold.json says
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// The mesh as modelled, if it is no longer where mold.json says
-    #[arg(long, value_name = "MODELLED")]
-    pub from: Option<PathBuf>,
-    /// Folder that `solver simulate` wrote for the design: checks its walls under load
-    #[arg(long)]
-    pub simulation: Option<PathBuf>,
+    /// What it is compared with
+    #[command(flatten)]
+    pub against: Against,
     /// List the checks that hold, too, in place of counting them
     #[arg(long)]
     pub all: bool,
@@ -37,10 +28,7 @@ pub struct Args {
 /// Prints a line per check that fails or warns on standard output, with `--all` of those that hold, too, and
 /// the counts last.
 pub fn run(args: &Args) -> Result<()> {
-    let design = args.design.as_deref();
-    let [model, from, simulation] =
-        [&args.model, &args.from, &args.simulation].map(|path| path.as_deref());
-    let mut lines = verify(&args.folder, Against { design, model, from, simulation })?;
+    let mut lines = verify(&args.folder, &args.against)?;
     // What a person has to look at comes first.
     lines.sort_by_key(|line| std::cmp::Reverse(line.status));
     let [held, warned, failed] = [Status::Ok, Status::Warn, Status::Fail]

@@ -243,21 +243,6 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_valid() {
-        Config::parse("").unwrap();
-        Config::parse("[parting]\nkind = \"plane\"").unwrap();
-    }
-
-    #[test]
-    fn unknown_keys_are_named_with_the_valid_ones() {
-        for text in ["wal = 1", "[parting]\nkind = \"plane\"\ncell = 1", "[keys]\nsize = 1"] {
-            let message = format!("{:#}", Config::parse(text).unwrap_err());
-            assert!(message.contains("unknown field"), "{message}");
-            assert!(message.contains("expected"), "{message}");
-        }
-    }
-
-    #[test]
     fn values_out_of_range_are_refused() {
         for (text, key) in [
             ("wall = 5", "wall = 5 m"),

@@ -3,7 +3,9 @@
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::files::report::{MoldReport, Part};
+use crate::files::report::MoldReport;
+use crate::geometry::extent;
+use crate::geometry::frame::moved;
 
 /// Room between parts that are taken apart, as a share of the mold's diagonal.
 const GAP: f64 = 0.06;
@@ -24,22 +26,15 @@ pub struct Member {
 /// All parts in the order of the report, then the cast. `surfaces` are those of the
 /// files: the parts as they are printed, and the cast.
 pub fn assembly(report: &MoldReport, surfaces: &[SurfaceMesh]) -> Vec<Member> {
-    let names = report.parts.iter().map(|part| (part.name.clone(), true));
-    let turns = report.parts.iter().map(Part::turn);
-    let mut members: Vec<Member> = names
-        .chain([("cast".into(), false)])
-        .zip(turns.chain([Matrix3::identity()]))
-        .zip(surfaces)
-        .map(|(((name, printed), turn), surface)| {
-            let vertices = surface.vertices.iter().map(|p| turn * p).collect();
-            let surface = SurfaceMesh { vertices, triangles: surface.triangles.clone() };
-            Member { name, surface, apart: Vec3::zeros(), printed }
-        })
-        .collect();
-    take_apart(
-        &mut members,
-        &report.parts.iter().map(|p| Vec3::from(p.demolding)).collect::<Vec<_>>(),
-    );
+    let parts = report.parts.iter().map(|part| (part.name.as_str(), part.turn(), true));
+    let all = parts.chain([("cast", Matrix3::identity(), false)]).zip(surfaces);
+    let member = |((name, turn, printed), surface): ((&str, Matrix3<f64>, bool), &SurfaceMesh)| {
+        let surface = moved(surface, |p| turn * p);
+        Member { name: name.into(), surface, apart: Vec3::zeros(), printed }
+    };
+    let mut members: Vec<Member> = all.map(member).collect();
+    let demolding: Vec<Vec3> = report.parts.iter().map(|p| Vec3::from(p.demolding)).collect();
+    take_apart(&mut members, &demolding);
     members
 }
 
@@ -50,10 +45,6 @@ fn take_apart(members: &mut [Member], demolding: &[Vec3]) {
     let Some((cast, parts)) = members.split_last_mut() else { return };
     let points = parts.iter().flat_map(|part| &part.surface.vertices);
     let gap = GAP * mesh::measure::diagonal(&points.copied().collect::<Vec<_>>());
-    let reach = |surface: &SurfaceMesh, d: &Vec3| {
-        let along = surface.vertices.iter().map(|p| p.dot(d));
-        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
-    };
     let mut waiting: Vec<usize> = (0..parts.len()).collect();
     while let Some(&first) = waiting.first() {
         let direction = demolding[first];
@@ -62,15 +53,15 @@ fn take_apart(members: &mut [Member], demolding: &[Vec3]) {
             .iter()
             .copied()
             .filter(same)
-            .map(|part| (reach(&parts[part].surface, &direction).1, part))
+            .map(|part| (extent(&parts[part].surface.vertices, &direction)[1], part))
             .collect();
         waiting.retain(|part| !same(part));
         // The one that ends first lies innermost.
         column.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        let beyond = reach(&cast.surface, &direction).1;
+        let [_, beyond] = extent(&cast.surface.vertices, &direction);
         let mut placed: Vec<(usize, f64)> = Vec::new();
         for (end, part) in column {
-            let start = reach(&parts[part].surface, &direction).0;
+            let [start, _] = extent(&parts[part].surface.vertices, &direction);
             let meets = |other: &usize| {
                 meet_along(&parts[part].surface, &parts[*other].surface, &direction)
             };

@@ -80,10 +80,7 @@ pub fn draw(folder: &Path, report: &MoldReport, surfaces: &[SurfaceMesh]) -> Res
 /// the longer side of the cores, or of the mold. A point and a horizontal direction [mm].
 fn section_plane(report: &MoldReport, members: &[Member]) -> (Vec3, Vec3) {
     let [low, high] = [report.block.min, report.block.max].map(Vec3::from);
-    let place = |purpose| {
-        let feature = report.features.iter().find(|f| f.purpose == purpose);
-        feature.map(|f| Vec3::from(f.base))
-    };
+    let place = |purpose| report.outlines(purpose).next().map(|f| Vec3::from(f.base));
     let centre = place(Purpose::Socket).unwrap_or((low + high) / 2.0);
     let offset = place(Purpose::Sprue).map_or(Vec3::zeros(), |sprue| sprue - centre);
     let level = Vec3::new(offset.x, offset.y, 0.0);

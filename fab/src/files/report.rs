@@ -314,6 +314,11 @@ impl MoldReport {
         m.determinant().abs().cbrt()
     }
 
+    /// Channels and gaps of a kind.
+    pub fn outlines(&self, purpose: Purpose) -> impl Iterator<Item = &Outline> {
+        self.features.iter().filter(move |outline| outline.purpose == purpose)
+    }
+
     /// Writes the report into `folder`.
     pub fn write(&self, folder: &Path) -> Result<()> {
         write_json(&folder.join(FILE), self)

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use mesh::Vec3;
 use mesh::io::IoError;
-use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 use render::annotate::Key;
 use render::camera::Projection;
@@ -16,7 +16,7 @@ use render::view::View;
 
 use super::picture::shape;
 use crate::geometry::MM;
-use crate::geometry::frame::Frame;
+use crate::geometry::frame::{Frame, moved};
 use crate::plan::{Casting, Plan};
 
 /// Name of the picture in the top folder.
@@ -65,8 +65,7 @@ fn panels(casting: &Casting) -> [Panel; 2] {
     let sides = [("along its pull", Matrix3::identity()), ("against it", over)];
     sides.map(|(side, turn)| {
         let turn = turn * frame.rotation;
-        let vertices = casting.filled.vertices.iter().map(|p| turn * p * MM).collect();
-        let surface = SurfaceMesh { vertices, triangles: casting.filled.triangles.clone() };
+        let surface = moved(&casting.filled, |p| turn * p * MM);
         let depth = |t: usize| casting.undercut[t] * MM;
         let shape = shape(&surface, depth, color::material());
         Panel {

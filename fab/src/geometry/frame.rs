@@ -3,7 +3,7 @@
 //! In the mold's frame z points up while casting and the shells separate along
 //! z or along y. The part stands on z = 0, centred on the z axis.
 
-use mesh::Vec3;
+use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
 /// Directions that agree to this cosine count as parallel.
@@ -57,6 +57,12 @@ impl Frame {
     pub fn direction(&self, d: &Vec3) -> Vec3 {
         self.rotation * d
     }
+}
+
+/// A surface with its vertices moved.
+pub fn moved(surface: &SurfaceMesh, place: impl Fn(&Vec3) -> Vec3) -> SurfaceMesh {
+    let vertices = surface.vertices.iter().map(place).collect();
+    SurfaceMesh { vertices, triangles: surface.triangles.clone() }
 }
 
 /// A unit vector across `axis`, along x or y of the design as far as possible.

@@ -20,9 +20,21 @@ pub struct Frustum {
 }
 
 impl Frustum {
+    /// One with the same radius all along.
+    pub fn cylinder(base: Vec3, axis: Vec3, radius: f64) -> Self {
+        Self { base, axis, base_radius: radius, top_radius: radius }
+    }
+
     /// The inscribed polyhedron with [`SEGMENTS`] sides.
     pub fn solid(&self) -> Solid {
         Solid::cylinder(&self.base, &self.axis, self.base_radius, self.top_radius, SEGMENTS)
+    }
+
+    /// Distance of a point from the axis [m].
+    pub fn from_axis(&self, p: &Vec3) -> f64 {
+        let from = p - self.base;
+        let along = (from.dot(&self.axis) / self.axis.norm_squared()).clamp(0.0, 1.0);
+        (from - self.axis * along).norm()
     }
 
     /// With both radii larger by `clearance` and longer by it at both ends [m].

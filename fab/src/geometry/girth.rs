@@ -1,7 +1,8 @@
 //! How far around: the outlines of sections across an axis.
 
-use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
+
+use super::extent;
 
 /// Sections that are measured along a body.
 const SECTIONS: usize = 200;
@@ -64,18 +65,16 @@ pub fn largest(surface: &SurfaceMesh, axis: &Vec3) -> Girth {
 ///
 /// A plane meets each triangle in a segment; the outline's length is their sum.
 fn sections(surface: &SurfaceMesh, axis: &Vec3) -> Vec<Girth> {
-    let along: Vec<Vec3> =
-        surface.vertices.iter().map(|p| Vec3::new(p.dot(axis), 0.0, 0.0)).collect();
-    let (low, high) = bounds(&along);
-    let step = (high.x - low.x) / SECTIONS as f64;
-    let position = |k: usize| low.x + (k as f64 + 0.5) * step;
+    let [low, high] = extent(&surface.vertices, axis);
+    let step = (high - low) / SECTIONS as f64;
+    let position = |k: usize| low + (k as f64 + 0.5) * step;
     let mut lengths = vec![0.0; SECTIONS];
     for t in 0..surface.triangles.len() {
         let corners = surface.corners(t);
-        let heights = surface.triangles[t].map(|v| along[v].x);
+        let heights = corners.map(|p| p.dot(axis));
         let first = heights.into_iter().fold(f64::INFINITY, f64::min);
         let last = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let index = |h: f64| ((h - low.x) / step - 0.5).max(0.0);
+        let index = |h: f64| ((h - low) / step - 0.5).max(0.0);
         let sections = index(first).ceil() as usize..=index(last).floor() as usize;
         for k in sections.filter(|&k| k < SECTIONS) {
             lengths[k] += chord(&corners, &heights, position(k));

@@ -8,6 +8,8 @@
 //! Source: Edelsbrunner, Letscher, Zomorodian 2002, "Topological persistence and
 //! simplification", doi:10.1007/s00454-002-2885-2, in dimension 0.
 
+use mesh::topology::DisjointSets;
+
 /// A local maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
@@ -24,28 +26,23 @@ pub struct Peak {
 pub fn peaks(heights: &[f64], neighbours: &[Vec<usize>], persistence: f64) -> Vec<Peak> {
     let mut order: Vec<usize> = (0..heights.len()).filter(|&v| !neighbours[v].is_empty()).collect();
     order.sort_by(|&a, &b| heights[b].total_cmp(&heights[a]).then(a.cmp(&b)));
-    // rank[v] orders components by birth: the smaller, the higher its maximum.
+    // Components by the ranks of vertices: the first of each is its maximum, which was born first.
     let mut rank = vec![usize::MAX; heights.len()];
-    let mut parent: Vec<usize> = (0..heights.len()).collect();
-    let mut died = vec![f64::NEG_INFINITY; heights.len()];
+    let mut components = DisjointSets::new(order.len());
+    let mut died = vec![f64::NEG_INFINITY; order.len()];
     for (i, &v) in order.iter().enumerate() {
         rank[v] = i;
-        for &n in neighbours[v].iter().filter(|&&n| n != v) {
-            if rank[n] > i {
-                continue;
+        for &n in neighbours[v].iter().filter(|&&n| rank[n] < i) {
+            let (a, b) = (components.representative(i), components.representative(rank[n]));
+            if a != b {
+                died[a.max(b)] = heights[v];
+                components.join(a, b);
             }
-            let (a, b) = (root(&mut parent, v), root(&mut parent, n));
-            if a == b {
-                continue;
-            }
-            let (older, younger) = if rank[a] < rank[b] { (a, b) } else { (b, a) };
-            parent[younger] = older;
-            died[younger] = heights[v];
         }
     }
-    order
-        .into_iter()
-        .map(|vertex| Peak { vertex, persistence: heights[vertex] - died[vertex] })
+    let peaks = order.into_iter().zip(died);
+    peaks
+        .map(|(vertex, died)| Peak { vertex, persistence: heights[vertex] - died })
         .filter(|peak| peak.persistence >= persistence)
         .collect()
 }
@@ -72,14 +69,6 @@ pub fn middle_of_top(
     let mean = seen.iter().map(|&v| positions[v]).sum::<mesh::Vec3>() / seen.len() as f64;
     let distance = |v: usize| (positions[v] - mean).norm_squared();
     seen.iter().copied().fold(peak, |best, v| if distance(v) < distance(best) { v } else { best })
-}
-
-fn root(parent: &mut [usize], mut v: usize) -> usize {
-    while parent[v] != v {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    v
 }
 
 #[cfg(test)]

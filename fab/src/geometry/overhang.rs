@@ -35,11 +35,10 @@ impl Overhangs {
         let limit = -steepest.to_radians().sin() - SINE_ROUNDING;
         let mut found = Self::default();
         for t in 0..printed.triangles.len() {
-            let [a, b, c] = printed.corners(t);
-            if measure::triangle_normal(a, b, c).z >= limit {
+            if printed.normal(t).z >= limit {
                 continue;
             }
-            let area = measure::triangle_area(a, b, c);
+            let area = printed.area(t);
             if printed.centroid(t).z <= bed {
                 found.bed += area;
             } else {

@@ -6,6 +6,7 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use crate::body::boundary::Boundary;
 use crate::body::layout::placed;
 use crate::body::orientation::Portion;
+use crate::geometry::extent;
 use crate::geometry::frame::Frame;
 
 /// A facet belongs to the seat if it keeps within this part of the body's
@@ -99,7 +100,7 @@ impl CastBody {
 /// reaches below an uneven seat; `foot` below the lowest vertex if there is no inlet.
 fn seat_height(filled: &SurfaceMesh, cores: &[Core], foot: f64) -> f64 {
     let Some(inlet) = cores.iter().flat_map(|core| &core.inlets).next() else {
-        return filled.vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min) - foot;
+        return extent(&filled.vertices, &Vec3::z())[0] - foot;
     };
     let level = inlet.centre.z;
     let tolerance = SEAT * measure::diagonal(&filled.vertices);

@@ -6,10 +6,10 @@ use mesh::check::Finding;
 use mesh::solid::Solid;
 
 use super::cast_body::{CastBody, Core};
+use super::division::Blank;
 use super::features::core::{Print, drain};
 use super::features::pin::Pin;
 use super::holding::{self, Holding, Standing};
-use super::mount::Mount;
 use super::piece::{Feature, Piece, Purpose};
 use crate::config::Config;
 
@@ -50,39 +50,47 @@ impl Cores {
     }
 
     /// The cores of a body with their stubs, and sockets for these in the last of the shells.
-    pub fn new(body: &CastBody, shells: Vec<Piece>, mount: &Mount) -> Result<Self> {
+    pub fn new(blank: &Blank, shells: Vec<Piece>, channels: &[Feature]) -> Result<Self> {
+        let body = &blank.body;
         let mut all = Self::none(body, shells);
         for index in 0..body.cores.len() {
             let name = match body.cores.len() {
                 1 => "core".to_owned(),
                 _ => format!("core{}", index + 1),
             };
-            all.add(name, body, index, mount)?;
+            all.add(name, index, blank, channels)?;
         }
         Ok(all)
     }
 
     /// One more.
-    fn add(&mut self, name: String, body: &CastBody, index: usize, mount: &Mount) -> Result<()> {
+    fn add(
+        &mut self,
+        name: String,
+        index: usize,
+        blank: &Blank,
+        channels: &[Feature],
+    ) -> Result<()> {
+        let Blank { body, block, method, config, .. } = blank;
         let core = &body.cores[index];
         let mut solid = core.solid.clone();
         let mut last = None;
         for inlet in &core.inlets {
-            let print = Print::new(inlet, mount.floor, &self.cast, mount.config)?;
+            let print = Print::new(inlet, block.min.z, &self.cast, config)?;
             self.one_way &= print.keeps_from_turning();
             solid = solid.union(&print.stub_solid());
             let holder = self.shells.last_mut().expect("there are shells");
             holder.solid = holder.solid.difference(&print.socket_solid());
-            if mount.method.core.dissolves() {
-                solid = self.bored(solid, &print, core, mount.config);
+            if method.core.dissolves() {
+                solid = self.bored(solid, &print, core, config);
             }
             let frustum = print.socket.clone();
             self.features.push(Feature { purpose: Purpose::Socket, frustum });
             last = Some((inlet.centre, print.stub));
         }
         if let Some((inlet, stub)) = last {
-            let standing = Standing { name: &name, body, index, solid: &solid, inlet, stub };
-            let held = holding::hold(&standing, &self.cast, &self.shells, mount)?;
+            let standing = Standing { name: &name, index, solid: &solid, inlet, stub };
+            let held = holding::hold(&standing, &self.cast, &self.shells, channels, blank)?;
             for Pin { shell, frustum, pit, .. } in &held.pins {
                 let pin = frustum.solid();
                 solid = solid.difference(&pit.solid());

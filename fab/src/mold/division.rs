@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use mesh::check::Finding;
 use mesh::solid::Solid;
-use mesh::{SurfaceMesh, Vec3, measure};
+use mesh::{Vec3, measure};
 
 use super::cast_body::CastBody;
 use super::features::block::Block;
@@ -11,11 +11,12 @@ use super::features::flange::Joint;
 use super::features::key::{Key, Sizes};
 use super::features::label::{self, Face};
 use super::features::outside::{hull, slab};
-use super::parting::{Site, Split, affine, divide, turned};
+use super::parting::{Sides, Site, Split, affine, divide, turned};
 use super::piece::{Feature, Piece, Purpose, cut};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
-use crate::geometry::frame::{Frame, Pull, Turn};
+use crate::config::method::Method;
+use crate::geometry::frame::{Frame, Pull, Turn, moved};
 use crate::geometry::frustum::Frustum;
 
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
@@ -24,18 +25,20 @@ const MOST_COLUMNS: f64 = 1e6;
 /// A piece stands on the seat if it ends within this distance of it: rounding [m].
 const ON_SEAT: f64 = 1e-9;
 
-/// What is divided.
+/// What a mold is made from.
 pub struct Blank<'a> {
     /// What is cast.
-    pub body: &'a CastBody,
+    pub body: CastBody,
     /// Bounds of the closed mold.
-    pub block: &'a Block,
+    pub block: Block,
     /// From the design to the mold.
-    pub frame: &'a Frame,
+    pub frame: Frame,
     /// How the body stands, and where the shells separate.
     pub orientation: &'a Orientation,
     /// In which direction.
     pub pull: Pull,
+    /// How the cores leave the body.
+    pub method: Method,
     /// What was asked for.
     pub config: &'a Config,
 }
@@ -60,36 +63,35 @@ impl Division {
         let points = [&body.surface.vertices, rims].concat();
         let hull = hull(&points, block, below, config);
         match (&orientation.parting, pull) {
-            (PartingSurface::Open, _) => Ok(blank.tray(hull)),
-            (PartingSurface::Seat, _) => Ok(blank.cup_on_plate(hull)),
-            (_, Pull::Z) => blank.upper_and_lower(hull),
-            (_, Pull::Y) => blank.sides_on_base(hull),
+            (PartingSurface::Open, _) => Ok(blank.tray(&hull)),
+            (PartingSurface::Seat, _) => Ok(blank.cup_on_plate(&hull)),
+            (_, Pull::Z) => blank.upper_and_lower(&hull),
+            (_, Pull::Y) => blank.sides_on_base(&hull),
         }
     }
 }
 
 /// What is above a seat and what is below, with the plugs of holes that open there, such as those of screws: nothing
 /// else holds them, and they leave the body with the piece on which it stands.
-fn with_plugs(above: Solid, below: Solid, seat: f64) -> (Solid, Solid) {
+fn with_plugs(above: Solid, below: Solid, seat: f64) -> Sides {
     let stands = |piece: &Solid| (piece.bounds().0.z - seat).abs() <= ON_SEAT;
     let mut pieces = above.decompose();
     pieces.sort_by(|a, b| b.volume().total_cmp(&a.volume()));
     let plugs: Vec<&Solid> = pieces.iter().skip(1).filter(|piece| stands(piece)).collect();
-    if plugs.is_empty() {
-        return (above, below);
+    Sides {
+        above: plugs.iter().fold(above.clone(), |rest, plug| rest.difference(plug)),
+        below: plugs.iter().fold(below, |all, plug| all.union(plug)),
+        findings: Vec::new(),
     }
-    let rest = plugs.iter().fold(above.clone(), |rest, plug| rest.difference(plug));
-    let joined = plugs.iter().fold(below, |all, plug| all.union(plug));
-    (rest, joined)
 }
 
 impl Blank<'_> {
     /// One piece, open above, with a plate in front, as the front of the hull may be too
     /// small for all letters of its name.
-    fn tray(&self, hull: Solid) -> Division {
-        let Block { min, max } = self.block;
+    fn tray(&self, hull: &Solid) -> Division {
+        let Block { min, max } = &self.block;
         let behind = min.y + self.config.flange.thickness;
-        let outside = self.widened(&hull, [*min, Vec3::new(max.x, behind, max.z)]);
+        let outside = self.widened(hull, [*min, Vec3::new(max.x, behind, max.z)]);
         let face = front(min, max, [min.z, max.z], -Vec3::z());
         let (outside, findings) = self.labelled(outside, [("tray", face)]);
         let tray = shell("tray", outside.difference(&self.body.filled), -Vec3::z());
@@ -98,66 +100,64 @@ impl Blank<'_> {
     }
 
     /// A cup, and the plate on which it stands.
-    fn cup_on_plate(&self, hull: Solid) -> Division {
-        let Block { min, max } = self.block;
-        let thickness = self.config.flange.thickness;
-        let (bottom, joint, top) = (min.z, self.body.seat, self.body.seat + thickness);
-        let [upper, lower] = match self.orientation.portion {
+    fn cup_on_plate(&self, hull: &Solid) -> Division {
+        let seat = self.body.seat;
+        let names = match self.orientation.portion {
             Portion::Whole => ["upper", "lower"],
             Portion::Above(_) | Portion::Below(_) => ["cup", "lid"],
         };
-        let flange = [Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top)];
-        let outside = self.widened(&hull, flange);
-        let faces = [
-            (upper, front(min, max, [joint, top], Vec3::z())),
-            (lower, front(min, max, [bottom, joint], -Vec3::z())),
-        ];
-        let (outside, findings) = self.labelled(outside, faces);
-        let (cup, plate) = self.cut_at_seat(&outside);
-        let keys = self.keys(&self.joint(joint));
-        let shells = vec![
-            shell(upper, holed(cup, &keys, Turn::NONE), Vec3::z()),
-            shell(lower, coned(plate, &keys, Turn::NONE), -Vec3::z()),
-        ];
-        let bolts = self.bolts(&self.joint(joint), Turn::NONE);
-        let features = [seats(&keys, Turn::NONE), bolts.clone()].concat();
-        Division { outside, shells: cut(shells, &bolts), features, findings }
+        let levels = [self.block.min.z, seat, seat + self.config.flange.thickness];
+        self.above_each_other(hull, names, levels, |outside| self.cut_at_seat(outside))
     }
 
     /// Two shells that part above each other.
-    fn upper_and_lower(&self, hull: Solid) -> Result<Division> {
+    fn upper_and_lower(&self, hull: &Solid) -> Result<Division> {
         let split = self.split()?;
-        let Block { min, max } = self.block;
-        let thickness = self.config.flange.thickness;
-        let level = split.level;
-        let within = |z: f64| z.clamp(min.z, max.z);
-        let (bottom, top) = (within(level - thickness), within(level + thickness));
+        let Block { min, max } = &self.block;
+        let (level, thickness) = (split.level, self.config.flange.thickness);
+        let [bottom, top] = [level - thickness, level + thickness].map(|z| z.clamp(min.z, max.z));
+        let divided = |outside: &Solid| {
+            let sides = divide(outside, &self.body.filled, &split);
+            Sides { findings: [split.findings.clone(), sides.findings].concat(), ..sides }
+        };
+        Ok(self.above_each_other(hull, ["upper", "lower"], [bottom, level, top], divided))
+    }
+
+    /// Two shells that `divided` makes of the outside, which meet at a level in the flange from `bottom` to `top`.
+    fn above_each_other(
+        &self,
+        hull: &Solid,
+        [upper, lower]: [&str; 2],
+        [bottom, level, top]: [f64; 3],
+        divided: impl FnOnce(&Solid) -> Sides,
+    ) -> Division {
+        let Block { min, max } = &self.block;
         let flange = [Vec3::new(min.x, min.y, bottom), Vec3::new(max.x, max.y, top)];
-        let outside = self.widened(&hull, flange);
         let faces = [
-            ("upper", front(min, max, [level, top], Vec3::z())),
-            ("lower", front(min, max, [bottom, level], -Vec3::z())),
+            (upper, front(min, max, [level, top], Vec3::z())),
+            (lower, front(min, max, [bottom, level], -Vec3::z())),
         ];
-        let (outside, unlabelled) = self.labelled(outside, faces);
-        let sides = divide(&outside, &self.body.filled, &split);
-        let keys = self.keys(&self.joint(level));
+        let (outside, unlabelled) = self.labelled(self.widened(hull, flange), faces);
+        let Sides { above, below, findings } = divided(&outside);
+        let joint = self.joint(level);
+        let keys = self.keys(&joint);
         let shells = vec![
-            shell("upper", holed(sides.above, &keys, Turn::NONE), Vec3::z()),
-            shell("lower", coned(sides.below, &keys, Turn::NONE), -Vec3::z()),
+            shell(upper, holed(above, &keys, Turn::NONE), Vec3::z()),
+            shell(lower, coned(below, &keys, Turn::NONE), -Vec3::z()),
         ];
-        let bolts = self.bolts(&self.joint(level), Turn::NONE);
-        Ok(Division {
+        let bolts = self.bolts(&joint, Turn::NONE);
+        Division {
             outside,
             shells: cut(shells, &bolts),
             features: [seats(&keys, Turn::NONE), bolts].concat(),
-            findings: [split.findings, sides.findings, unlabelled].concat(),
-        })
+            findings: [findings, unlabelled].concat(),
+        }
     }
 
     /// Two shells side by side, on a base.
-    fn sides_on_base(&self, hull: Solid) -> Result<Division> {
+    fn sides_on_base(&self, hull: &Solid) -> Result<Division> {
         let split = self.split()?;
-        let Block { min, max } = self.block;
+        let Block { min, max } = &self.block;
         let thickness = self.config.flange.thickness;
         let (level, joint) = (split.level, self.body.seat);
         let foot = joint + thickness;
@@ -165,7 +165,7 @@ impl Blank<'_> {
             Portion::Whole => "base",
             Portion::Above(_) | Portion::Below(_) => "lid",
         };
-        let outside = self.widened(&hull, [*min, Vec3::new(max.x, max.y, foot)]);
+        let outside = self.widened(hull, [*min, Vec3::new(max.x, max.y, foot)]);
         let low = Vec3::new(min.x, level - thickness, min.z);
         let outside = self.widened(&outside, [low, Vec3::new(max.x, level + thickness, max.z)]);
         let [left, right] = self.rims(level, foot);
@@ -173,7 +173,7 @@ impl Blank<'_> {
         let faces = [(name, below), ("left", left), ("right", right)];
         let (outside, unlabelled) = self.labelled(outside, faces);
 
-        let (above, base) = self.cut_at_seat(&outside);
+        let Sides { above, below: base, .. } = self.cut_at_seat(&outside);
         let empty = Solid::cube(&Vec3::zeros(), &Vec3::zeros());
         let turn = Turn::lowering(-Vec3::y()).inverse();
         let sides = divide(&above, &empty, &split.turned(turn));
@@ -217,8 +217,8 @@ impl Blank<'_> {
 
     /// What is above the seat, without the part, and what is below. A part that is cut
     /// there has its core on what is below.
-    fn cut_at_seat(&self, outside: &Solid) -> (Solid, Solid) {
-        let CastBody { filled, cores, seat, .. } = self.body;
+    fn cut_at_seat(&self, outside: &Solid) -> Sides {
+        let CastBody { filled, cores, seat, .. } = &self.body;
         let above = outside.trim_by_plane(&Vec3::z(), *seat).difference(filled);
         let region = outside.trim_by_plane(&-Vec3::z(), -seat);
         let below = match self.orientation.portion {
@@ -229,18 +229,18 @@ impl Blank<'_> {
                 cores.iter().fold(region, |all, core| all.union(&core.solid))
             }
         };
-        (above, below)
+        Sides { above, below, findings: Vec::new() }
     }
 
     /// The level rectangle over all of the block.
     fn joint(&self, level: f64) -> Joint {
-        let Block { min, max } = self.block;
+        let Block { min, max } = &self.block;
         Joint { low: [min.x, min.y], high: [max.x, max.y], level }
     }
 
     /// An outside with a box added to it.
     fn widened(&self, outside: &Solid, [min, max]: [Vec3; 2]) -> Solid {
-        outside.union(&slab(self.block, min, max))
+        outside.union(&slab(&self.block, min, max))
     }
 
     /// An outside with the names of pieces raised on its faces, and which do not fit.
@@ -295,9 +295,7 @@ impl Blank<'_> {
                      enlarge it",
                     field.cell
                 );
-                let vertices = body.surface.vertices.iter().map(|p| turn.0 * p).collect();
-                let triangles = body.surface.triangles.clone();
-                Ok(Split::height_field(&site, &SurfaceMesh { vertices, triangles }, field))
+                Ok(Split::height_field(&site, &moved(&body.surface, |p| turn.0 * p), field))
             }
             PartingSurface::Plane(position) => {
                 let point = self.frame.point(&(self.orientation.pull * *position));
@@ -350,11 +348,7 @@ fn holed(piece: Solid, keys: &[Key], turn: Turn) -> Solid {
 
 /// The holes for keys as they are reported.
 fn seats(keys: &[Key], turn: Turn) -> Vec<Feature> {
-    let seat = |key: &Key| match turn == Turn::NONE {
-        true => key.seat.clone(),
-        false => turned(&key.seat, turn),
-    };
-    keys.iter().map(|key| Feature { purpose: Purpose::Key, frustum: seat(key) }).collect()
+    keys.iter().map(|key| hole(Purpose::Key, turned(&key.seat, turn))).collect()
 }
 
 /// The face of a block that looks along −y, between two heights, of a piece that is printed

@@ -9,15 +9,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Mold;
-use super::cast_body::CastBody;
+use super::division::Blank;
 use super::features::pin::{self, NEAR, Pin, Site, Tried};
-use super::features::support::{Contact, SILICONE, Stand};
-use super::mount::Mount;
-use super::piece::{Piece, Purpose};
+use super::features::support::{SILICONE, Stand};
+use super::piece::{Feature, Piece, Purpose};
 use crate::config::{Casts, Config, Support};
+use crate::geometry::frame::Frame;
 use crate::geometry::frustum::Frustum;
 use crate::geometry::walls::too_thin;
-use crate::geometry::{MM, Triple};
+use crate::geometry::{MM, Triple, place};
 
 /// How a core is held.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -50,45 +50,23 @@ pub struct Holding {
 /// Part of casting.least_wall that must be left beside a core that moves: a judgement.
 const LEFT: f64 = 0.5;
 
-/// A core that comes too near to the mold or to another core.
-pub struct Lean {
-    hold: Holding,
-    /// What is left then [mm].
-    left: f64,
-    /// What must be left [mm].
-    least: f64,
-}
-
-impl Lean {
-    /// How far it moves, and what is left.
-    pub fn in_words(&self) -> String {
-        let Self { hold, left, least } = self;
-        format!(
-            "{} would move by {:.2} mm on its stub and {} pin{}, {:.2} mm on its stub alone, {:.2} mm from mold and other cores \
-             then, where {:.2} mm must be left",
-            hold.core,
-            hold.held,
-            hold.lengths.len(),
-            if hold.lengths.len() == 1 { "" } else { "s" },
-            hold.alone,
-            left.max(0.0),
-            least
-        )
-    }
-}
-
 impl Mold {
-    /// The cores that move by more than `limits.sag`, and so far that less than half of `least_wall` [m] is left beside
-    /// them.
-    pub fn leaning(&self, least_wall: f64) -> Vec<Lean> {
+    /// How far cores move, in words, that move by more than `limits.sag`, and so far that less than half of `least_wall` [m]
+    /// is left beside them.
+    pub fn leaning(&self, least_wall: f64) -> Vec<String> {
         let least = LEFT * least_wall * MM;
-        let moving = self.holds.iter().filter(|hold| hold.held > hold.limit);
-        let lean = |hold: &Holding| Lean {
-            hold: hold.clone(),
-            left: self.left_beside(hold, 2.0 * least_wall) * MM,
-            least,
+        let words = |hold: &Holding| {
+            let left = self.left_beside(hold, 2.0 * least_wall) * MM;
+            let Holding { core, held, alone, lengths, .. } = hold;
+            let (pins, s) = (lengths.len(), if lengths.len() == 1 { "" } else { "s" });
+            let said = format!(
+                "{core} would move by {held:.2} mm on its stub and {pins} pin{s}, {alone:.2} mm on its stub alone, {:.2} mm from \
+                 mold and other cores then, where {least:.2} mm must be left",
+                left.max(0.0)
+            );
+            (left < least).then_some(said)
         };
-        moving.map(lean).filter(|lean| lean.left < least).collect()
+        self.holds.iter().filter(|hold| hold.held > hold.limit).filter_map(words).collect()
     }
 
     /// What is left between a core and the mold or another core when it turns about its inlet [m]: each point of it moves
@@ -108,11 +86,7 @@ impl Mold {
         let above = vertices.iter().filter(|p| p.z >= inlet.z);
         let reach = above.map(|p| (p - inlet).norm()).fold(0.0, f64::max);
         let free = |p: &&Vec3| {
-            let beside = |pin: &&Frustum| {
-                let along =
-                    ((**p - pin.base).dot(&pin.axis) / pin.axis.norm_squared()).clamp(0.0, 1.0);
-                (**p - pin.base - pin.axis * along).norm() > apart + pin.base_radius
-            };
+            let beside = |pin: &&Frustum| pin.from_axis(p) > apart + pin.base_radius;
             p.z > inlet.z + apart && pins.iter().all(beside)
         };
         let left = vertices.iter().filter(free).flat_map(|p| {
@@ -127,8 +101,6 @@ impl Mold {
 pub struct Standing<'a> {
     /// Its name.
     pub name: &'a str,
-    /// The body that is cast.
-    pub body: &'a CastBody,
     /// Which of the body's cores it is.
     pub index: usize,
     /// The core with its stub.
@@ -149,11 +121,17 @@ pub struct Held {
     pub hold: Holding,
 }
 
-/// Holds a core on its stub, by pins of the shells if it needs them or they are asked for. `cast` is what is cast, with
-/// the holes of other cores' pins.
-pub fn hold(standing: &Standing, cast: &Solid, shells: &[Piece], mount: &Mount) -> Result<Held> {
-    let Standing { name, body, index, solid, inlet, stub } = standing;
-    let config = mount.config;
+/// Holds a core on its stub, by pins of the shells if it needs them or they are asked for, beside the channels. `cast` is
+/// what is cast, with the holes of other cores' pins.
+pub fn hold(
+    standing: &Standing,
+    cast: &Solid,
+    shells: &[Piece],
+    channels: &[Feature],
+    blank: &Blank,
+) -> Result<Held> {
+    let Standing { name, index, solid, inlet, stub } = standing;
+    let Blank { body, frame, config, .. } = blank;
     let chamber = body.cores[*index].solid.to_surface();
     let density = config.density().unwrap_or(SILICONE);
     let clearance = config.stub_clearance();
@@ -173,8 +151,7 @@ pub fn hold(standing: &Standing, cast: &Solid, shells: &[Piece], mount: &Mount) 
         play: clearance,
         skin: config.core.skin,
     };
-    let channels: Vec<Solid> =
-        mount.channels.iter().map(|channel| channel.frustum.solid()).collect();
+    let channels: Vec<Solid> = channels.iter().map(|channel| channel.frustum.solid()).collect();
     let fits = |pin: &Pin, others: &[Pin]| {
         let beside = shells.iter().enumerate().filter(|(i, _)| *i != pin.shell);
         pin.is_beside(beside.map(|(_, shell)| &shell.solid))
@@ -183,19 +160,11 @@ pub fn hold(standing: &Standing, cast: &Solid, shells: &[Piece], mount: &Mount) 
     };
     let alone = stand.sag(&[]).most();
     let limit = config.limits.sag;
-    let asked: Vec<[f64; 3]> = config
-        .core
-        .pins
-        .iter()
-        .copied()
-        .filter(|at| {
-            let at = mount.frame.point(&Vec3::from(*at));
-            nearest(&cores, &at) == *index
-        })
-        .collect();
+    let belongs = |at: &&[f64; 3]| nearest(&cores, &frame.point(&Vec3::from(**at))) == *index;
+    let asked: Vec<&[f64; 3]> = config.core.pins.iter().filter(belongs).collect();
     let mut tried = None;
     let pins = if !asked.is_empty() {
-        placed(&asked, &site, mount, fits)?
+        placed(&asked, &site, frame, fits)?
     } else if config.core.support == Support::Pin {
         let (offered, tried) = site.pins(None);
         // One even where the core stays within the limit.
@@ -218,11 +187,10 @@ pub fn hold(standing: &Standing, cast: &Solid, shells: &[Piece], mount: &Mount) 
     } else {
         Vec::new()
     };
-    let contacts: Vec<Contact> = pins.iter().map(|pin| pin.contact).collect();
-    let held = stand.sag(&contacts);
+    let held = pin::sag_with(&stand, &pins).most();
     let finding = match pins.is_empty() {
         true => unheld(name, &stand, limit, tried),
-        false => Some(pinned(name, &pins, shells, [alone, held.most(), limit])),
+        false => Some(pinned(name, &pins, shells, [alone, held, limit])),
     };
     let hold = Holding {
         core: (*name).into(),
@@ -233,7 +201,7 @@ pub fn hold(standing: &Standing, cast: &Solid, shells: &[Piece], mount: &Mount) 
         density,
         limit: limit * MM,
         alone: alone * MM,
-        held: held.most() * MM,
+        held: held * MM,
         lengths: pins.iter().map(|pin| pin.length * MM).collect(),
         plugs: pins.iter().map(|pin| pin.hole).sum::<f64>() * MM.powi(3),
     };
@@ -248,20 +216,16 @@ fn nearest(cores: &[SurfaceBvh], at: &Vec3) -> usize {
 
 /// A pin beside each of the points asked for, as near to it as one can stand.
 fn placed(
-    asked: &[[f64; 3]],
+    asked: &[&[f64; 3]],
     site: &Site,
-    mount: &Mount,
+    frame: &Frame,
     fits: impl Fn(&Pin, &[Pin]) -> bool,
 ) -> Result<Vec<Pin>> {
     let mut pins: Vec<Pin> = Vec::new();
     for at in asked {
-        let point = mount.frame.point(&Vec3::from(*at));
+        let point = frame.point(&Vec3::from(**at));
         let (mut offered, tried) = site.pins(Some(&point));
-        let off = |pin: &Pin| {
-            let Frustum { base, axis, .. } = &pin.frustum;
-            let along = ((point - base).dot(axis) / axis.norm_squared()).clamp(0.0, 1.0);
-            (point - base - axis * along).norm()
-        };
+        let off = |pin: &Pin| pin.frustum.from_axis(&point);
         offered.sort_by(|a, b| off(a).total_cmp(&off(b)));
         let left = offered.len();
         let found = offered.into_iter().find(|pin| fits(pin, &pins));
@@ -291,11 +255,7 @@ fn leaves_walls(pin: &Pin, others: &[Pin], cast: &Solid, config: &Config) -> boo
 fn pinned(name: &str, pins: &[Pin], shells: &[Piece], [alone, held, limit]: [f64; 3]) -> Finding {
     let each: Vec<String> = pins
         .iter()
-        .map(|pin| {
-            let at = pin.contact.at * 1e3;
-            let shell = &shells[pin.shell].name;
-            format!("of {shell} at ({:.1}, {:.1}, {:.1}) mm", at.x, at.y, at.z)
-        })
+        .map(|pin| format!("of {} at {}", shells[pin.shell].name, place(&pin.contact.at, 1)))
         .collect();
     let (count, s) = match pins.len() {
         1 => ("a pin".into(), "s"),
@@ -330,8 +290,8 @@ fn unheld(name: &str, stand: &Stand, limit: f64, tried: Option<(Tried, usize)>) 
         return None;
     }
     let advice = match sag.bend <= limit {
-        true => "glue the stub into its socket",
-        false => "widen the inlet, or cast halves",
+        true => "Glue the stub into its socket",
+        false => "Widen the inlet, or cast halves",
     };
     let tried = tried.map_or(String::new(), |(tried, left)| {
         format!("No pin can hold it: {tried}; the other {left} hold too little, are too near to sprue or vents, or \
@@ -342,14 +302,12 @@ fn unheld(name: &str, stand: &Stand, limit: f64, tried: Option<(Tried, usize)>) 
         message: format!(
             "the {name} reaches {:.1} mm from its inlet. Floating with up to {:.3} N it bends by up to \
              {:.2} mm there, and the play of the stub lets it lean by up to {:.2} mm, limits.sag is {:.2} mm. {tried}\
-             {}{}",
+             {advice}",
             stand.reach * 1e3,
             stand.lift,
             sag.bend * 1e3,
             sag.lean * 1e3,
-            limit * 1e3,
-            advice[..1].to_uppercase(),
-            &advice[1..]
+            limit * 1e3
         ),
         count: 1,
     })

@@ -18,7 +18,6 @@ mod division;
 pub mod features;
 mod height_field;
 pub mod holding;
-mod mount;
 pub mod parting;
 mod piece;
 pub mod venting;
@@ -41,7 +40,6 @@ use cores::Cores;
 use division::{Blank, Division};
 use features::block::Block;
 use holding::Holding;
-use mount::Mount;
 pub use piece::{Feature, Piece, Purpose};
 use piece::{connected, cut};
 use venting::Places;
@@ -106,18 +104,16 @@ impl Mold {
             false => Some(venting::places(boundary, &frame, portion, &surface, config)?),
         };
         let rims = places.as_ref().map_or(Vec::new(), |p| rims(p, &body.surface, config));
-        let blank = Blank { body: &body, block: &block, frame: &frame, orientation, pull, config };
+        let blank = Blank { body, block, frame, orientation, pull, method, config };
         let division = Division::new(&blank, &rims)?;
-        let end = block.max.z + BEYOND;
+        let end = blank.block.max.z + BEYOND;
         let outside = division.outside;
         let channels =
             places.as_ref().map_or(Vec::new(), |places| places.channels(&surface, end, config));
         let sealed = places.map_or(Vec::new(), |places| places.findings);
-        let mount =
-            Mount { method, floor: block.min.z, frame: &frame, channels: &channels, config };
         let cores = match portion {
-            Portion::Whole => Cores::new(&body, division.shells, &mount)?,
-            Portion::Above(_) | Portion::Below(_) => Cores::none(&body, division.shells),
+            Portion::Whole => Cores::new(&blank, division.shells, &channels)?,
+            Portion::Above(_) | Portion::Below(_) => Cores::none(&blank.body, division.shells),
         };
         let shells = cut(cores.shells, &channels);
         Ok(Self {
@@ -126,8 +122,8 @@ impl Mold {
             features: [division.features, cores.features, channels].concat(),
             findings: [division.findings, sealed, cores.findings].concat(),
             cast: cores.cast,
-            chamber_area: body.chamber_area(),
-            frame,
+            chamber_area: blank.body.chamber_area(),
+            frame: blank.frame,
             method,
             outside,
             chambers: boundary.cores.iter().map(|core| core.chamber.clone()).collect(),
@@ -135,7 +131,7 @@ impl Mold {
             one_way: cores.one_way,
             portion,
             open,
-            block,
+            block: blank.block,
         })
     }
 

@@ -7,9 +7,10 @@ use mesh::{SurfaceMesh, measure};
 use nalgebra::Matrix3x4;
 
 use crate::config::HeightFieldConfig;
-use crate::geometry::columns::{Grid, Span, spans};
+use crate::geometry::columns::{Grid, Layer, layers};
 use crate::geometry::frame::Turn;
 use crate::geometry::frustum::Frustum;
+use crate::geometry::place;
 use crate::mold::height_field::Terrain;
 
 /// Parting solids reach this far beyond the block, so that no faces coincide [m].
@@ -59,13 +60,13 @@ impl Split {
     pub fn height_field(site: &Site, filled: &SurfaceMesh, settings: &HeightFieldConfig) -> Self {
         let corner = |p: &Vec3| [p.x, p.y];
         let grid = Grid::over(corner(&site.min), corner(&site.max), settings.cell);
-        let spans = spans(filled, &grid);
-        let findings = undercut_columns(&grid, &spans);
+        let columns = layers(filled, &grid);
+        let findings = undercut_columns(&grid, &columns);
         // Where there is no rim, the rectangle reaches beyond all columns.
         let inset = |k: usize| if site.rim[k] > 0.0 { site.rim[k] } else { -1.0 };
         let within =
             [[0, 1].map(|k| site.min[k] + inset(k)), [0, 1].map(|k| site.max[k] - inset(k))];
-        let terrain = Terrain::new(grid, &spans, within, settings);
+        let terrain = Terrain::new(grid, &columns, within, settings);
         let low = terrain.heights.iter().fold(site.min.z, |m, h| m.min(*h)) - BEYOND;
         let proof = "a height field over a grid is closed and faces outward";
         let fine = Solid::from_surface(&terrain.surface(low)).expect(proof);
@@ -93,9 +94,9 @@ pub fn turned(frustum: &Frustum, turn: Turn) -> Frustum {
 
 /// Reports the columns with more than one layer of the part: undercuts for any surface along
 /// this pull.
-fn undercut_columns(grid: &Grid, spans: &[Option<Span>]) -> Vec<Finding> {
-    let covered = spans.iter().flatten().count();
-    let hidden = spans.iter().flatten().filter(|s| s.intervals > 1).count();
+fn undercut_columns(grid: &Grid, columns: &[Vec<Layer>]) -> Vec<Finding> {
+    let covered = columns.iter().filter(|column| !column.is_empty()).count();
+    let hidden = columns.iter().filter(|column| column.len() > 1).count();
     if hidden == 0 {
         return Vec::new();
     }
@@ -148,15 +149,11 @@ pub fn divide(region: &Solid, part: &Solid, split: &Split) -> Sides {
 
 fn moved(side: &str, crumb: &Solid) -> Finding {
     let (low, high) = measure::bounds(&crumb.to_surface().vertices);
-    let at = (low + high) / 2.0 * 1e3;
+    let (volume, at) = (crumb.volume() * 1e9, place(&((low + high) / 2.0), 2));
     Finding {
         rule: "crumb",
         message: format!(
-            "{:.4} mm³ around ({:.2}, {:.2}, {:.2}) mm cut off by the parting went to the shell {side}",
-            crumb.volume() * 1e9,
-            at.x,
-            at.y,
-            at.z
+            "{volume:.4} mm³ around {at} cut off by the parting went to the shell {side}"
         ),
         count: 1,
     }

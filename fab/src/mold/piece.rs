@@ -52,22 +52,6 @@ pub struct Feature {
     pub frustum: Frustum,
 }
 
-impl Purpose {
-    /// The name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sprue => "sprue",
-            Self::Vent => "vent",
-            Self::Key => "key",
-            Self::Socket => "socket",
-            Self::Bolt => "bolt",
-            Self::Pry => "pry",
-            Self::Drain => "drain",
-            Self::Pin => "pin",
-        }
-    }
-}
-
 /// Pieces with all features cut out of each of them.
 pub fn cut(pieces: Vec<Piece>, features: &[Feature]) -> Vec<Piece> {
     features.iter().fold(pieces, |pieces, feature| {

@@ -11,12 +11,12 @@ use mesh::check::Finding;
 
 use super::features::channel;
 use super::piece::{Feature, Purpose};
-use crate::body::air::AirPaths;
-use crate::body::boundary::Boundary;
+use crate::body::boundary::{AirPaths, Boundary};
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::geometry::frame::Frame;
 use crate::geometry::maxima::{self, Peak};
+use crate::geometry::place;
 
 /// Tops that are flat within this height get their channel in the middle [m].
 const TOP_FLATNESS: f64 = 2e-4;
@@ -112,16 +112,13 @@ fn top(surface: &SurfaceBvh, points: &[Vec3]) -> Vec3 {
 fn trapped_air(peaks: &[Peak], positions: &[Vec3]) -> Vec<Finding> {
     let Some(first) = peaks.first() else { return Vec::new() };
     let deepest = peaks.iter().map(|p| p.persistence).fold(0.0, f64::max) * 1e3;
-    let at = positions[first.vertex] * 1e3;
+    let at = place(&positions[first.vertex], 1);
     vec![Finding {
         rule: "trapped air",
         message: format!(
-            "air can collect at {} places below the core, up to {deepest:.1} mm deep, the highest at \
-             ({:.1}, {:.1}, {:.1}) mm: degas the silicone and tilt the mold while filling",
-            peaks.len(),
-            at.x,
-            at.y,
-            at.z
+            "air can collect at {} places below the core, up to {deepest:.1} mm deep, the highest at {at}: degas the \
+             silicone and tilt the mold while filling",
+            peaks.len()
         ),
         count: peaks.len(),
     }]

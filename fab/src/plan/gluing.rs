@@ -7,16 +7,15 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{bounds, triangle_area};
 use mesh::solid::Solid;
-use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::plane;
 use super::undercut::{PartingHeight, View};
-use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
+use crate::body::boundary::{Boundary, Inlet};
 use crate::config::GluingConfig;
-use crate::geometry::gap;
+use crate::geometry::{extent, gap};
 
 /// Planes that leave up to this much more of an area in undercuts than the best count as
 /// equally good: the one along whose normal the body is thinnest is taken [1].
@@ -121,15 +120,7 @@ pub fn best(boundary: &Boundary, gluing: &GluingConfig, normals: &[Vec3], peel: 
 
 /// From where to where each core reaches along a normal [m].
 fn extents(boundary: &Boundary, normal: &Vec3) -> Vec<[f64; 2]> {
-    let extent = |core: &CoreBoundary| extent(&core.surface, normal);
-    boundary.cores.iter().map(extent).collect()
-}
-
-fn extent(surface: &SurfaceMesh, normal: &Vec3) -> [f64; 2] {
-    let along: Vec<Vec3> =
-        surface.vertices.iter().map(|p| Vec3::new(p.dot(normal), 0.0, 0.0)).collect();
-    let (low, high) = bounds(&along);
-    [low.x, high.x]
+    boundary.cores.iter().map(|core| extent(&core.surface.vertices, normal)).collect()
 }
 
 /// The middle of what all cores have in common along a normal, or of all of them if they have nothing in
@@ -137,7 +128,7 @@ fn extent(surface: &SurfaceMesh, normal: &Vec3) -> [f64; 2] {
 fn middle(boundary: &Boundary, normal: &Vec3) -> f64 {
     let mut all = extents(boundary, normal);
     if all.is_empty() {
-        all.push(extent(&boundary.filled, normal));
+        all.push(extent(&boundary.filled.vertices, normal));
     }
     let fold = |k: usize, pick: fn(f64, f64) -> f64| all.iter().map(|e| e[k]).reduce(pick);
     let [low, high] = [fold(0, f64::max), fold(1, f64::min)].map(|x| x.expect("there is one"));
@@ -164,7 +155,7 @@ pub struct Flat {
 pub fn flattest(boundary: &Boundary) -> Option<Flat> {
     let flats = walls(boundary).into_iter().map(|normal| {
         let top = boundary.cores.iter().flat_map(|core| &core.surface.vertices);
-        let offset = top.map(|p| p.dot(&normal)).fold(f64::NEG_INFINITY, f64::max);
+        let [_, offset] = extent(top, &normal);
         let (mut wall, mut outline) = (0.0, 0.0);
         for core in &boundary.cores {
             outline += View::along(&core.surface, &normal).outline();
@@ -172,10 +163,8 @@ pub fn flattest(boundary: &Boundary) -> Option<Flat> {
                 let corners = core.surface.corners(*t);
                 corners.iter().all(|p| offset - p.dot(&normal) <= WALL_FLATNESS)
             };
-            wall += (0..core.surface.triangles.len())
-                .filter(on_plane)
-                .map(|t| area(&core.surface, t))
-                .sum::<f64>();
+            let flat = (0..core.surface.triangles.len()).filter(on_plane);
+            wall += flat.map(|t| core.surface.area(t)).sum::<f64>();
         }
         let reaches = |[_, high]: &[f64; 2]| offset - high <= WALL_FLATNESS;
         let missed = extents(boundary, &normal).iter().filter(|e| !reaches(e)).count();
@@ -219,11 +208,6 @@ fn snapped(n: Vec3) -> Vec3 {
     if (n - axis).norm() < 1e-6 { axis } else { n }
 }
 
-fn area(surface: &SurfaceMesh, t: usize) -> f64 {
-    let [a, b, c] = surface.corners(t);
-    triangle_area(a, b, c)
-}
-
 fn measured(boundary: &Boundary, normal: Vec3, offset: f64) -> Cut {
     let plane = PartingHeight::Plane(offset);
     let view = View::along(&boundary.filled, &normal);
@@ -254,7 +238,7 @@ fn caught(boundary: &Boundary, normal: &Vec3, offset: f64) -> f64 {
             let height = offset - from.dot(normal);
             let way = normal * height.signum();
             let leaves = |s: f64| s > WALL_FLATNESS && s < height.abs() - WALL_FLATNESS;
-            let area = area(&core.surface, t);
+            let area = core.surface.area(t);
             total += area;
             if bvh.ray(&from, &way).iter().any(|hit| leaves(hit.0)) {
                 sum += area;

@@ -15,41 +15,23 @@ use mesh::{SurfaceMesh, Vec3};
 use crate::body::boundary::Boundary;
 use crate::body::layout;
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
+use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::Config;
-use crate::config::method::Method;
-use crate::geometry::MM;
-use crate::geometry::walls::Wall;
+use crate::geometry::{MM, place};
 use gluing::Flat;
 use pull::Choice;
-use report::{ChosenBy, Direction, Measure, Verdict};
+use report::{ChosenBy, PlanReport, ThinnestWall};
 use undercut::Worst;
 use verdict::Judge;
 pub use verdict::Refused;
 
 /// How a body is molded, and why.
-#[derive(Clone, Debug)]
 pub struct Plan {
-    /// How the chamber comes into it.
-    pub method: Method,
-    /// Who chose that.
-    pub chosen_by: ChosenBy,
-    /// Why.
-    pub reason: String,
-    /// Every number that led to the choice.
-    pub measures: Vec<Measure>,
-    /// What was found about each method.
-    pub verdicts: Vec<Verdict>,
-    /// The undercuts along every direction.
-    pub directions: Vec<Direction>,
-    /// How many chambers the body has.
-    pub chambers: usize,
+    /// What was chosen, as it is written.
+    pub report: PlanReport,
     /// What is cast of silicone.
     pub castings: Vec<Casting>,
-    /// What the body weighs, if the density of its silicone is known.
-    pub weight: Option<Weight>,
-    /// The thinnest wall of the body, if it has one.
-    pub wall: Option<Wall>,
 }
 
 /// A casting of silicone and how its mold stands.
@@ -73,13 +55,13 @@ pub struct Casting {
 struct Locked(String);
 
 impl Plan {
-    /// Measures a body and chooses.
-    pub fn new(boundary: &Boundary, config: &Config) -> Result<Self> {
-        Self::without(&[], boundary, config)
-    }
-
-    /// Plans as [`Self::new`] does, without methods that were tried.
-    pub fn without(refused: &[Refused], boundary: &Boundary, config: &Config) -> Result<Self> {
+    /// Measures a body, which `input` names, and chooses, without methods that were tried.
+    pub fn new(
+        boundary: &Boundary,
+        config: &Config,
+        input: Input,
+        refused: &[Refused],
+    ) -> Result<Self> {
         let mut judge = Judge::new(boundary, config, refused);
         let (method, castings, chosen_by) = match config.method {
             Some(asked) => {
@@ -93,25 +75,23 @@ impl Plan {
         };
         let reason = judge.reason(method);
         let up = layout::up(boundary, config);
-        let directions = pull::directions(&boundary.filled, &up);
-        let Judge { measures, verdicts, wall, .. } = judge;
-        Ok(Self {
+        let steps = (method.steps)(boundary.cores.len());
+        let report = PlanReport {
+            program: format!("fab {}", env!("CARGO_PKG_VERSION")),
+            units: "mm".into(),
+            input,
             method,
             chosen_by,
             reason,
-            measures,
-            verdicts,
-            directions,
-            chambers: boundary.cores.len(),
-            castings,
+            measures: judge.measures,
+            methods: judge.verdicts,
+            directions: pull::directions(&boundary.filled, &up),
+            molds: report::entries(&castings),
+            steps: steps.iter().map(|step| (*step).to_owned()).collect(),
             weight: weight(boundary, config),
-            wall: wall.flatten(),
-        })
-    }
-
-    /// What to do with the castings, in order.
-    pub fn steps(&self) -> Vec<String> {
-        verdict::steps(self)
+            wall: judge.wall.flatten().map(ThinnestWall::from),
+        };
+        Ok(Self { report, castings })
     }
 }
 
@@ -129,18 +109,18 @@ impl Casting {
             pull::choose(filled, &up, portion, config);
         log::info!("{name}: {reason}");
         let limit = config.limits.peel;
-        let orientation = Orientation { up, pull, parting, portion, joint: None };
+        let (filled, orientation) =
+            (filled.clone(), Orientation { up, pull, parting, portion, joint: None });
+        let casting =
+            Self { name: name.into(), orientation, filled, undercut: undercut.facets, worst };
         if let Some(worst) = worst.filter(|worst| worst.ratio > limit) {
-            if let Some(split) = split(name, filled, &orientation, limit) {
-                return Ok(split);
-            }
-            if let Some(other) = other(name, filled, &orientation, config) {
-                return Ok(other);
+            if let Some(free) = casting.split(limit).or_else(|| casting.parted_otherwise(config)) {
+                return Ok(free);
             }
             let Worst { ratio, depth, opposite, width, at } = worst;
-            let [x, y, z] = (at * MM).into();
+            let at = place(&at, 2);
             return Err(Locked(format!(
-                "the {name} cannot be peeled out of its mold: {reason}; at ({x:.2}, {y:.2}, {z:.2}) mm the silicone must give way by \
+                "the {name} cannot be peeled out of its mold: {reason}; at {at} the silicone must give way by \
                  {:.2} mm and on its other side by {:.2} mm, {ratio:.2} of its width of {:.2} mm there, limits.peel is {limit:.2}: \
                  choose another `up` or parting.pull, set method = \"halves\", or raise limits.peel for a softer silicone",
                 depth * MM,
@@ -149,8 +129,50 @@ impl Casting {
             ))
             .into());
         }
-        let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
-        Ok(Self { name, orientation, filled, undercut, worst })
+        Ok(casting)
+    }
+
+    /// This casting, whose upper shell cannot be demolded, with two sides instead, if these can.
+    fn split(&self, limit: f64) -> Option<Self> {
+        let Orientation { up, pull, parting, .. } = &self.orientation;
+        let along = pull.dot(up);
+        let joint = match parting {
+            PartingSurface::Plane(position) if along.abs() > pull::ALONG => position * along,
+            _ => return None,
+        };
+        let sides = sides::instead(&self.filled, up, joint, limit)?;
+        log::info!(
+            "{}: the upper shell would lock, so that it is split: above that, {}",
+            self.name,
+            sides.reason
+        );
+        let PartingSurface::Plane(position) = sides.parting else { return None };
+        let plane = undercut::PartingHeight::Plane(position);
+        let undercut = undercut::View::along(&self.filled, &sides.pull).undercut(plane);
+        Some(self.parted(Choice { undercut, ..sides }, Some(joint)))
+    }
+
+    /// This casting on the parting surface on which it has to give way least, if that is little enough and the
+    /// configuration leaves the surface open.
+    fn parted_otherwise(&self, config: &Config) -> Option<Self> {
+        if !config.parting.is_open() {
+            return None;
+        }
+        let Orientation { up, portion, .. } = &self.orientation;
+        let choice = pull::loosest(&self.filled, up, *portion)?;
+        if choice.ratio() > config.limits.peel {
+            return None;
+        }
+        let (name, reason) = (&self.name, &choice.reason);
+        log::info!("{name}: the shells would lock, so that they part otherwise: {reason}");
+        Some(self.parted(choice, None))
+    }
+
+    /// This casting in shells that part so, above a joint if there is one.
+    fn parted(&self, choice: Choice, joint: Option<f64>) -> Self {
+        let Choice { pull, parting, undercut, worst, .. } = choice;
+        let orientation = Orientation { pull, parting, joint, ..self.orientation.clone() };
+        Self { orientation, undercut: undercut.facets, worst, ..self.clone() }
     }
 }
 
@@ -162,46 +184,6 @@ fn weight(boundary: &Boundary, config: &Config) -> Option<Weight> {
     let walls = (area(&boundary.cast) + cores - area(&boundary.filled)) / 2.0;
     let volume = enclosed_volume(&boundary.cast);
     config.density().map(|density| Weight::new(volume * MM.powi(3), walls * MM.powi(2), density))
-}
-
-/// A casting whose upper shell cannot be demolded, with two sides instead, if these can.
-fn split(name: &str, filled: &SurfaceMesh, locked: &Orientation, limit: f64) -> Option<Casting> {
-    let along = locked.pull.dot(&locked.up);
-    let joint = match locked.parting {
-        PartingSurface::Plane(position) if along.abs() > pull::ALONG => position * along,
-        _ => return None,
-    };
-    let sides = sides::instead(filled, &locked.up, joint, limit)?;
-    log::info!(
-        "{name}: the upper shell would lock, so that it is split: above that, {}",
-        sides.reason
-    );
-    let undercut = undercut::View::along(filled, &sides.pull).undercut(sides.plane()?).facets;
-    let Choice { pull, parting, worst, .. } = sides;
-    let orientation = Orientation { pull, parting, joint: Some(joint), ..locked.clone() };
-    Some(Casting { name: name.into(), orientation, filled: filled.clone(), undercut, worst })
-}
-
-/// A casting on the parting surface on which it has to give way least instead, if that is
-/// little enough and the configuration leaves the surface open.
-fn other(
-    name: &str,
-    filled: &SurfaceMesh,
-    locked: &Orientation,
-    config: &Config,
-) -> Option<Casting> {
-    if !config.parting.is_open() {
-        return None;
-    }
-    let choice = pull::loosest(filled, &locked.up, locked.portion)?;
-    if choice.ratio() > config.limits.peel {
-        return None;
-    }
-    log::info!("{name}: the shells would lock, so that they part otherwise: {}", choice.reason);
-    let Choice { pull, parting, undercut, worst, .. } = choice;
-    let orientation = Orientation { pull, parting, ..locked.clone() };
-    let (name, filled, undercut) = (name.into(), filled.clone(), undercut.facets);
-    Some(Casting { name, orientation, filled, undercut, worst })
 }
 
 /// The filled body beyond a plane.

@@ -10,9 +10,8 @@ use super::report::Direction;
 use super::undercut::{self, Undercut, View, Worst};
 use crate::body::orientation::{PartingSurface, Portion};
 use crate::config::{self, Config};
-use crate::geometry::MM;
 use crate::geometry::frame::Frame;
-use crate::geometry::gap;
+use crate::geometry::{MM, extent, gap};
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;
@@ -49,17 +48,26 @@ pub struct Choice {
 }
 
 impl Choice {
+    fn new(view: &View, pull: Vec3, parting: PartingSurface, undercut: Undercut) -> Self {
+        let across = direction(&pull);
+        let place = match parting {
+            PartingSurface::Plane(z) => plane(&pull, z),
+            PartingSurface::HeightField(_) => format!("a height field along {across}"),
+            PartingSurface::Seat | PartingSurface::Open => {
+                format!("a plane across {across} where the body stands")
+            }
+        };
+        let reason = format!(
+            "{place} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
+            100.0 * undercut.share,
+            1e3 * undercut.depth
+        );
+        Self { pull, parting, worst: view.worst(&undercut), undercut, reason }
+    }
+
     /// Depth of the worst undercut over the width of what must give way [1].
     pub fn ratio(&self) -> f64 {
         self.worst.map_or(0.0, |worst| worst.ratio)
-    }
-
-    /// The plane on which the shells part, as a view sees it; none if it is not one.
-    pub fn plane(&self) -> Option<undercut::PartingHeight> {
-        match self.parting {
-            PartingSurface::Plane(position) => Some(undercut::PartingHeight::Plane(position)),
-            PartingSurface::HeightField(_) | PartingSurface::Seat | PartingSurface::Open => None,
-        }
     }
 }
 
@@ -170,8 +178,7 @@ fn planes(
     portion: Portion,
 ) -> Vec<PartingSurface> {
     let heights = || body.vertices.iter().map(|p| p.dot(pull));
-    let low = heights().fold(f64::INFINITY, f64::min);
-    let high = heights().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extent(&body.vertices, pull);
     let at = |t: f64| PartingSurface::Plane(gap::clear(heights(), low + t * (high - low)));
     let tried = (1..=POSITIONS).map(|k| at(k as f64 / (POSITIONS + 1) as f64));
     match (along_up, portion) {
@@ -212,20 +219,8 @@ fn best_plane(
     // Directions that are about as thin are as good: the first is kept.
     let thinnest = planes.iter().map(|p| p.thickness).fold(f64::INFINITY, f64::min);
     let plane = planes.into_iter().find(|plane| plane.thickness <= AS_THIN * thinnest)?;
-    let worst = View::along(body, &plane.pull).worst(&plane.undercut);
-    let place = match plane.parting {
-        PartingSurface::Plane(z) => self::plane(&plane.pull, z),
-        PartingSurface::Seat | PartingSurface::HeightField(_) | PartingSurface::Open => {
-            format!("a plane across {} where the body stands", direction(&plane.pull))
-        }
-    };
-    let reason = format!(
-        "{place} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
-        100.0 * plane.undercut.share,
-        1e3 * plane.undercut.depth
-    );
     let Plane { pull, parting, undercut, .. } = plane;
-    Some(Choice { pull, parting, undercut, worst, reason })
+    Some(Choice::new(&View::along(body, &pull), pull, parting, undercut))
 }
 
 fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFieldConfig) -> Choice {
@@ -236,14 +231,7 @@ fn best_field(body: &SurfaceMesh, pulls: Vec<Vec3>, settings: config::HeightFiel
     });
     let (pull, view, undercut) =
         seen.min_by(|a, b| a.2.share.total_cmp(&b.2.share)).expect("there is a direction");
-    let worst = view.worst(&undercut);
-    let reason = format!(
-        "a height field along {} leaves {:.2} % of the area hidden, up to {:.2} mm deep",
-        direction(&pull),
-        100.0 * undercut.share,
-        1e3 * undercut.depth
-    );
-    Choice { pull, parting: PartingSurface::HeightField(settings), undercut, worst, reason }
+    Choice::new(&view, pull, PartingSurface::HeightField(settings), undercut)
 }
 
 /// A plane n·p = offset [m] in words: by the coordinate that it holds, or by its normal.

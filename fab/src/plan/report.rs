@@ -7,7 +7,7 @@ use mesh::io::IoError;
 use program::write_json;
 use serde::{Deserialize, Serialize};
 
-use super::{Casting, Plan};
+use super::Casting;
 use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
@@ -132,29 +132,6 @@ pub struct Entry {
 }
 
 impl PlanReport {
-    /// The report of a plan.
-    pub fn new(plan: &Plan, input: Input) -> Self {
-        Self {
-            program: format!("fab {}", env!("CARGO_PKG_VERSION")),
-            units: "mm".into(),
-            input,
-            method: plan.method,
-            chosen_by: plan.chosen_by,
-            reason: plan.reason.clone(),
-            measures: plan.measures.clone(),
-            methods: plan.verdicts.clone(),
-            directions: plan.directions.clone(),
-            molds: entries(plan),
-            steps: plan.steps(),
-            weight: plan.weight,
-            wall: plan.wall.map(|Wall { thickness, at, on }| ThinnestWall {
-                thickness: MM * thickness,
-                at: (MM * at).into(),
-                on: on.into(),
-            }),
-        }
-    }
-
     /// Reads the plan in `folder`.
     pub fn read(folder: &Path) -> Result<Self, IoError> {
         let path = folder.join(FILE);
@@ -176,14 +153,19 @@ impl PlanReport {
     }
 }
 
-/// The molds of a plan.
-fn entries(plan: &Plan) -> Vec<Entry> {
-    let single = plan.castings.len() == 1;
+/// The molds of castings.
+pub(super) fn entries(castings: &[Casting]) -> Vec<Entry> {
     let entry = |casting: &Casting| Entry {
-        folder: if single { ".".into() } else { format!("{}-mold", casting.name) },
+        folder: if castings.len() == 1 { ".".into() } else { format!("{}-mold", casting.name) },
         name: casting.name.clone(),
     };
-    plan.castings.iter().map(entry).collect()
+    castings.iter().map(entry).collect()
+}
+
+impl From<Wall> for ThinnestWall {
+    fn from(Wall { thickness, at, on }: Wall) -> Self {
+        Self { thickness: MM * thickness, at: (MM * at).into(), on: on.into() }
+    }
 }
 
 #[cfg(test)]

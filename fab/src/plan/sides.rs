@@ -30,7 +30,6 @@ fn locks(below: &SurfaceMesh, up: &Vec3, joint: f64, limit: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn disc(radius: f64, low: f64, high: f64) -> Solid {
@@ -39,14 +38,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spool_comes_out_of_sides_on_its_lower_disc() {
-        let spool =
-            disc(10.0, 0.0, 5.0).union(&disc(10.0, 15.0, 20.0)).union(&disc(4.0, 4.0, 16.0));
-        let spool = spool.to_surface();
-        let found = instead(&spool, &Vec3::z(), 2.5, 0.1).unwrap();
-        assert!(found.pull.z.abs() < 1e-12 && found.ratio() <= 0.1, "{found:?}");
-        // Below a joint in the upper disc, the lower disc is in the way of the base.
-        assert!(instead(&spool, &Vec3::z(), 17.5, 0.1).is_none());
+    fn pockets_on_all_sides_hold_every_shell() {
         // Holes along x and along y, each deeper than the silicone gives way, lock both ways.
         let hole = |axis: Vec3| Solid::cylinder(&(Vec3::z() * 10.0), &axis, 2.0, 2.0, 48);
         let pocket = |axis: Vec3| hole(axis * 7.0).union(&hole(axis * -7.0));

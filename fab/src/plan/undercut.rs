@@ -12,12 +12,12 @@
 use std::collections::BinaryHeap;
 
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{bounds, triangle_area};
+use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
-use crate::geometry::columns::{Grid, Layer, layers};
-use crate::geometry::frame::Frame;
+use crate::geometry::columns::{Grid, Layer, layers, middle_of_longest};
+use crate::geometry::frame::{Frame, moved};
 
 /// Columns along the longest side of the body.
 const COLUMNS: f64 = 120.0;
@@ -93,8 +93,7 @@ impl View {
     pub fn along(body: &SurfaceMesh, pull: &Vec3) -> Self {
         let (frame, _) = Frame::new(*pull, *pull).expect("a direction is along itself");
         let rotation = frame.rotation;
-        let vertices: Vec<Vec3> = body.vertices.iter().map(|p| rotation * p).collect();
-        let surface = SurfaceMesh { vertices, triangles: body.triangles.clone() };
+        let surface = moved(body, |p| rotation * p);
         let (low, high) = bounds(&surface.vertices);
         let step = (high.x - low.x).max(high.y - low.y) / COLUMNS;
         let grid = Grid::over([low.x, low.y], [high.x, high.y], step);
@@ -106,11 +105,6 @@ impl View {
     pub fn extent(&self) -> [f64; 2] {
         let (low, high) = bounds(&self.surface.vertices);
         [low.z, high.z]
-    }
-
-    /// Distance of the columns: smaller depths are not resolved [m].
-    pub fn resolution(&self) -> f64 {
-        self.grid.step
     }
 
     /// Area covered by the body as seen [m²].
@@ -134,10 +128,7 @@ impl View {
             place.upper = false;
         }
         let facets: Vec<f64> = upper.0.iter().zip(&lower.0).map(|(a, b)| a.max(*b)).collect();
-        let area = |t: usize| {
-            let [a, b, c] = self.surface.corners(t);
-            triangle_area(a, b, c)
-        };
+        let area = |t: usize| self.surface.area(t);
         let all: f64 = (0..facets.len()).map(area).sum();
         let hidden: f64 = (0..facets.len()).filter(|&t| facets[t] > self.grid.step).map(area).sum();
         let trapped = [upper.1, lower.1].concat();
@@ -156,7 +147,7 @@ impl View {
     ) -> (Vec<f64>, Vec<Trapped>) {
         let floor = |column: &[Layer]| match parting {
             PartingHeight::Plane(z) => sign * z,
-            PartingHeight::Middle => middle_of_longest(column),
+            PartingHeight::Middle => middle_of_longest(column).unwrap_or(f64::NEG_INFINITY),
         };
         let mut first = Vec::with_capacity(columns.len());
         // By layers: what is trapped below each.
@@ -335,11 +326,6 @@ impl Trapped {
     }
 }
 
-fn middle_of_longest(column: &[Layer]) -> f64 {
-    let longest = column.iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    longest.map_or(f64::NEG_INFINITY, |layer| (layer[0] + layer[1]) / 2.0)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -365,7 +351,7 @@ mod tests {
             for parting in [PartingHeight::Middle, PartingHeight::Plane(0.0)] {
                 let undercut = view.undercut(parting);
                 assert!(undercut.share < 1e-2, "{}", undercut.share);
-                assert!(undercut.depth < view.resolution());
+                assert!(undercut.depth < view.grid.step);
                 assert_eq!(view.worst(&undercut), None);
             }
         }
@@ -379,9 +365,9 @@ mod tests {
         let ball = Solid::sphere(&Vec3::zeros(), 1.0, 256).to_surface();
         let view = View::along(&ball, &Vec3::z());
         let undercut = view.undercut(PartingHeight::Plane(-0.8));
-        let shallow = (1.0 - (1.0 - 2.0 * view.resolution()).powi(2)).sqrt();
+        let shallow = (1.0 - (1.0 - 2.0 * view.grid.step).powi(2)).sqrt();
         assert!((0.4 - shallow / 2.0..0.4).contains(&undercut.share), "{}", undercut.share);
-        assert!((undercut.depth - 0.4).abs() < view.resolution(), "{}", undercut.depth);
+        assert!((undercut.depth - 0.4).abs() < view.grid.step, "{}", undercut.depth);
         let worst = view.worst(&undercut).unwrap();
         assert!((worst.width - 2.0).abs() < 0.3, "{worst:?}");
     }
@@ -393,11 +379,11 @@ mod tests {
         let undercut = along.undercut(PartingHeight::Plane(10.0));
         // Both faces between the discs: 2π(10² − 4²), and the stem 2π·4·10 of radius 4,
         // whose columns are full.
-        assert!((undercut.depth - 6.0).abs() < 2.0 * along.resolution(), "{}", undercut.depth);
+        assert!((undercut.depth - 6.0).abs() < 2.0 * along.grid.step, "{}", undercut.depth);
         let worst = along.worst(&undercut).unwrap();
         // By 6 on both sides of a disc 20 wide.
         assert!((worst.ratio - 12.0 / 20.0).abs() < 0.06, "{worst:?}");
-        assert!((worst.opposite - 6.0).abs() < 2.0 * along.resolution(), "{worst:?}");
+        assert!((worst.opposite - 6.0).abs() < 2.0 * along.grid.step, "{worst:?}");
         // Each side by itself.
         assert!((along.steepest(&undercut) - 6.0 / 20.0).abs() < 0.03, "{worst:?}");
         assert!((worst.at.z - 17.5).abs() < 1e-9 || (worst.at.z - 2.5).abs() < 1e-9);
@@ -415,7 +401,7 @@ mod tests {
         let undercut = view.undercut(PartingHeight::Plane(1.0));
         let worst = view.worst(&undercut).unwrap();
         // The open side is nearer across the plate: 2 from either side, squeezed from both.
-        assert!((worst.depth - 2.0).abs() < 2.0 * view.resolution(), "{worst:?}");
+        assert!((worst.depth - 2.0).abs() < 2.0 * view.grid.step, "{worst:?}");
         assert!((worst.width - 4.0).abs() < 1e-9, "{worst:?}");
         // Of a bracket along a wall, only the front is open.
         let wall = Solid::cube(&Vec3::new(-2.0, -20.0, 0.0), &Vec3::new(2.0, 20.0, 10.0));
@@ -423,7 +409,7 @@ mod tests {
         let view = View::along(&wall.union(&plate).to_surface(), &Vec3::z());
         let undercut = view.undercut(PartingHeight::Plane(1.0));
         let worst = view.worst(&undercut).unwrap();
-        assert!((worst.depth - 6.0).abs() < 2.0 * view.resolution(), "{worst:?}");
+        assert!((worst.depth - 6.0).abs() < 2.0 * view.grid.step, "{worst:?}");
         assert_eq!(worst.opposite, 0.0, "{worst:?}");
         assert!((worst.ratio - 0.6).abs() < 0.06, "{worst:?}");
     }

@@ -5,15 +5,15 @@ use mesh::Vec3;
 
 use super::gluing::{self, CAUGHT, Cut, Flat};
 use super::report::{Measure, Verdict};
-use super::{Casting, Locked, Plan, chamber_and_sheet, halves, pull};
+use super::{Casting, Locked, chamber_and_sheet, halves, pull};
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::body::orientation::Portion;
 use crate::config::Config;
 use crate::config::method::{Bodies, Castings, JudgedBy, Method};
-use crate::geometry::MM;
 use crate::geometry::girth::{self, Passage};
 use crate::geometry::walls::{self, Wall};
+use crate::geometry::{MM, place};
 
 /// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {
@@ -129,10 +129,10 @@ impl<'a> Judge<'a> {
         let wall = self.wall.get_or_insert_with(|| walls::thinnest(cast, boundary.beside.as_ref()));
         let Some(wall) = *wall else { return Ok(()) };
         let Wall { thickness, at, on } = wall;
-        let [x, y, z] = (at * MM).into();
+        let at = place(&at, 2);
         ensure!(
             !wall.is_thinner(least * (1.0 - self.config.shrinkage())),
-            "the silicone is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm of the {on}, casting.least_wall is {:.3} mm: thicken \
+            "the silicone is {:.3} mm thick at {at} of the {on}, casting.least_wall is {:.3} mm: thicken \
              the wall there, blunt the edge if it is one of less than 60°, or lower casting.least_wall",
             thickness * MM,
             least * MM
@@ -149,9 +149,9 @@ impl<'a> Judge<'a> {
             if let Some(Wall { thickness, at, .. }) = walls::too_thin(surface, None, in_design) {
                 let named = !core.chamber.is_empty();
                 let of = if named { format!(" of {:?}", core.chamber) } else { String::new() };
-                let [x, y, z] = (at * MM).into();
+                let at = place(&at, 2);
                 bail!(
-                    "the core{of} is {:.3} mm thick at ({x:.2}, {y:.2}, {z:.2}) mm, casting.least_core is {:.3} mm: widen the chamber \
+                    "the core{of} is {:.3} mm thick at {at}, casting.least_core is {:.3} mm: widen the chamber \
                      there, or lower casting.least_core",
                     thickness * MM,
                     least * MM
@@ -173,7 +173,7 @@ impl<'a> Judge<'a> {
                 Ok(vec![Casting::new("body", &boundary.filled, up, Portion::Whole, config)?])
             }
             Castings::Halves => {
-                let cut = self.halves().clone();
+                let cut = self.halves();
                 halves(boundary, &cut.normal, cut.offset, config)
             }
             Castings::ChamberAndSheet => {
@@ -241,22 +241,15 @@ impl<'a> Judge<'a> {
             return (false, reason);
         }
         let up = layout::up(self.boundary, self.config);
-        match layout::require_inlets_down(self.boundary, up) {
-            Ok(_) => {
-                let count: usize = self.boundary.cores.iter().map(|core| core.inlets.len()).sum();
-                let cores = match self.boundary.cores.len() {
-                    1 => "the core".into(),
-                    n => format!("{n} cores"),
-                };
-                (
-                    true,
-                    format!(
-                        "{cores} can be held, and leave, through {count} inlets that face down"
-                    ),
-                )
-            }
-            Err(error) => (false, error.to_string()),
+        if let Err(error) = layout::require_inlets_down(self.boundary, up) {
+            return (false, error.to_string());
         }
+        let count: usize = self.boundary.cores.iter().map(|core| core.inlets.len()).sum();
+        let cores = match self.boundary.cores.len() {
+            1 => "the core".into(),
+            n => format!("{n} cores"),
+        };
+        (true, format!("{cores} can be held, and leave, through {count} inlets that face down"))
     }
 
     fn pull_out(&mut self) -> (bool, String) {
@@ -278,24 +271,26 @@ impl<'a> Judge<'a> {
                 );
             }
         }
-        self.measures.push(Measure {
-            name: "girth of the core over girth of its inlet".into(),
-            value: worst,
-            unit: String::new(),
-            limit: Some(limit),
-            meaning:
-                "longest outline of a section of the core across the inlet's axis, over that of \
-                      the inlet's rim or of a section nearer to it through which it has to pass; \
-                      the limit is a judgement"
-                    .into(),
-        });
+        self.note(
+            "girth of the core over girth of its inlet",
+            [worst, limit],
+            "longest outline of a section of the core across the inlet's axis, over that of the inlet's rim or of a section \
+             nearer to it through which it has to pass; the limit is a judgement",
+        );
         (worst <= limit, words)
+    }
+
+    /// Keeps a ratio that was measured, with its limit.
+    fn note(&mut self, name: &str, [value, limit]: [f64; 2], meaning: &str) {
+        let (name, meaning) = (name.into(), meaning.into());
+        let measure = Measure { name, value, unit: String::new(), limit: Some(limit), meaning };
+        self.measures.push(measure);
     }
 
     fn open_top(&mut self) -> (bool, String) {
         let limit = self.config.limits.flat;
         self.flat = gluing::flattest(self.boundary);
-        let Some(Flat { cut, share, .. }) = &self.flat else {
+        let Some(Flat { cut, share, .. }) = self.flat.clone() else {
             return (false, "the chamber has no wall besides its inlets".into());
         };
         let percent = 100.0 * share;
@@ -303,24 +298,20 @@ impl<'a> Judge<'a> {
         let words = format!(
             "the largest flat wall of the chamber, across {across}, covers {percent:.1} % of its outline"
         );
-        self.measures.push(Measure {
-            name: "flat wall over outline of the chamber".into(),
-            value: *share,
-            unit: String::new(),
-            limit: Some(limit),
-            meaning:
-                "area of the chamber's wall within 5 µm of a plane with all of the chamber on one \
-                      side, over the area of the chamber as seen across it; the limit is a judgement"
-                    .into(),
-        });
+        self.note(
+            "flat wall over outline of the chamber",
+            [share, limit],
+            "area of the chamber's wall within 5 µm of a plane with all of the chamber on one side, over the area of the chamber \
+             as seen across it; the limit is a judgement",
+        );
         let (ratio, peel) = (cut.core_ratio, self.config.limits.peel);
         // The reason that decides comes first, without limits that hold.
         let against = if cut.missed > 0 {
-            missed(cut, self.boundary)
-        } else if *share < limit {
+            missed(&cut, self.boundary)
+        } else if share < limit {
             return (false, format!("{words}, limits.flat is {:.1} %; {cutting}", 100.0 * limit));
         } else if cut.caught > CAUGHT {
-            blocked(cut)
+            blocked(&cut)
         } else if ratio > peel {
             format!(
                 "silicone below the core must give way by {ratio:.2} of its width, limits.peel is {peel:.2}"
@@ -334,41 +325,36 @@ impl<'a> Judge<'a> {
     fn in_halves(&mut self) -> (bool, String) {
         let limit = self.config.limits.peel;
         let cut = self.halves();
-        let cut = cut.clone();
-        let (ratio, caught, blocked) = (cut.core_ratio, cut.caught, blocked(&cut));
+        let ratio = cut.core_ratio;
         let words = format!(
             "{}; below the core silicone must give way by {ratio:.2} of its width, limits.peel is {limit:.2}",
             cut.describe()
         );
-        self.measures.push(Measure {
-            name: "undercut of the half cores".into(),
-            value: ratio,
-            unit: String::new(),
-            limit: Some(limit),
-            meaning:
-                "depth of what is caught below a half core over its width; the limit is a judgement"
-                    .into(),
-        });
-        if cut.missed > 0 {
-            return (false, format!("{words}; {}", missed(&cut, self.boundary)));
-        }
-        if caught > CAUGHT {
-            return (false, format!("{words}; {blocked}"));
-        }
-        (ratio <= limit, words)
+        self.note(
+            "undercut of the half cores",
+            [ratio, limit],
+            "depth of what is caught below a half core over its width; the limit is a judgement",
+        );
+        let against = match () {
+            () if cut.missed > 0 => missed(&cut, self.boundary),
+            () if cut.caught > CAUGHT => blocked(&cut),
+            () => return (ratio <= limit, words),
+        };
+        (false, format!("{words}; {against}"))
     }
 
     /// The plane in which halves are glued.
-    pub fn halves(&mut self) -> &Cut {
+    fn halves(&mut self) -> Cut {
         let (boundary, config) = (self.boundary, self.config);
-        self.halves.get_or_insert_with(|| {
+        let cut = self.halves.get_or_insert_with(|| {
             let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
             normals.extend(gluing::walls(boundary));
             let inlets = boundary.cores.iter().flat_map(|core| &core.inlets);
             normals.extend(inlets.flat_map(|inlet| pull::usable(&inlet.normal)));
             normals.extend(pull::hemisphere());
             gluing::best(boundary, &config.gluing, &normals, config.limits.peel)
-        })
+        });
+        cut.clone()
     }
 }
 
@@ -393,9 +379,4 @@ fn required_stretch(core: &CoreBoundary, inlet: &Inlet) -> (f64, String) {
         depth * 1e3
     );
     (passage.ratio(), bottleneck)
-}
-
-/// What to do with the castings, in order.
-pub fn steps(plan: &Plan) -> Vec<String> {
-    (plan.method.steps)(plan.chambers).iter().map(|step| (*step).to_string()).collect()
 }

@@ -9,7 +9,7 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use serde::Deserialize;
 
 use super::closed_mold::ClosedMold;
-use super::origins::{Origins, boundary_of};
+use super::origins::boundary_of;
 use super::{Line, Status, deviation};
 use crate::body::source::CastPart;
 use crate::config::Casts;
@@ -26,19 +26,18 @@ const BETWEEN: f64 = 1.2;
 const SAMPLES: usize = 20_000;
 
 /// The checks of a mold whose cavity has the surface `cavity` [mm], besides that with what was to be cast.
-pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh, origins: &Origins) -> Vec<Line> {
-    let report = &mold.report;
+pub fn checks(mold: &ClosedMold, cavity: &SurfaceMesh) -> Vec<Line> {
+    let ClosedMold { report, origins, .. } = mold;
     let name = "surface: mold to CAD";
     let Some(model) = &origins.model else {
-        let needed = "the CAD surface; fab mold --model names it";
-        return vec![
-            Line::new(name, false, "not compared, no CAD is named".into(), needed).or_warning(),
-        ];
+        let (found, needed) =
+            ("not compared, no CAD is named", "the CAD surface; fab mold --model names it");
+        return vec![Line::new(name, false, found.into(), needed).or_warning()];
     };
     let compare = || {
         origins.require_unchanged(&report.input)?;
         let (model, chord) = read_model(model)?;
-        let pair = MoldAndCad { mold, cavity, origins, model, chord };
+        let pair = MoldAndCad { mold, cavity, model, chord };
         let mut lines = Vec::new();
         // The CAD has neither what was designed nor a groove.
         if origins.modelled.is_none() && report.groove.is_none() {
@@ -65,7 +64,6 @@ struct MoldAndCad<'a> {
     mold: &'a ClosedMold,
     /// Surface of its cavity [mm].
     cavity: &'a SurfaceMesh,
-    origins: &'a Origins,
     /// The CAD surface [m].
     model: SurfaceMesh,
     /// How far its triangles are from the faces of the CAD, where that is known [m].
@@ -89,22 +87,17 @@ fn read_model(path: &Path) -> Result<(SurfaceMesh, f64), String> {
 }
 
 impl MoldAndCad<'_> {
-    /// How much larger the mold is than the body, in millimetres for each metre.
-    fn scale(&self) -> f64 {
-        Vec3::from_fn(|i, _| self.mold.report.design_to_mold[0][i]).norm()
-    }
-
     /// The largest distance of the CAD from the mold.
     fn to_cad(&self, name: &str) -> Option<Line> {
         let Self { mold, cavity, model, .. } = self;
         let report = &mold.report;
         let vertices = model.vertices.iter().copied().chain(measure::spread(model, SAMPLES));
         let points = SurfaceMesh { vertices: vertices.collect(), triangles: Vec::new() };
-        let placed = deviation::placed(points, report);
+        let placed = deviation::placed(&points, report);
         let bvh = SurfaceBvh::new(cavity);
         let cast = placed.vertices.iter().filter(|p| is_cast(p, report));
         let off = cast.map(|p| bvh.closest(p).distance).reduce(f64::max)?;
-        let (chord, limit) = (self.chord * self.scale(), CAD + 2.0 * mold.rounding);
+        let (chord, limit) = (self.chord * report.scale(), CAD + 2.0 * mold.rounding);
         let mut line = Line::at_most(name, off + chord, limit, "mm");
         if chord > 0.0 {
             line.needed += &format!(", {chord:.4} mm of it between model.stl and the CAD");
@@ -124,15 +117,15 @@ impl MoldAndCad<'_> {
 
     /// The largest distance of the mold from the design, which is off the CAD by the envelope of the mesher.
     fn to_design(&self) -> Result<Line, String> {
-        let Self { mold, cavity, origins, model, .. } = self;
-        let report = &mold.report;
+        let Self { mold, cavity, model, .. } = self;
+        let ClosedMold { report, origins, .. } = mold;
         let modelled = boundary_of(origins.modelled.as_ref().unwrap_or(&origins.design))?;
         let film = deviation::SURFACE + 2.0 * mold.rounding;
         // The whole design, as the part that is cast may be cut off: where a plane grazes a wall, sections of the two differ by far more than the walls.
         let design = origins.whole(report, Casts::Mesh)?;
         let (there, at) =
             deviation::deviation(cavity, &design, film, |p| is_off_section(p, report, film));
-        let limit = BETWEEN * apart(&modelled, model) * self.scale() + film;
+        let limit = BETWEEN * apart(&modelled, model) * report.scale() + film;
         let mut line = Line::at_most("surface: mold to design", there, limit, "mm").placed(&at);
         line.needed += ", as the mesh is off the CAD";
         Ok(line)

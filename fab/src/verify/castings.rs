@@ -19,7 +19,7 @@ const GLUE: f64 = 1e-2;
 
 /// All checks of a plan that divides the body; a casting of the whole is compared with the
 /// design itself.
-pub fn checks(folder: &Path, plan: &PlanReport, against: Against) -> Vec<Line> {
+pub fn checks(folder: &Path, plan: &PlanReport, against: &Against) -> Vec<Line> {
     let read = |entry: &Entry| MoldReport::read(&folder.join(&entry.folder)).ok();
     let reports: Vec<MoldReport> = plan.molds.iter().filter_map(read).collect();
     let Some(first) = reports.first() else { return Vec::new() };

@@ -28,19 +28,24 @@ const MOUTH: f64 = 0.1;
 /// All checks of features.
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = Vec::new();
-    for purpose in [Purpose::Sprue, Purpose::Vent, Purpose::Key, Purpose::Socket, Purpose::Bolt] {
-        let same = mold.report.features.iter().filter(|f| f.purpose == purpose);
-        for (i, outline) in same.enumerate() {
-            let name = format!("{} {}", purpose.name(), i + 1);
+    let report = &mold.report;
+    for (purpose, kind) in [
+        (Purpose::Sprue, "sprue"),
+        (Purpose::Vent, "vent"),
+        (Purpose::Key, "key"),
+        (Purpose::Socket, "socket"),
+        (Purpose::Bolt, "bolt"),
+    ] {
+        for (i, outline) in report.outlines(purpose).enumerate() {
+            let name = format!("{kind} {}", i + 1);
             match purpose {
-                Purpose::Sprue | Purpose::Vent => lines.extend(open(mold, &name, outline)),
                 Purpose::Key => lines.push(engaged(mold, &name, outline)),
                 Purpose::Socket => lines.extend(seated(mold, &name, outline)),
                 Purpose::Bolt => lines.push(joins(mold, &name, outline)),
-                Purpose::Pry | Purpose::Drain | Purpose::Pin => {}
+                _ => lines.extend(open(mold, &name, outline)),
             }
         }
-        if purpose == Purpose::Sprue && lines.is_empty() && !mold.report.open {
+        if purpose == Purpose::Sprue && lines.is_empty() && !report.open {
             lines.push(Line::new("sprue", false, "0 sprues".into(), "1 sprue"));
         }
     }

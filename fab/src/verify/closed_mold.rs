@@ -7,6 +7,7 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 
 use super::Line;
+use super::origins::Origins;
 use crate::files::report::{MoldReport, Role};
 
 /// By how much channels and gaps are taken wider than they were cut [mm].
@@ -28,6 +29,8 @@ pub struct Files {
 pub struct Body {
     /// The name.
     pub name: String,
+    /// The surface of its file, in the closed mold [mm].
+    pub surface: SurfaceMesh,
     /// The shape in the closed mold [mm].
     pub solid: Solid,
     /// Volume [mm³].
@@ -42,6 +45,8 @@ pub struct Body {
 pub struct ClosedMold {
     /// The report that `fab mold` wrote.
     pub report: MoldReport,
+    /// Where the files of the body are.
+    pub origins: Origins,
     /// Shells, in the order of the report.
     pub shells: Vec<Body>,
     /// Cores.
@@ -81,12 +86,10 @@ pub fn read(folder: &Path, report: MoldReport) -> (Vec<Line>, Option<Files>) {
     for file in report.files() {
         match read_surface(&folder.join(file)) {
             Ok(surface) => surfaces.push(surface),
-            Err(error) => lines.push(Line::new(
-                format!("{file}: readable"),
-                false,
-                error.to_string(),
-                "a complete STL file",
-            )),
+            Err(error) => {
+                let (name, found) = (format!("{file}: readable"), error.to_string());
+                lines.push(Line::new(name, false, found, "a complete STL file"));
+            }
         }
     }
     if surfaces.len() < report.files().count() {
@@ -115,25 +118,22 @@ impl ClosedMold {
     ///
     /// # Panics
     /// If a surface is not closed, oriented and manifold.
-    pub fn new(files: Files) -> Self {
+    pub fn new(files: Files, origins: Origins) -> Self {
         let Files { report, parts, cast, outside } = files;
         let points: Vec<Vec3> = parts.iter().flat_map(|s| s.vertices.iter().copied()).collect();
         let reach = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
         let rounding = 3.0_f64.sqrt() * reach * 2.0_f64.powi(-24);
         let (mut shells, mut cores) = (Vec::new(), Vec::new());
-        let mut shell_points = Vec::new();
-        for (surface, part) in parts.iter().zip(&report.parts) {
+        for (surface, part) in parts.into_iter().zip(&report.parts) {
             let body = Body::new(&part.name, surface, Vec3::from(part.demolding));
             match part.role {
-                Role::Shell => {
-                    shell_points.extend_from_slice(&surface.vertices);
-                    shells.push(body);
-                }
+                Role::Shell => shells.push(body),
                 Role::Core => cores.push(body),
             }
         }
-        let bounds = measure::bounds(&shell_points);
-        let outside = Body::new("outside", &outside, Vec3::zeros());
+        let of_shells = shells.iter().flat_map(|shell| &shell.surface.vertices).copied();
+        let bounds = measure::bounds(&of_shells.collect::<Vec<_>>());
+        let outside = Body::new("outside", outside, Vec3::zeros());
         let solids = shells.iter().chain(&cores);
         let whole = outside.solid.clone();
         let cavity = solids.fold(whole, |rest, body| rest.difference(&body.solid));
@@ -141,8 +141,8 @@ impl ClosedMold {
         // A little wider than they were cut, so that rounding leaves no film beside them.
         let wider = report.features.iter().map(|outline| outline.frustum().grown(WIDER).solid());
         let channels = wider.fold(empty, |all, outline| all.union(&outline));
-        let cast = Body::new("cast", &cast, Vec3::zeros());
-        Self { report, shells, cores, cast, bounds, outside, rounding, cavity, channels }
+        let cast = Body::new("cast", cast, Vec3::zeros());
+        Self { report, origins, shells, cores, cast, bounds, outside, rounding, cavity, channels }
     }
 
     /// Largest change of a volume with this boundary area by rounding [mm³].
@@ -157,14 +157,9 @@ impl ClosedMold {
 }
 
 impl Body {
-    fn new(name: &str, surface: &SurfaceMesh, demolding: Vec3) -> Self {
-        let solid = Solid::from_surface(surface).expect("the surface was checked");
-        Self {
-            name: name.into(),
-            volume: measure::enclosed_volume(surface),
-            area: measure::area(surface),
-            solid,
-            demolding,
-        }
+    fn new(name: &str, surface: SurfaceMesh, demolding: Vec3) -> Self {
+        let solid = Solid::from_surface(&surface).expect("the surface was checked");
+        let (volume, area) = (measure::enclosed_volume(&surface), measure::area(&surface));
+        Self { name: name.into(), surface, solid, volume, area, demolding }
     }
 }

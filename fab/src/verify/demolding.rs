@@ -7,7 +7,6 @@
 //! undercut; it is a warning only, because silicone gives way and can be peeled out.
 
 use mesh::bvh::SurfaceBvh;
-use mesh::{SurfaceMesh, measure};
 use rayon::prelude::*;
 
 use super::Line;
@@ -59,15 +58,14 @@ fn comes_off(mold: &ClosedMold, shell: &Body, left: &[Body]) -> Line {
 /// Nothing lies in the path of the shell, however far.
 fn path(mold: &ClosedMold, shell: &Body, left: &[Body]) -> Line {
     let surface = shell.solid.to_surface();
-    let surfaces: Vec<SurfaceMesh> = left.iter().map(|body| body.solid.to_surface()).collect();
-    let others: Vec<SurfaceBvh> = surfaces.iter().map(SurfaceBvh::new).collect();
+    let others: Vec<SurfaceBvh> =
+        left.iter().map(|body| SurfaceBvh::new(&body.solid.to_surface())).collect();
     let seen = |t: usize| {
-        let [a, b, c] = surface.corners(t);
-        let toward = measure::triangle_normal(a, b, c).dot(&shell.demolding);
+        let toward = surface.normal(t).dot(&shell.demolding);
         if toward < SLIDING {
             return [0.0; 2];
         }
-        let area = measure::triangle_area(a, b, c) * toward;
+        let area = surface.area(t) * toward;
         let from = surface.centroid(t);
         // What is left behind at once only touches.
         let meets = |other: &SurfaceBvh| {

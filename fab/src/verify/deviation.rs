@@ -2,9 +2,10 @@
 
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
-use mesh::{SurfaceMesh, Vec3, measure};
+use mesh::{SurfaceMesh, Vec3};
 
 use crate::files::report::MoldReport;
+use crate::geometry::frame::moved;
 
 /// Largest distance between the cast and the surface that is to be cast, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].
@@ -14,13 +15,9 @@ pub const SURFACE: f64 = 5e-3;
 const ROUND: f64 = 0.99;
 
 /// A surface of the design, in the mold's millimetres.
-pub fn placed(mut surface: SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
-    let m = report.design_to_mold;
-    for p in &mut surface.vertices {
-        let row = |r: [f64; 4]| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
-        *p = Vec3::new(row(m[0]), row(m[1]), row(m[2]));
-    }
-    surface
+pub fn placed(surface: &SurfaceMesh, report: &MoldReport) -> SurfaceMesh {
+    let row = |r: [f64; 4], p: &Vec3| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
+    moved(surface, |p| Vec3::from(report.design_to_mold.map(|r| row(r, p))))
 }
 
 /// Largest distance of `from` to `to`, without films thinner than `film`: where
@@ -45,10 +42,10 @@ pub fn deviation(
     let mut worst = (0.0, Vec3::zeros());
     for t in 0..from.triangles.len() {
         let [a, b, c] = from.corners(t);
-        if measure::triangle_area(a, b, c) == 0.0 {
+        if from.area(t) == 0.0 {
             continue;
         }
-        let below = measure::triangle_normal(a, b, c) * film;
+        let below = from.normal(t) * film;
         // The ball itself, and one as deep again: near an edge the first may not fit.
         let is_thick = |p: &Vec3| {
             [0.5, 1.0].into_iter().map(|depth| p - below * depth).any(|middle| {

@@ -14,13 +14,11 @@
 
 use std::collections::BinaryHeap;
 
-use mesh::Vec3;
-use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
-use rayon::prelude::*;
 
 use super::closed_mold::ClosedMold;
 use super::{Line, Status};
+use crate::geometry::columns::{Grid, Layer, layers};
 use crate::mold::Purpose;
 
 /// Distance between columns, at least: four of them find every channel, as a vent is
@@ -46,18 +44,17 @@ const MUCH: f64 = 2e-2;
 /// All checks of filling.
 pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let columns = Columns::new(&poured(mold), &mold.outside.solid);
-    let escape = columns.escape();
     let (mut unreached, mut trapped, mut deepest) = (0.0, 0.0, 0.0_f64);
-    for (interval, level) in columns.intervals.iter().zip(&escape) {
-        let height = interval.top - level.unwrap_or(interval.bottom);
-        match level {
-            None => unreached += height,
-            Some(_) if height > SHALLOW => trapped += height,
-            Some(_) => {}
+    for ([bottom, top], level) in columns.escape() {
+        match level.map(|level| top - level) {
+            None => unreached += top - bottom,
+            Some(height) => {
+                trapped += if height > SHALLOW { height } else { 0.0 };
+                deepest = deepest.max(height);
+            }
         }
-        deepest = deepest.max(if level.is_some() { height } else { 0.0 });
     }
-    let percent = 100.0 * columns.step * columns.step / mold.cast.volume;
+    let percent = 100.0 * columns.grid.step * columns.grid.step / mold.cast.volume;
     let unit = "% of the body";
     // A column on the rim of the body may miss the opening to its neighbours.
     let reached = Line::at_most("filling: not reached", percent * unreached, 100.0 * SOME, unit);
@@ -78,100 +75,57 @@ fn poured(mold: &ClosedMold) -> Solid {
     mold.parts().fold(inside, |rest, part| rest.difference(&part.solid))
 }
 
-/// A stretch of a column within a solid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Interval {
-    bottom: f64,
-    top: f64,
-}
-
-/// A solid as upright columns on a square grid.
+/// A solid as upright columns.
 struct Columns {
-    step: f64,
+    grid: Grid,
     /// Height above which each column is open to the sky.
     sky: Vec<f64>,
-    /// Columns along x.
-    width: usize,
-    /// The first interval of each column, and one more.
-    first: Vec<usize>,
-    intervals: Vec<Interval>,
+    /// The intervals of each.
+    columns: Vec<Vec<Layer>>,
 }
 
 impl Columns {
     /// Columns of `solid`, open to the sky where they reach the surface of `outside`.
     fn new(solid: &Solid, outside: &Solid) -> Self {
-        let surface = solid.to_surface();
         let (low, high) = solid.bounds();
         let size = high - low;
         let step = STEP.max((size.x * size.y / MOST).sqrt());
-        let [width, depth] = [size.x, size.y].map(|s| (s / step).ceil().max(1.0) as usize);
-        let bvh = SurfaceBvh::new(&surface);
-        let cover = SurfaceBvh::new(&outside.to_surface());
-        let up = |t: usize| {
-            let [a, b, c] = surface.corners(t);
-            (b - a).cross(&(c - a)).z > 0.0
-        };
-        let column = |i: usize| {
-            let x = low.x + (0.5 + (i % width) as f64) * step;
-            let y = low.y + (0.5 + (i / width) as f64) * step;
-            let from = Vec3::new(x, y, low.z - 1.0);
-            let top = cover.ray(&from, &Vec3::z()).last().map_or(f64::INFINITY, |hit| hit.0);
-            let hits = bvh.ray(&from, &Vec3::z()).into_iter();
-            (from.z + top - REACHED, stretches(hits.map(|(s, t)| (from.z + s, up(t)))))
-        };
-        let columns = (0..width * depth).into_par_iter().map(column);
-        let (sky, columns): (Vec<f64>, Vec<Vec<Interval>>) = columns.unzip();
-        let mut first = vec![0];
-        first.extend(columns.iter().scan(0, |end, column| {
-            *end += column.len();
-            Some(*end)
-        }));
-        Self { step, sky, width, first, intervals: columns.concat() }
+        let count = [size.x, size.y].map(|s| (s / step).ceil().max(1.0) as usize);
+        let grid = Grid { origin: [low.x, low.y].map(|x| x + 0.5 * step), step, count };
+        let top = |column: &Vec<Layer>| column.last().map_or(f64::INFINITY, |[_, top]| *top);
+        let cover = layers(&outside.to_surface(), &grid);
+        let sky = cover.iter().map(|column| top(column) - REACHED).collect();
+        Self { sky, columns: layers(&solid.to_surface(), &grid), grid }
     }
 
-    /// The intervals beside an interval of column `c`, with the opening between the two.
-    fn beside(&self, c: usize, i: usize) -> impl Iterator<Item = (usize, usize, Interval)> {
-        let rows = (self.first.len() - 1) / self.width;
-        let (x, y) = (c % self.width, c / self.width);
-        let left = (x > 0).then(|| c - 1);
-        let right = (x + 1 < self.width).then(|| c + 1);
-        let front = (y > 0).then(|| c - self.width);
-        let back = (y + 1 < rows).then(|| c + self.width);
-        let own = self.intervals[i];
-        [left, right, front, back].into_iter().flatten().flat_map(move |d| {
-            (self.first[d]..self.first[d + 1]).filter_map(move |j| {
-                let other = self.intervals[j];
-                let (bottom, top) = (own.bottom.max(other.bottom), own.top.min(other.top));
-                (bottom < top).then_some((d, j, Interval { bottom, top }))
-            })
-        })
-    }
-
-    /// E of every interval; none where no air escapes at all.
-    fn escape(&self) -> Vec<Option<f64>> {
-        let mut level = vec![None; self.intervals.len()];
+    /// All intervals with their E; none where no air escapes at all.
+    fn escape(&self) -> impl Iterator<Item = (Layer, Option<f64>)> {
+        let mut levels: Vec<Vec<Option<f64>>> =
+            self.columns.iter().map(|column| vec![None; column.len()]).collect();
         let mut heap = BinaryHeap::new();
-        for c in 0..self.first.len() - 1 {
-            for i in self.first[c]..self.first[c + 1] {
-                let top = self.intervals[i].top;
-                if top >= self.sky[c] {
-                    heap.push(Reached { level: top, column: c, interval: i });
-                }
+        for (c, column) in self.columns.iter().enumerate() {
+            for (i, &[_, top]) in column.iter().enumerate().filter(|(_, l)| l[1] >= self.sky[c]) {
+                heap.push(Reached { level: top, interval: (c, i) });
             }
         }
-        while let Some(Reached { level: from, column, interval }) = heap.pop() {
-            if level[interval].is_some() {
+        while let Some(Reached { level: from, interval: (c, i) }) = heap.pop() {
+            if levels[c][i].is_some() {
                 continue;
             }
-            level[interval] = Some(from);
-            for (d, j, opening) in self.beside(column, interval) {
-                let height = opening.top.min(from);
-                if level[j].is_none() && height >= opening.bottom {
-                    heap.push(Reached { level: height, column: d, interval: j });
+            levels[c][i] = Some(from);
+            let own = self.columns[c][i];
+            for d in self.grid.neighbours(c) {
+                for (j, other) in self.columns[d].iter().enumerate() {
+                    // The opening between the two.
+                    let (bottom, top) = (own[0].max(other[0]), own[1].min(other[1]));
+                    let height = top.min(from);
+                    if levels[d][j].is_none() && bottom < top && height >= bottom {
+                        heap.push(Reached { level: height, interval: (d, j) });
+                    }
                 }
             }
         }
-        level
+        self.columns.iter().flatten().copied().zip(levels.into_iter().flatten())
     }
 }
 
@@ -179,8 +133,8 @@ impl Columns {
 #[derive(PartialEq)]
 struct Reached {
     level: f64,
-    column: usize,
-    interval: usize,
+    /// Its column, and which it is there.
+    interval: (usize, usize),
 }
 
 impl Eq for Reached {}
@@ -197,27 +151,10 @@ impl PartialOrd for Reached {
     }
 }
 
-/// Stretches inside, from crossings in ascending order, each with whether the surface
-/// faces up there. A crossing in an edge is reported by both of its triangles.
-fn stretches(crossings: impl Iterator<Item = (f64, bool)>) -> Vec<Interval> {
-    let mut found = Vec::new();
-    let mut bottom = None;
-    for (z, up) in crossings {
-        match (bottom, up) {
-            (None, false) => bottom = Some(z),
-            (Some(low), true) => {
-                found.push(Interval { bottom: low, top: z });
-                bottom = None;
-            }
-            _ => {}
-        }
-    }
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mesh::Vec3;
 
     fn cube(low: [f64; 3], high: [f64; 3]) -> Solid {
         Solid::cube(&Vec3::from(low), &Vec3::from(high))
@@ -227,12 +164,15 @@ mod tests {
     fn air(solid: &Solid, sky: f64) -> (f64, f64) {
         let outside = cube([-9.0; 3], [29.0, 29.0, sky]);
         let columns = Columns::new(solid, &outside);
-        let area = columns.step * columns.step;
-        let escape = columns.escape();
-        let levels = columns.intervals.iter().zip(&escape);
-        let trapped = levels.clone().map(|(i, e)| e.map_or(0.0, |e| i.top - e)).sum::<f64>();
-        let closed = levels.map(|(i, e)| e.map_or(i.top - i.bottom, |_| 0.0)).sum::<f64>();
-        (area * trapped, area * closed)
+        let area = columns.grid.step * columns.grid.step;
+        let (mut trapped, mut closed) = (0.0, 0.0);
+        for ([bottom, top], level) in columns.escape() {
+            match level {
+                Some(level) => trapped += area * (top - level),
+                None => closed += area * (top - bottom),
+            }
+        }
+        (trapped, closed)
     }
 
     #[test]

@@ -1,15 +1,12 @@
 //! The parts fit each other, and the mold cavity between them is the designed body.
 
-use std::path::Path;
-
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, measure};
 use program::sha256_file;
 
 use super::closed_mold::{Body, ClosedMold};
 use super::deviation::{SURFACE, deviation};
-use super::origins::Origins;
-use super::{Against, Line, Status, cad};
+use super::{Line, Status, cad};
 use crate::body::source::CastPart;
 use crate::config::Casts;
 use crate::files::report::MoldReport;
@@ -24,14 +21,14 @@ const BALANCE: f64 = 1e-6;
 const SAMPLES: usize = 20_000;
 
 /// All checks of fit.
-pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let mut lines = vec![block(mold)];
     lines.extend(overlaps(mold));
     // Channels and gaps, where the body does not reach into them.
     let voids = mold.cavity.intersection(&mold.channels).difference(&mold.cast.solid);
     lines.push(balance(mold, &voids));
     lines.push(leaks(mold, &voids));
-    lines.extend(surface(mold, &voids, &Origins::new(folder, &mold.report.input, against)));
+    lines.extend(surface(mold, &voids));
     lines
 }
 
@@ -51,12 +48,8 @@ fn overlaps(mold: &ClosedMold) -> Vec<Line> {
         for b in &bodies[i + 1..] {
             let shared = a.solid.intersection(&b.solid).volume();
             let limit = mold.volume_rounding(a.area + b.area);
-            lines.push(Line::at_most(
-                format!("overlap: {} and {}", a.name, b.name),
-                shared,
-                limit,
-                "mm³",
-            ));
+            let name = format!("overlap: {} and {}", a.name, b.name);
+            lines.push(Line::at_most(name, shared, limit, "mm³"));
         }
     }
     lines
@@ -79,8 +72,8 @@ fn leaks(mold: &ClosedMold, voids: &Solid) -> Line {
 }
 
 /// The mold cavity has the surface of the design.
-fn surface(mold: &ClosedMold, voids: &Solid, origins: &Origins) -> Vec<Line> {
-    let hash = match sha256_file(&origins.design) {
+fn surface(mold: &ClosedMold, voids: &Solid) -> Vec<Line> {
+    let hash = match sha256_file(&mold.origins.design) {
         Ok(hash) => hash,
         Err(error) => {
             let needed = "the design; give its place with --design";
@@ -88,37 +81,32 @@ fn surface(mold: &ClosedMold, voids: &Solid, origins: &Origins) -> Vec<Line> {
         }
     };
     let same = hash == mold.report.input.sha256;
-    let mut lines = vec![Line::new(
-        "design: unchanged",
-        same,
-        format!("sha256 {}", &hash[..12]),
-        &format!("{} as molded", mold.report.input.sha256.get(..12).unwrap_or_default()),
-    )];
+    let found = format!("sha256 {}", &hash[..12]);
+    let molded = mold.report.input.sha256.get(..12).unwrap_or_default();
+    let mut lines =
+        vec![Line::new("design: unchanged", same, found, &format!("{molded} as molded"))];
     if !same {
         return lines;
     }
-    match designed(origins, &mold.report, mold.report.input.surface) {
-        Ok(design) => lines.extend(distances(mold, voids, &design, origins)),
+    match designed(mold) {
+        Ok(design) => lines.extend(distances(mold, voids, &design)),
         Err(error) => lines.push(Line::new("design: readable", false, error, "a valid body")),
     }
     lines
 }
 
-/// What is to be cast of the surface `casts`, in the mold's millimetres.
-pub fn designed(
-    origins: &Origins,
-    report: &MoldReport,
-    casts: Casts,
-) -> Result<SurfaceMesh, String> {
-    let whole = origins.whole(report, casts)?;
+/// What is to be cast, in the mold's millimetres.
+fn designed(mold: &ClosedMold) -> Result<SurfaceMesh, String> {
+    let input = &mold.report.input;
+    let whole = mold.origins.whole(&mold.report, input.surface)?;
     let cut = |up: f64, height: f64| {
         let solid = Solid::from_surface(&whole).map_err(|e| e.to_string())?;
         Ok(solid.trim_by_plane(&(Vec3::z() * up), up * height).to_surface())
     };
-    match report.input.part {
+    match input.part {
         CastPart::Above(height) => cut(1.0, height),
         CastPart::Below(height) => cut(-1.0, height),
-        _ => Ok(whole),
+        CastPart::Whole => Ok(whole),
     }
 }
 
@@ -132,8 +120,8 @@ pub fn section(design: &SurfaceMesh, report: &MoldReport) -> f64 {
 }
 
 /// What is to be cast, in words.
-fn wanted(origins: &Origins, report: &MoldReport) -> &'static str {
-    match (report.input.surface, &origins.modelled) {
+fn wanted(mold: &ClosedMold) -> &'static str {
+    match (mold.report.input.surface, &mold.origins.modelled) {
         (Casts::Mesh, _) => "design",
         (Casts::Model, None) => "CAD",
         (Casts::Model, Some(_)) => "CAD and design",
@@ -141,12 +129,7 @@ fn wanted(origins: &Origins, report: &MoldReport) -> &'static str {
 }
 
 /// Distances between the largest piece of the mold cavity and what is to be cast, both ways.
-fn distances(
-    mold: &ClosedMold,
-    voids: &Solid,
-    design: &SurfaceMesh,
-    origins: &Origins,
-) -> Vec<Line> {
+fn distances(mold: &ClosedMold, voids: &Solid, design: &SurfaceMesh) -> Vec<Line> {
     let mut bodies = mold.cavity.difference(voids).decompose();
     plug(mold, design, &mut bodies);
     let Some(body) = bodies.first() else {
@@ -158,7 +141,7 @@ fn distances(
     let back = measure::hausdorff(design, &left, SAMPLES);
     let left_area = body.area() + mold.cavity.area();
     let off = (body.volume() - measure::enclosed_volume(design)).abs();
-    let wanted = wanted(origins, &mold.report);
+    let wanted = wanted(mold);
     let rounding = mold.volume_rounding(left_area);
     let mut lines = vec![
         Line::at_most(format!("surface: mold to {wanted}"), there, limit, "mm").placed(&at),
@@ -166,17 +149,16 @@ fn distances(
         Line::at_most(format!("volume: mold and {wanted}"), off, rounding, "mm³"),
         crumbs(mold, &bodies[1..]),
     ];
-    lines.extend(cad::checks(mold, &left, origins));
+    lines.extend(cad::checks(mold, &left));
     lines
 }
 
 /// Fills the holes that pins leave in the largest body, as is done after casting.
 fn plug(mold: &ClosedMold, design: &SurfaceMesh, bodies: &mut [Solid]) {
-    let pins = mold.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
     let (Some(body), Ok(design)) = (bodies.first_mut(), Solid::from_surface(design)) else {
         return;
     };
-    for pin in pins {
+    for pin in mold.report.outlines(Purpose::Pin) {
         *body = body.union(&pin.exact().intersection(&design));
     }
 }

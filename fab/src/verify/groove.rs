@@ -106,7 +106,7 @@ impl Probe {
 
 /// Pins stand beside the groove, as the thread goes around their holes.
 fn pins(mold: &ClosedMold, groove: &Solid) -> Line {
-    let pins = mold.report.features.iter().filter(|f| f.purpose == Purpose::Pin);
+    let pins = mold.report.outlines(Purpose::Pin);
     let cut = pins.filter(|pin| !pin.exact().intersection(groove).is_empty()).count();
     let found = format!("{cut} pins in it");
     Line::new(

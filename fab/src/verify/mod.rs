@@ -10,8 +10,8 @@
 //! A check that uses the same code as what it checks repeats its errors.
 //!
 //! - Independent, but for the crate `mesh` (files, Booleans, distances): `surfaces`, `fit` without
-//!   collars, `demolding`, `filling`. They use the written surfaces. `fit` and `filling`
-//!   take the outlines of channels and gaps from the report.
+//!   collars, `demolding`, `filling` but for its columns, which are those of `geometry::columns`. They use the written
+//!   surfaces. `fit` and `filling` take the outlines of channels and gaps from the report.
 //! - `walls`, `castings`: the silicone is measured by `mesh::walls`, by which the plan refuses thin
 //!   bodies.
 //! - `channels`: places and sizes of features come from the report. That there are enough features is not checked.
@@ -41,12 +41,13 @@ mod release;
 mod surfaces;
 mod walls;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mesh::io::IoError;
 use mesh::{SurfaceMesh, Vec3};
 
 pub use closed_mold::ClosedMold;
+use origins::Origins;
 
 use crate::files::report::MoldReport;
 use crate::plan::report as plan;
@@ -134,22 +135,26 @@ fn number(x: f64) -> String {
 }
 
 /// Where to find what a mold is compared with.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Against<'a> {
-    /// The design, if it is no longer where the report says.
-    pub design: Option<&'a Path>,
-    /// The surface that the design was meshed from, if it is no longer where the report says.
-    pub model: Option<&'a Path>,
-    /// The mesh as modelled, if it is no longer where the report says.
-    pub from: Option<&'a Path>,
-    /// A folder that `solver simulate` wrote for the design, for checks under load.
-    pub simulation: Option<&'a Path>,
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Against {
+    /// The design, if it is no longer where mold.json says
+    #[arg(long)]
+    pub design: Option<PathBuf>,
+    /// The surface that the design was meshed from, if it is no longer where mold.json says
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// The mesh as modelled, if it is no longer where mold.json says
+    #[arg(long, value_name = "MODELLED")]
+    pub from: Option<PathBuf>,
+    /// Folder that `solver simulate` wrote for the design: checks its walls under load
+    #[arg(long)]
+    pub simulation: Option<PathBuf>,
 }
 
 /// All checks of the molds in `folder`: of that of its mold.json, or of all that its
 /// plan.json lists.
-pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
-    if let Some(simulation) = against.simulation.filter(|folder| !folder.is_dir()) {
+pub fn verify(folder: &Path, against: &Against) -> Result<Vec<Line>, IoError> {
+    if let Some(simulation) = against.simulation.as_deref().filter(|folder| !folder.is_dir()) {
         let message = "there is no such folder; --simulation takes that of `solver simulate`";
         return Err(IoError::content(simulation, message));
     }
@@ -157,12 +162,12 @@ pub fn verify(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
         return verify_plan(folder, against);
     }
     let mut lines = verify_mold(folder, against, None)?;
-    lines.extend(inflated(folder, against.simulation)?);
+    lines.extend(inflated(folder, against.simulation.as_deref())?);
     Ok(lines)
 }
 
 /// All checks of the molds that the plan in `folder` lists.
-fn verify_plan(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
+fn verify_plan(folder: &Path, against: &Against) -> Result<Vec<Line>, IoError> {
     let plan = plan::PlanReport::read(folder)?;
     let mut lines = Vec::new();
     for entry in &plan.molds {
@@ -176,7 +181,7 @@ fn verify_plan(folder: &Path, against: Against) -> Result<Vec<Line>, IoError> {
     lines.extend(castings::checks(folder, &plan, against));
     // What is inflated is the whole body, whichever castings it is made of.
     if let Some(entry) = plan.molds.first() {
-        lines.extend(inflated(&folder.join(&entry.folder), against.simulation)?);
+        lines.extend(inflated(&folder.join(&entry.folder), against.simulation.as_deref())?);
     }
     lines.push(Line::new(
         "plan: molds",
@@ -197,7 +202,7 @@ fn inflated(folder: &Path, simulation: Option<&Path>) -> Result<Vec<Line>, IoErr
 /// All checks of one mold. Checks that need sound parts are left out if a part is not.
 fn verify_mold(
     folder: &Path,
-    against: Against,
+    against: &Against,
     plan: Option<&plan::PlanReport>,
 ) -> Result<Vec<Line>, IoError> {
     let report = MoldReport::read(folder)?;
@@ -205,41 +210,30 @@ fn verify_mold(
     let Some(files) = files else { return Ok(lines) };
     lines.extend(surfaces::checks(&files));
     if lines.iter().any(|line| line.status == Status::Fail) {
-        lines.push(Line::new(
-            "remaining checks",
-            false,
-            "not run".into(),
-            "files and surfaces without failures",
-        ));
+        let needed = "files and surfaces without failures";
+        lines.push(Line::new("remaining checks", false, "not run".into(), needed));
         return Ok(lines);
     }
-    let parts = files.parts.clone();
-    let mold = ClosedMold::new(files);
-    lines.extend(shapes(&mold, &parts, folder, against, plan));
+    let origins = Origins::new(folder, &files.report.input, against);
+    lines.extend(shapes(&ClosedMold::new(files, origins), plan));
     Ok(lines)
 }
 
 /// The checks of sound parts, whether they have been written or not.
-fn shapes(
-    mold: &ClosedMold,
-    parts: &[SurfaceMesh],
-    folder: &Path,
-    against: Against,
-    plan: Option<&plan::PlanReport>,
-) -> Vec<Line> {
+fn shapes(mold: &ClosedMold, plan: Option<&plan::PlanReport>) -> Vec<Line> {
     log::debug!("comparing with the design");
-    let mut lines = fit::checks(mold, folder, against);
+    let mut lines = fit::checks(mold);
     lines.extend(channels::checks(mold));
     lines.extend(layers::checks(mold));
     log::debug!("filling");
     lines.extend(filling::checks(mold));
     lines.extend(collars::checks(mold));
     lines.extend(groove::checks(mold));
-    lines.extend(walls::checks(mold, folder, against));
+    lines.extend(walls::checks(mold));
     log::debug!("pulling apart");
     lines.extend(demolding::checks(mold));
     lines.extend(release::checks(mold, plan));
-    lines.extend(printing::checks(mold, parts));
+    lines.extend(printing::checks(mold));
     lines
 }
 
@@ -248,10 +242,10 @@ fn shapes(
 pub fn before_writing(
     report: &MoldReport,
     surfaces: &[SurfaceMesh],
-    against: Against,
+    against: &Against,
     plan: &plan::PlanReport,
 ) -> Vec<Line> {
     let files = closed_mold::Files::of(report.clone(), surfaces.to_vec());
-    let parts = files.parts.clone();
-    shapes(&ClosedMold::new(files), &parts, Path::new("."), against, Some(plan))
+    let origins = Origins::new(Path::new("."), &report.input, against);
+    shapes(&ClosedMold::new(files, origins), Some(plan))
 }

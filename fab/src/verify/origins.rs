@@ -27,15 +27,15 @@ pub struct Origins {
 
 impl Origins {
     /// Those that a report in `folder` names, or where they are now.
-    pub fn new(folder: &Path, input: &Input, against: Against) -> Self {
-        let of = |named: &Path, given: Option<&Path>| {
-            given.map_or_else(|| folder.join(named), Path::to_path_buf)
+    pub fn new(folder: &Path, input: &Input, against: &Against) -> Self {
+        let of = |named: &Path, given: &Option<PathBuf>| {
+            given.clone().unwrap_or_else(|| folder.join(named))
         };
         let other = |named: &Option<InputFile>, given| named.as_ref().map(|n| of(&n.path, given));
         Self {
-            design: of(&input.path, against.design),
-            model: other(&input.model, against.model),
-            modelled: other(&input.modelled, against.from),
+            design: of(&input.path, &against.design),
+            model: other(&input.model, &against.model),
+            modelled: other(&input.modelled, &against.from),
         }
     }
 
@@ -66,8 +66,8 @@ impl Origins {
             self.require_unchanged(&report.input)?;
         }
         match report.collars.is_empty() {
-            false => collared(self.read(report, casts)?, report),
-            true => Ok(deviation::placed(self.surface(report, casts)?, report)),
+            false => collared(&self.read(report, casts)?, report),
+            true => Ok(deviation::placed(&self.surface(report, casts)?, report)),
         }
     }
 
@@ -103,7 +103,7 @@ impl Origins {
                 Casts::Model => boundary_of(&self.design),
             }
         };
-        Some(read().map(|surface| deviation::placed(surface, report)))
+        Some(read().map(|surface| deviation::placed(&surface, report)))
     }
 }
 
@@ -114,9 +114,12 @@ pub fn boundary_of(path: &Path) -> Result<SurfaceMesh, String> {
 }
 
 /// A body and its collars, in the mold's millimetres.
-fn collared(boundary: Boundary, report: &MoldReport) -> Result<SurfaceMesh, String> {
-    let cores = boundary.cores.into_iter().map(|core| deviation::placed(core.surface, report));
+fn collared(boundary: &Boundary, report: &MoldReport) -> Result<SurfaceMesh, String> {
+    let placed = |surface: &SurfaceMesh| {
+        Solid::from_surface(&deviation::placed(surface, report)).map_err(|e| e.to_string())
+    };
+    let cores = boundary.cores.iter().map(|core| placed(&core.surface));
+    let cores = cores.collect::<Result<Vec<_>, _>>()?;
     let collars: Vec<Collar> = report.collars.iter().map(FittedTube::collar).collect();
-    collar::cast(&deviation::placed(boundary.filled, report), &cores.collect::<Vec<_>>(), &collars)
-        .map_err(|e| e.to_string())
+    Ok(collar::body(&placed(&boundary.filled)?, &cores, &collars).1.to_surface())
 }

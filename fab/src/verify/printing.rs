@@ -4,9 +4,10 @@ use library::Printer;
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
 
-use super::closed_mold::ClosedMold;
+use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 use crate::files::report::Part;
+use crate::geometry::frame::moved;
 use crate::geometry::overhang::{Overhangs, needs_supports};
 
 /// Facets this near to the body shape it: twice what the surfaces may be apart, for
@@ -16,18 +17,17 @@ const AT_BODY: f64 = 0.01;
 /// Difference of two sums of the same areas, for another order.
 const SUMS: f64 = 1e-9;
 
-/// All checks of printing; `parts` are in the closed mold and are turned back.
-pub fn checks(mold: &ClosedMold, parts: &[SurfaceMesh]) -> Vec<Line> {
+/// All checks of printing; parts are turned back from the closed mold.
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let Some(printer) = mold.report.casting.printer() else {
         let needed = "casting.printer in mold.toml, for build volume and overhangs";
         return vec![Line::new("printer", false, "none named".into(), needed).or_warning()];
     };
     let body = SurfaceBvh::new(&mold.cast.solid.to_surface());
     let mut lines = Vec::new();
-    for (part, surface) in mold.report.parts.iter().zip(parts) {
-        let to_mold = part.turn();
-        let vertices = surface.vertices.iter().map(|p| to_mold.transpose() * p).collect();
-        let printed = SurfaceMesh { vertices, triangles: surface.triangles.clone() };
+    for (part, Body { surface, .. }) in mold.report.parts.iter().zip(mold.parts()) {
+        let from_mold = part.turn().transpose();
+        let printed = moved(surface, |p| from_mold * p);
         lines.push(fits(printer, &part.name, &printed));
         let at_body = |t: usize| body.closest(&surface.centroid(t)).distance <= AT_BODY;
         let below = Overhangs::new(&printed, printer.overhang, at_body);
@@ -65,19 +65,4 @@ fn overhangs(printer: &Printer, part: &Part, below: &Overhangs) -> Line {
         line.needed += ": smooth what they leave there";
     }
     line
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use library::printers;
-    use mesh::Vec3;
-    use mesh::solid::Solid;
-
-    #[test]
-    fn parts_too_large_are_refused() {
-        let printer = printers().find("prusa-mini").expect("known");
-        let part = Solid::cube(&Vec3::zeros(), &Vec3::new(181.0, 20.0, 20.0)).to_surface();
-        assert_eq!(fits(printer, "bar", &part).status, Status::Fail);
-    }
 }

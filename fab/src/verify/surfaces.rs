@@ -5,7 +5,6 @@ use mesh::{SurfaceMesh, topology};
 
 use super::Line;
 use super::closed_mold::Files;
-use crate::files::report::MoldReport;
 
 /// Name of the body among the surfaces.
 const CAST: &str = "cast";
@@ -13,20 +12,15 @@ const CAST: &str = "cast";
 /// The rules of [`mesh::check`], the number of pieces and the numbers of the report.
 pub fn checks(files: &Files) -> Vec<Line> {
     let Files { report, parts, cast, outside } = files;
-    let names = report.parts.iter().map(|part| part.name.as_str());
-    let mut lines: Vec<Line> = names
-        .zip(parts)
-        .chain([("cast", cast), ("outside", outside)])
-        .flat_map(|(name, surface)| valid(name, surface))
-        .collect();
-    let genera = report.parts.iter().map(|part| (part.name.as_str(), part.genus));
-    lines.extend(
-        genera
-            .chain([(CAST, report.cast.genus)])
-            .zip(parts.iter().chain([cast]))
-            .map(|((name, reported), surface)| handles(name, surface, reported)),
-    );
-    lines.extend(as_reported(report, parts, cast));
+    let reported = report.parts.iter().map(|part| (part.name.as_str(), part.genus, part.volume));
+    let reported = reported.chain([(CAST, report.cast.genus, report.cast.volume)]);
+    let all: Vec<_> = reported.zip(parts.iter().chain([cast])).collect();
+    let mut lines: Vec<Line> = Vec::new();
+    let surfaces = all.iter().map(|((name, ..), surface)| (*name, *surface));
+    lines.extend(surfaces.chain([("outside", outside)]).flat_map(|(name, s)| valid(name, s)));
+    lines.extend(all.iter().map(|((name, genus, _), surface)| handles(name, surface, *genus)));
+    lines
+        .extend(all.iter().map(|((name, _, volume), surface)| as_reported(name, surface, *volume)));
     lines
 }
 
@@ -47,13 +41,8 @@ fn valid(name: &str, surface: &SurfaceMesh) -> Vec<Line> {
         })
         .collect();
     let pieces = topology::components(&surface.triangles).len();
-    let found = format!("{pieces} connected");
-    lines.push(Line::new(
-        format!("{name}: pieces"),
-        pieces == 1,
-        found,
-        "1 connected piece, no crumbs",
-    ));
+    let (name, found) = (format!("{name}: pieces"), format!("{pieces} connected"));
+    lines.push(Line::new(name, pieces == 1, found, "1 connected piece, no crumbs"));
     lines
 }
 
@@ -74,25 +63,13 @@ fn handles(name: &str, surface: &SurfaceMesh, reported: i32) -> Line {
     if name == CAST { line } else { line.or_warning() }
 }
 
-/// The surfaces have the volumes that were reported when they were written.
-fn as_reported(report: &MoldReport, parts: &[SurfaceMesh], cast: &SurfaceMesh) -> Vec<Line> {
+/// The surface has the volume that was reported when it was written.
+fn as_reported(name: &str, surface: &SurfaceMesh, reported: f64) -> Line {
     // Summed in the same order over the same triangles, but turned, which may
     // exchange the products in a determinant: rounding only.
     const VOLUME_ROUNDING: f64 = 1e-12;
-    let volumes = report.parts.iter().map(|p| (p.name.as_str(), p.volume));
-    volumes
-        .chain([("cast", report.cast.volume)])
-        .zip(parts.iter().chain([cast]))
-        .map(|((name, reported), surface)| {
-            let volume = mesh::measure::enclosed_volume(surface);
-            let found = format!("{volume:.4} mm³");
-            let holds = (volume - reported).abs() <= VOLUME_ROUNDING * reported;
-            Line::new(
-                format!("{name}: volume"),
-                holds,
-                found,
-                &format!("{reported:.4} mm³ as reported"),
-            )
-        })
-        .collect()
+    let volume = mesh::measure::enclosed_volume(surface);
+    let holds = (volume - reported).abs() <= VOLUME_ROUNDING * reported;
+    let needed = format!("{reported:.4} mm³ as reported");
+    Line::new(format!("{name}: volume"), holds, format!("{volume:.4} mm³"), &needed)
 }

@@ -12,8 +12,7 @@ use reports::OneOrList;
 use serde::Deserialize;
 
 use super::closed_mold::{Body, ClosedMold};
-use super::origins::Origins;
-use super::{Against, Line, Status};
+use super::{Line, Status};
 use crate::body::source::{CastPart, Input};
 use crate::config::{CastingConfig, Casts};
 use crate::geometry::MM;
@@ -25,11 +24,10 @@ use crate::mold::Purpose;
 const INFLATED: f64 = 0.25;
 
 /// Checks of the walls as they are cast.
-pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
+pub fn checks(mold: &ClosedMold) -> Vec<Line> {
     let surface = mold.cast.solid.to_surface();
     let least = mold.report.casting.least_wall * MM - 2.0 * mold.rounding;
-    let input = &mold.report.input;
-    let origins = Origins::new(folder, input, against);
+    let (input, origins) = (&mold.report.input, &mold.origins);
     let beside = match input.part {
         CastPart::Whole => origins.beside(&mold.report),
         _ => None,
@@ -52,8 +50,7 @@ pub fn checks(mold: &ClosedMold, folder: &Path, against: Against) -> Vec<Line> {
 fn cores(mold: &ClosedMold) -> Vec<Line> {
     let Some(least) = mold.report.casting.least_core else { return Vec::new() };
     let least = least * MM - 2.0 * mold.rounding;
-    let bores = mold.report.features.iter().filter(|f| f.purpose == Purpose::Drain);
-    let bores: Vec<_> = bores.map(|bore| bore.exact()).collect();
+    let bores: Vec<_> = mold.report.outlines(Purpose::Drain).map(|bore| bore.exact()).collect();
     let one = |core: &Body| {
         let filled = bores.iter().fold(core.solid.clone(), |core, bore| core.union(bore));
         let body = filled.decompose().into_iter().max_by(|a, b| a.volume().total_cmp(&b.volume()));
@@ -77,7 +74,7 @@ fn mold_walls(mold: &ClosedMold, cast: &SurfaceMesh) -> Line {
     let outside = SurfaceBvh::new(&outside);
     let body = cast.vertices.iter().map(|p| outside.closest(p).distance);
     let body = body.fold(f64::INFINITY, f64::min);
-    let keys = mold.report.features.iter().filter(|f| f.purpose == Purpose::Key);
+    let keys = mold.report.outlines(Purpose::Key);
     let keys = keys.flat_map(|key| key.exact().to_surface().vertices);
     let beside = keys.map(|p| bvh.closest(&p).distance).fold(f64::INFINITY, f64::min);
     let printed = mold.report.casting.printer().map_or(0.0, Printer::least_wall);
@@ -161,12 +158,8 @@ pub fn inflated(design: &Input, casting: &CastingConfig, folder: &Path) -> Vec<L
             return vec![Line::new(name, false, error, "the folder of `solver simulate`")];
         }
     };
-    let mut lines = vec![Line::new(
-        name,
-        report.usable,
-        format!("usable: {}", report.usable),
-        "a result that may be used",
-    )];
+    let found = format!("usable: {}", report.usable);
+    let mut lines = vec![Line::new(name, report.usable, found, "a result that may be used")];
     let body = same_body(design, &report.inputs.mesh);
     let other = body.status == Status::Fail;
     lines.push(body);

@@ -8,6 +8,8 @@ use anyhow::Result;
 use mesh::io::MshFile;
 use mesh::{Tags, TetMesh, Volumes, facet_key, io, measure, topology};
 
+use crate::facets;
+
 /// Prints tag, id, facets, area, components and boundary loops; then the volumes.
 #[derive(clap::Args)]
 pub struct Args {
@@ -52,7 +54,7 @@ fn row(name: &str, id: u32, mesh: &TetMesh, boundary: &[[usize; 3]], tags: &Tags
         name: name.to_owned(),
         id,
         facets: facets.len(),
-        area: measure::area(&topology::submesh(&mesh.vertices, &facets).0),
+        area: facets::area(mesh, &facets),
         components: topology::components(&facets).len(),
         loops: topology::boundary_loops(&facets).len(),
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use log::{info, warn};
-use mesh::{Tags, TetMesh, io, measure, topology};
+use mesh::{Tags, TetMesh, io, measure};
 use program::Changes;
 use serde::Serialize;
 use serde_json::Value;
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::show;
 use crate::assign::{self, Assignment};
 use crate::config::Config;
-use crate::facets::Facets;
+use crate::facets::{self, Facets};
 use crate::select::Sources;
 use crate::volumes;
 
@@ -155,13 +155,12 @@ struct Legend<'a> {
 fn write_tagged(path: &Path, mesh: &TetMesh, tags: &Tags) -> Result<()> {
     let ids: Vec<u32> = tags.names.iter().filter_map(|name| tags.id(name)).collect();
     let facets: Vec<_> = ids.iter().map(|&id| tags.facets_of(id)).collect();
-    let area = |f: &Vec<_>| measure::area(&topology::submesh(&mesh.vertices, f).0);
     let legend = Legend {
         program: concat!("tagger ", env!("CARGO_PKG_VERSION")),
         names: &tags.names,
         ids,
         facets: facets.iter().map(Vec::len).collect(),
-        areas: facets.iter().map(area).collect(),
+        areas: facets.iter().map(|own| facets::area(mesh, own)).collect(),
     };
     let table = show::table(mesh, tags);
     io::write_atomic(&path.with_file_name("tags.txt"), |out| out.write_all(table.as_bytes()))?;

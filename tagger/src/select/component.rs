@@ -35,12 +35,9 @@ impl Selector for Component {
 
 /// Connected components, by enclosed volume, largest first.
 fn by_volume(facets: &Facets) -> Vec<Vec<usize>> {
-    let volume = |component: &Vec<usize>| {
-        let triangles: Vec<_> = component.iter().map(|&f| facets.triangles[f]).collect();
-        let (surface, _) = topology::submesh(&facets.vertices, &triangles);
-        measure::enclosed_volume(&surface).abs()
-    };
-    let mut components = topology::components(&facets.triangles);
+    let volume =
+        |component: &Vec<usize>| measure::enclosed_volume(&facets.surface.part(component)).abs();
+    let mut components = topology::components(&facets.surface.triangles);
     components.sort_by(|a, b| volume(b).total_cmp(&volume(a)));
     components
 }

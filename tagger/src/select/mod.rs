@@ -62,31 +62,20 @@ pub enum Selection<'a> {
 }
 
 impl<'a> Selection<'a> {
-    /// The only one of those that a table has.
-    pub fn only(given: impl IntoIterator<Item = Option<Self>>) -> Result<Self> {
-        let mut given = given.into_iter().flatten();
+    /// The only one of those that a table has, by their keys.
+    pub fn only<const N: usize>(given: [(&str, Option<Self>); N]) -> Result<Self> {
+        let given = given.into_iter();
+        let mut given = given.filter_map(|(key, selection)| Some((key, selection?)));
         match (given.next(), given.next()) {
-            (Some(one), None) => Ok(one),
+            (Some((_, one)), None) => Ok(one),
             (None, _) => bail!(
                 "no selector; one of `patch`, `volume`, `plane`, `box`, `component`, `point` is needed, for a [[volume]] one \
                  of `volume`, `plane`, `box`"
             ),
-            (Some(one), Some(other)) => {
-                let [one, other] = [one, other].map(|selection| selection.key());
+            (Some((one, _)), Some((other, _))) => {
                 let what = format!("both `{one}` and `{other}`: there is exactly one selector");
                 bail!(KeyPath::word(other).told(what))
             }
-        }
-    }
-
-    fn key(&self) -> &'static str {
-        match self {
-            Self::Patch(_) => "patch",
-            Self::Volume(_) => "volume",
-            Self::Plane(_) => "plane",
-            Self::Box(_) => "box",
-            Self::Component(_) => "component",
-            Self::Point(_) => "point",
         }
     }
 

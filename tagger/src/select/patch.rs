@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use mesh::bvh::SurfaceBvh;
+use mesh::bvh::{SurfaceBvh, closest_on_triangle};
 use mesh::{SurfaceMesh, Vec3, io, measure};
 
 use super::{Selector, Sources, extent};
@@ -105,7 +105,6 @@ impl Selector for Patch {
 /// All input triangles in one tree, each with the patch that owns it.
 struct Inputs {
     surface: SurfaceMesh,
-    normals: Vec<Vec3>,
     /// Index of the patch; the number of patches for the model surface.
     owners: Vec<usize>,
     bvh: SurfaceBvh,
@@ -117,27 +116,23 @@ impl Inputs {
         let mut owners = Vec::new();
         let patches = sources.patches.iter().map(|(_, patch)| patch);
         for (owner, patch) in patches.chain(&sources.surface).enumerate() {
-            let offset = surface.vertices.len();
-            surface.vertices.extend(&patch.vertices);
-            surface.triangles.extend(patch.triangles.iter().map(|t| t.map(|v| v + offset)));
+            surface.append(patch);
             owners.resize(surface.triangles.len(), owner);
         }
-        let normals = (0..surface.triangles.len())
-            .map(|t| surface.corners(t))
-            .map(|[a, b, c]| measure::triangle_normal(a, b, c))
-            .collect();
-        Self { bvh: SurfaceBvh::new(&surface), surface, normals, owners }
+        Self { bvh: SurfaceBvh::new(&surface), surface, owners }
     }
 
     /// The owner of the nearest triangle within `epsilon` whose normal is `fit`.
     fn owner(&self, centroid: &Vec3, epsilon: f64, fit: impl Fn(&Vec3) -> bool) -> Option<usize> {
         let reach = Vec3::repeat(epsilon);
+        let distance =
+            |t: usize| (closest_on_triangle(centroid, &self.surface.corners(t)) - centroid).norm();
         let mut near: Vec<(f64, usize)> = self
             .bvh
             .overlaps(&(centroid - reach), &(centroid + reach))
             .into_iter()
-            .filter(|&t| fit(&self.normals[t]))
-            .map(|t| (distance(centroid, self.surface.corners(t)), self.owners[t]))
+            .filter(|&t| fit(&self.surface.normal(t)))
+            .map(|t| (distance(t), self.owners[t]))
             .filter(|&(d, _)| d <= epsilon)
             .collect();
         let best = near.iter().map(|&(d, _)| d).fold(f64::INFINITY, f64::min);
@@ -154,59 +149,10 @@ pub fn nearest_patches(facets: &Facets, sources: &Sources) -> Vec<Option<usize>>
     let inputs = Inputs::new(sources);
     let owner = |f: usize| {
         let (centroid, normal, epsilon) =
-            (&facets.centroids[f], &facets.normals[f], sources.epsilon);
-        let facing = inputs.owner(centroid, epsilon, |n| n.dot(normal) > 0.0);
+            (&facets.centroids[f], facets.surface.normal(f), sources.epsilon);
+        let facing = inputs.owner(centroid, epsilon, |n| n.dot(&normal) > 0.0);
         let sliver = facing.is_none() && facets.height(f) < epsilon;
         if sliver { inputs.owner(centroid, epsilon, |_| true) } else { facing }
     };
     (0..facets.len()).map(|f| owner(f).filter(|&o| o < sources.patches.len())).collect()
-}
-
-/// Distance from a point to a triangle [m], by the Voronoi region of the point
-/// (Ericson, Real-Time Collision Detection, 5.1.5).
-fn distance(p: &Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
-    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
-    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    let closest = if d1 <= 0.0 && d2 <= 0.0 {
-        a
-    } else if d3 >= 0.0 && d4 <= d3 {
-        b
-    } else if d6 >= 0.0 && d5 <= d6 {
-        c
-    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        a + ab * (d1 / (d1 - d3))
-    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        a + ac * (d2 / (d2 - d6))
-    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
-    } else {
-        a + (ab * vb + ac * vc) / (va + vb + vc)
-    };
-    (p - closest).norm()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distance_in_every_voronoi_region() {
-        let triangle = [Vec3::zeros(), Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
-        let cases = [
-            (Vec3::new(1.0, 1.0, 2.0), 2.0),
-            (Vec3::new(-3.0, -4.0, 0.0), 5.0),
-            (Vec3::new(7.0, 0.0, 4.0), 5.0),
-            (Vec3::new(0.0, 9.0, 12.0), 13.0),
-            (Vec3::new(2.0, -3.0, 4.0), 5.0),
-            (Vec3::new(-3.0, 2.0, 4.0), 5.0),
-            (Vec3::new(3.0, 3.0, 0.0), 2.0_f64.sqrt()),
-        ];
-        for (p, expected) in cases {
-            // a handful of products of small integers: a few units in the last place
-            assert!((distance(&p, triangle) - expected).abs() < 1e-14, "{p}");
-        }
-    }
 }

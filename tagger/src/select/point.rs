@@ -1,9 +1,9 @@
 //! Facets around a point that was picked, as far as the surface has no sharp edge.
 
 use anyhow::Result;
+use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
-use mesh::topology::edge_facets;
-use mesh::{SurfaceMesh, Vec3};
+use mesh::topology::{directed_edges, edge_facets};
 use program::table;
 use program::table::Range;
 
@@ -24,19 +24,17 @@ table! {
 
 impl Selector for Point {
     fn select(&self, facets: &Facets, _: &Sources) -> Result<Vec<bool>> {
-        let surface =
-            SurfaceMesh { vertices: facets.vertices.clone(), triangles: facets.triangles.clone() };
-        let start = SurfaceBvh::new(&surface).closest(&Vec3::from(self.at)).triangle;
-        let edges = edge_facets(&facets.triangles);
+        let surface = &facets.surface;
+        let start = SurfaceBvh::new(surface).closest(&Vec3::from(self.at)).triangle;
+        let edges = edge_facets(&surface.triangles);
         let flattest = self.angle.to_radians().cos() - 1e-12;
         let mut selected = vec![false; facets.len()];
         selected[start] = true;
         let mut front = vec![start];
         while let Some(f) = front.pop() {
-            let [a, b, c] = facets.triangles[f];
-            for [u, v] in [[a, b], [b, c], [c, a]] {
+            for [u, v] in directed_edges(surface.triangles[f]) {
                 for &other in &edges[&[u.min(v), u.max(v)]] {
-                    let smooth = facets.normals[f].dot(&facets.normals[other]) >= flattest;
+                    let smooth = surface.normal(f).dot(&surface.normal(other)) >= flattest;
                     if smooth && !selected[other] {
                         selected[other] = true;
                         front.push(other);

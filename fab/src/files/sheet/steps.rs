@@ -48,7 +48,7 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
     }
     add(1, "spray of release agent for silicone".into());
     add(1, "scale that shows 0.1 g, two cups, a stick, gloves".into());
-    let bolts: Vec<String> = with(report, Purpose::Bolt).map(bolt).collect();
+    let bolts: Vec<String> = report.outlines(Purpose::Bolt).map(bolt).collect();
     let lengths: BTreeSet<&String> = bolts.iter().collect();
     for name in lengths {
         let count = bolts.iter().filter(|other| *other == name).count();
@@ -60,7 +60,7 @@ pub fn materials(sheet: &Sheet, report: &MoldReport, plastic: &str) -> Vec<Item>
     if let Some(collar) = report.collars.first() {
         add(report.collars.len(), collar.tube.clone());
     }
-    let inlets = with(report, Purpose::Socket).count();
+    let inlets = report.outlines(Purpose::Socket).count();
     if inlets > 0 && report.collars.is_empty() {
         add(inlets, "tube that fits the inlet, and silicone glue".into());
     }
@@ -76,10 +76,6 @@ fn bolt(hole: &Outline) -> String {
         Some((_, name)) => format!("bolt {name} × {length:.0} mm"),
         None => format!("bolt of {:.1} mm × {length:.0} mm", 2.0 * hole.base_radius),
     }
-}
-
-fn with(report: &MoldReport, purpose: Purpose) -> impl Iterator<Item = &Outline> {
-    report.features.iter().filter(move |f| f.purpose == purpose)
 }
 
 /// What to do, in order.
@@ -245,7 +241,7 @@ fn close(report: &MoldReport, shells: &[&str], cores: &[&str]) -> String {
         words += &put(cores, report);
     }
     if !others.is_empty() {
-        let fix = if with(report, Purpose::Bolt).next().is_some() { "bolt" } else { "clamp" };
+        let fix = if report.outlines(Purpose::Bolt).next().is_some() { "bolt" } else { "clamp" };
         words += &format!(", add {}, and {fix} them", and(others));
     }
     spray + &words + "."
@@ -272,7 +268,7 @@ fn insert(collar: &FittedTube, report: &MoldReport) -> String {
 
 /// Mixing, pouring and curing.
 fn pour(sheet: &Sheet, report: &MoldReport) -> Vec<String> {
-    let vents = with(report, Purpose::Vent).count();
+    let vents = report.outlines(Purpose::Vent).count();
     let pour = match vents {
         _ if !report.layers.is_empty() => lay_in(sheet, report),
         _ if report.open => {
@@ -353,7 +349,7 @@ fn close_holes(sheet: &Sheet, report: &MoldReport) -> Option<String> {
     if lengths.is_empty() {
         return None;
     }
-    let pin = with(report, Purpose::Pin).next()?;
+    let pin = report.outlines(Purpose::Pin).next()?;
     let play = report.holds.first()?.clearance;
     let plugs = report.holds.iter().map(|hold| hold.plugs).sum::<f64>() / 1e3;
     let grams = sheet.silicone.as_ref().and_then(|s| s.mass_g).map(|mass| mass / sheet.mix_ml);

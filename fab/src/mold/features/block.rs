@@ -103,13 +103,8 @@ impl Block {
         Solid::cube(&self.min, &self.max)
     }
 
-    /// The eight corners [m].
-    pub fn corners(&self) -> [Vec3; 8] {
-        std::array::from_fn(|k| {
-            let pick = |axis: usize| {
-                if k >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] }
-            };
-            Vec3::new(pick(0), pick(1), pick(2))
-        })
+    /// How far it reaches along a direction [m].
+    pub fn reach(&self, along: &Vec3) -> f64 {
+        self.min.component_mul(along).sup(&self.max.component_mul(along)).sum()
     }
 }

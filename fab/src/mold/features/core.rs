@@ -43,12 +43,8 @@ impl Print {
         for k in 0..TRIES {
             let root = radius * 0.5_f64.powi(k as i32);
             let top = centre + Vec3::z() * root;
-            let column = |radius: f64, end: f64| Frustum {
-                base: top,
-                axis: Vec3::z() * (end - top.z),
-                base_radius: radius,
-                top_radius: radius,
-            };
+            let column =
+                |radius: f64, end: f64| Frustum::cylinder(top, Vec3::z() * (end - top.z), radius);
             let print = Self {
                 stub: column(narrow, floor + clearance),
                 socket: column(narrow + clearance, floor - clearance),
@@ -109,11 +105,9 @@ pub fn drain(stub: &Frustum, core: &Solid, config: &Config) -> Option<Frustum> {
         return None;
     }
     let top = core.bounds().1.z;
-    let bore = |from: f64, to: f64, radius: f64| Frustum {
-        base: Vec3::new(stub.base.x, stub.base.y, from),
-        axis: Vec3::z() * (to - from),
-        base_radius: radius,
-        top_radius: radius,
+    let bore = |from: f64, to: f64, radius: f64| {
+        let base = Vec3::new(stub.base.x, stub.base.y, from);
+        Frustum::cylinder(base, Vec3::z() * (to - from), radius)
     };
     let fits = |height: f64| {
         let around = bore(stub.base.z, height + skin, radius + skin).solid();
@@ -167,12 +161,7 @@ mod tests {
     #[test]
     fn a_bore_ends_below_the_top_of_its_core() {
         let config = Config::default();
-        let stub = Frustum {
-            base: Vec3::z() * 1e-3,
-            axis: -Vec3::z() * 9e-3,
-            base_radius: 1.7e-3,
-            top_radius: 1.7e-3,
-        };
+        let stub = Frustum::cylinder(Vec3::z() * 1e-3, -Vec3::z() * 9e-3, 1.7e-3);
         let neck = Solid::cylinder(&Vec3::zeros(), &(Vec3::z() * 5e-3), 2e-3, 2e-3, 48);
         let ball = Solid::sphere(&(Vec3::z() * 14e-3), 10e-3, 96);
         let core = neck.union(&ball);

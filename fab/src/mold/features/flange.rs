@@ -45,13 +45,11 @@ impl Joint {
         let along = |k: usize| self.low[1] + corner + free * (k as f64 + 0.5) / count as f64;
         let columns = [self.low[0] + inset, self.high[0] - inset];
         let at = columns.into_iter().flat_map(|x| (0..count).map(move |k| [x, along(k)]));
-        at.map(|[x, y]| Frustum {
-            base: Vec3::new(x, y, self.level - reach),
-            axis: Vec3::z() * (2.0 * reach),
-            base_radius: radius,
-            top_radius: radius,
-        })
-        .collect()
+        let hole = |[x, y]: [f64; 2]| {
+            let base = Vec3::new(x, y, self.level - reach);
+            Frustum::cylinder(base, Vec3::z() * (2.0 * reach), radius)
+        };
+        at.map(hole).collect()
     }
 
     /// Side of the square that a bolt beside the corners needs with its washer [m].
@@ -67,21 +65,15 @@ impl Joint {
         let inset = [2.0 * land + Self::washer(config) / 2.0, land.max(Self::washer(config) / 2.0)];
         let ends = |k: usize| [self.low[k] + inset[k], self.high[k] - inset[k]];
         let at = ends(0).into_iter().flat_map(|x| ends(1).map(|y| [x, y]));
-        at.map(|[x, y]| Frustum {
-            base: Vec3::new(x, y, bottom - BEYOND),
-            axis: Vec3::z() * (top - bottom + 2.0 * BEYOND),
-            base_radius: radius,
-            top_radius: radius,
-        })
-        .collect()
+        let axis = Vec3::z() * (top - bottom + 2.0 * BEYOND);
+        at.map(|[x, y]| Frustum::cylinder(Vec3::new(x, y, bottom - BEYOND), axis, radius)).collect()
     }
 
     /// A round slot along x, half in either side, in the corner without a key.
     pub fn pry(&self, config: &Config) -> Frustum {
         let land = Sizes::of(config).land();
-        let radius = config.flange.pry;
         let base = Vec3::new(self.low[0] - BEYOND, self.low[1] + land, self.level);
-        Frustum { base, axis: Vec3::x() * (BEYOND + land), base_radius: radius, top_radius: radius }
+        Frustum::cylinder(base, Vec3::x() * (BEYOND + land), config.flange.pry)
     }
 }
 

@@ -85,12 +85,4 @@ mod tests {
             |p: [f64; 2]| sites.iter().all(|q| (p[0] - q[0]).hypot(p[1] - q[1]) > SIZES.radius);
         assert!(turned.iter().any(|&p| far(p)));
     }
-
-    #[test]
-    fn the_hole_is_wider_and_deeper_than_the_key_by_the_clearance() {
-        let Key { male, female, .. } = SIZES.key(Vec3::zeros());
-        assert!((female.base_radius - male.base_radius - SIZES.clearance).abs() < 1e-15);
-        assert!((female.axis.z - male.axis.z - SIZES.clearance).abs() < 1e-15);
-        assert!(male.solid().difference(&female.solid()).volume() < 1e-18);
-    }
 }

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use mesh::bvh::SurfaceBvh;
-use mesh::measure::{bounds, triangle_normal};
+use mesh::measure::{bounds, longest_edge};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
@@ -98,22 +98,18 @@ pub struct Site<'a> {
     pub skin: f64,
 }
 
-/// Places that were tried without success.
+/// Places that were tried.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tried {
     /// All of them.
-    pub places: usize,
-    /// Where silicone or core is too uneven, or another chamber lies in the way.
-    pub uneven: usize,
-    /// Where the core is too thin for a pit.
-    pub thin: usize,
-    /// Where no shell is behind the silicone.
-    pub loose: usize,
+    places: usize,
+    /// For each reason where no pin can stand.
+    unfit: [usize; 3],
 }
 
 impl std::fmt::Display for Tried {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { places, uneven, thin, loose } = *self;
+        let Self { places, unfit: [uneven, thin, loose] } = *self;
         write!(
             f,
             "of {places} places across a shell's demolding direction, the silicone or the core is uneven at {uneven}, \
@@ -124,8 +120,11 @@ impl std::fmt::Display for Tried {
 
 /// Why a pin cannot stand at a place.
 enum Unfit {
+    /// Silicone or core is too uneven, or another chamber lies in the way.
     Uneven,
+    /// The core is too thin for a pit.
     Thin,
+    /// No shell is behind the silicone.
     Loose,
 }
 
@@ -138,9 +137,7 @@ impl Site<'_> {
                 tried.places += 1;
                 match self.pin(shell, &at) {
                     Ok(pin) => pins.push(pin),
-                    Err(Unfit::Uneven) => tried.uneven += 1,
-                    Err(Unfit::Thin) => tried.thin += 1,
-                    Err(Unfit::Loose) => tried.loose += 1,
+                    Err(unfit) => tried.unfit[unfit as usize] += 1,
                 }
             }
         }
@@ -158,11 +155,8 @@ impl Site<'_> {
         for t in 0..self.chamber.triangles.len() {
             let [a, b, c] = self.chamber.corners(t);
             // The longest side of a large facet is divided.
-            let longest =
-                [a - b, b - c, c - a].map(|side| side.norm()).into_iter().fold(0.0, f64::max);
-            let parts = (longest / cell).ceil().clamp(1.0, 100.0) as usize;
-            let facing = triangle_normal(a, b, c).dot(out);
-            if facing.is_nan() || facing < STEEP {
+            let parts = (longest_edge([a, b, c]) / cell).ceil().clamp(1.0, 100.0) as usize;
+            if self.chamber.normal(t).dot(out) < STEEP {
                 continue;
             }
             for i in 0..parts {
@@ -237,12 +231,8 @@ impl Site<'_> {
         if !rooted.into_iter().flat_map(|height| ring(radius, height)).all(in_shell) {
             return Err(Unfit::Loose);
         }
-        let column = |radius: f64| Frustum {
-            base: at + out * bottom,
-            axis: out * (top - bottom),
-            base_radius: radius,
-            top_radius: radius,
-        };
+        let column =
+            |radius: f64| Frustum::cylinder(at + out * bottom, out * (top - bottom), radius);
         let [core, skin] = [low[0] + high[0], low[1] + high[1]].map(|sum| sum / 2.0);
         let area = |radius: f64| std::f64::consts::PI * radius * radius;
         Ok(Pin {
@@ -284,8 +274,7 @@ pub fn choose(
     let mut chosen: Vec<Pin> = Vec::new();
     let mut sag = stand.sag(&[]);
     while sag.most() > limit && chosen.len() < MOST {
-        let contacts: Vec<Contact> = chosen.iter().map(|pin| pin.contact).collect();
-        let with = |pin: &Pin| stand.sag(&[&contacts[..], &[pin.contact]].concat());
+        let with = |pin: &Pin| sag_with(stand, chosen.iter().chain([pin]));
         let mut ranked: Vec<(Sag, &Pin)> = offered.iter().map(|pin| (with(pin), pin)).collect();
         let thick = |pin: &Pin| pin.length.min(THICK * pin.frustum.base_radius);
         let rank = |(sag, pin): &(Sag, &Pin)| match sag.most() <= limit {
@@ -304,10 +293,14 @@ pub fn choose(
     chosen
 }
 
+/// How far a core moves that pins hold.
+pub fn sag_with<'a>(stand: &Stand, pins: impl IntoIterator<Item = &'a Pin>) -> Sag {
+    stand.sag(&pins.into_iter().map(|pin| pin.contact).collect::<Vec<_>>())
+}
+
 /// Whether pins take away enough of the motion of a core's farthest point.
 pub fn hold(stand: &Stand, pins: &[Pin]) -> bool {
-    let contacts: Vec<Contact> = pins.iter().map(|pin| pin.contact).collect();
-    stand.sag(&contacts).most() <= (1.0 - WORTH) * stand.sag(&[]).most()
+    sag_with(stand, pins).most() <= (1.0 - WORTH) * stand.sag(&[]).most()
 }
 
 /// The first of ranked pins that fits. Beside one that does not, no other is tried: what is in its way is in theirs.
@@ -364,12 +357,7 @@ mod tests {
             play: 2e-4,
             skin: 8e-4,
         };
-        let stub = Frustum {
-            base: Vec3::zeros(),
-            axis: -Vec3::z() * 8e-3,
-            base_radius: 2e-3,
-            top_radius: 2e-3,
-        };
+        let stub = Frustum::cylinder(Vec3::zeros(), -Vec3::z() * 8e-3, 2e-3);
         let stand = Stand::new(site.chamber, &Vec3::zeros(), &stub, site.play, 1070.0);
         let (pins, tried) = site.pins(None);
         look(&stand, pins, tried)
@@ -380,20 +368,12 @@ mod tests {
         with_bar(4e-3, |stand, pins, tried| {
             assert!(pins.iter().any(|pin| pin.shell == 0) && pins.iter().any(|pin| pin.shell == 1));
             assert!(tried.places >= pins.len(), "{tried}");
-            for pin in &pins {
-                let (low, high) = pin.frustum.solid().bounds();
-                // A radius into the core; through the silicone, and 1.5 radii into the shell.
-                let expected = if pin.shell == 0 { [17e-3, 24.5e-3] } else { [-1.5e-3, 11e-3] };
-                let off = [low.z - expected[0], high.z - expected[1]];
-                assert!(off.into_iter().all(|off| off.abs() < 1e-9), "{pin:?}");
-                // Of the bar's 8 mm, 2 mm on either side are pit and skin, seen at points 30° apart.
-                let seen = f64::to_radians(15.0).cos();
-                assert!(pin.frustum.base.y.abs() <= 4e-3 - 2e-3 * seen, "{pin:?}");
-            }
+            // Of the bar's 8 mm, 2 mm on either side are pit and skin, seen at points 30° apart.
+            let middle = 4e-3 - 2e-3 * f64::to_radians(15.0).cos();
+            assert!(pins.iter().all(|pin| pin.frustum.base.y.abs() <= middle), "{pins:?}");
             let alone = stand.sag(&[]).most();
             let held = choose(stand, &pins, 7e-4, |_, _| true);
-            let contacts: Vec<Contact> = held.iter().map(|pin| pin.contact).collect();
-            let with = stand.sag(&contacts).most();
+            let with = sag_with(stand, &held).most();
             assert!(alone > 2e-3 && with <= 7e-4, "{alone} {with} {held:?}");
             assert!(hold(stand, &held) && !hold(stand, &[]));
             // A pit that is as wide as the core can turn holds nothing.

@@ -164,12 +164,7 @@ mod tests {
     fn ball_on_a_stalk() -> Stand {
         let middle = Vec3::new(40e-3, 0.0, 30e-3);
         let ball = Solid::sphere(&middle, 10e-3, 256).to_surface();
-        let stub = Frustum {
-            base: Vec3::z() * 1e-3,
-            axis: -Vec3::z() * 9e-3,
-            base_radius: 2e-3,
-            top_radius: 2e-3,
-        };
+        let stub = Frustum::cylinder(Vec3::z() * 1e-3, -Vec3::z() * 9e-3, 2e-3);
         Stand::new(&ball, &Vec3::zeros(), &stub, 2e-4, 1070.0)
     }
 
