@@ -14,7 +14,8 @@
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Elastic, Energies, Membrane, Traction};
 use mechanics::material::{Lame, NeoHookean, sheet};
-use mesh::{TetMesh, Vec3, facet_key, topology};
+use mechanics::testing;
+use mesh::{TetMesh, Vec3};
 use tests::block;
 use tests::equilibrium::{Equilibrium, MODULI, SILICONE, facets_where, mean};
 
@@ -165,21 +166,11 @@ fn a_cantilever_of_two_layers_bends_as_a_bimetal() {
     }
 }
 
-/// Facets of the mesh in the plane z, on the boundary or inside.
-fn facets_at(mesh: &TetMesh, z: f64) -> Vec<[usize; 3]> {
-    let of_tet = |t: &[usize; 4]| topology::TET_FACETS.map(|f| facet_key(f.map(|c| t[c])));
-    let here = |f: &[usize; 3]| f.iter().all(|&v| (mesh.vertices[v].z - z).abs() < 1e-9);
-    let mut all: Vec<_> = mesh.tets.iter().flat_map(of_tet).filter(here).collect();
-    all.sort_unstable();
-    all.dedup();
-    all
-}
-
 /// Deflection with a sheet at a height, whose stiffness is n times that of the body [m].
 fn with_sheet(n: f64, height: f64) -> f64 {
     let mesh = block([40, 2, 2], SIDE / 2.0, |_| false, |p| p);
     let (young, poisson) = young(MODULI);
-    let layer = facets_at(&mesh, height);
+    let layer = testing::facets_where(&mesh, |p| (p.z - height).abs() < 1e-9);
     assert_eq!(layer.len(), 160);
     LONG.found(mesh, 2, End::Contracting, |space| {
         // as thin as paper

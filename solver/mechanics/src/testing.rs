@@ -1,6 +1,7 @@
 //! Small surfaces, and gradient checks, for unit tests.
 
-use mesh::{SurfaceMesh, TetMesh, Vec3};
+use mesh::topology::TET_FACETS;
+use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
 use crate::element::FunctionSpace;
 use crate::energy::{Chamber, Elastic, Energies, Isobaric, Wall};
@@ -159,6 +160,16 @@ pub fn block(cells: [usize; 3]) -> TetMesh {
     TetMesh { vertices, tets }
 }
 
+/// Facets of a mesh, on its boundary and inside, whose vertices are all where a condition holds, ascending.
+pub fn facets_where(mesh: &TetMesh, test: impl Fn(Vec3) -> bool) -> Vec<[usize; 3]> {
+    let of_tet = |t: &[usize; 4]| TET_FACETS.map(|corners| facet_key(corners.map(|c| t[c])));
+    let here = |f: &[usize; 3]| f.iter().all(|&v| test(mesh.vertices[v]));
+    let mut all: Vec<_> = mesh.tets.iter().flat_map(of_tet).filter(here).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// An eighth of a shell with the radii `inner` and 1, in the octant of positive coordinates: an octahedron
 /// refined `levels` times, in layers of equal thickness.
 pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
@@ -243,16 +254,16 @@ pub fn symmetric_wall(
     inside: impl Fn(Vec3) -> bool,
 ) -> Wall {
     let boundary = mesh::topology::boundary(mesh).facets;
-    let facets_where = |test: &dyn Fn(Vec3) -> bool| -> Vec<[usize; 3]> {
+    let own_where = |test: &dyn Fn(Vec3) -> bool| -> Vec<[usize; 3]> {
         let facets = boundary.iter().filter(|f| f.iter().all(|&v| test(mesh.vertices[v])));
         facets.copied().collect()
     };
-    let cuts = (0..3).map(|axis| facets_where(&|x: Vec3| x[axis].abs() < 1e-11));
+    let cuts = (0..3).map(|axis| own_where(&|x: Vec3| x[axis].abs() < 1e-11));
     let planes = cuts.filter(|cut| !cut.is_empty()).map(|cut| {
         Plane::find(mesh, &boundary, &["cut".to_owned()], &cut).expect("all of a plane")
     });
     let planes: Vec<Plane> = planes.collect();
-    Wall::cut_by(&planes, space, &facets_where(&inside))
+    Wall::cut_by(&planes, space, &own_where(&inside))
 }
 
 /// Inner radius of [`balloon`], whose outer one is 1.
