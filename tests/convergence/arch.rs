@@ -16,6 +16,7 @@ use mechanics::forward::Singularity;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::{Field, Schedule};
 use mechanics::stability::FirstLimit;
+use mechanics::testing::whole;
 use mesh::{TetMesh, Vec3};
 use tests::block;
 use tests::equilibrium::{Equilibrium, draw_path};
@@ -30,19 +31,10 @@ fn load(rise: f64, b: f64) -> f64 {
 
 /// The cube [0, 1]³ in so many cells along x, an even number, 1 and 2, symmetrical to x = ½.
 fn symmetrical(cells: usize) -> TetMesh {
-    let size = Vec3::new(1.0 / cells as f64, 1.0, 0.5);
-    let mut mesh = block([cells / 2, 1, 2], 1.0, |_| false, |p| p.component_mul(&size));
-    let half = mesh.vertices.clone();
-    let mut image = Vec::new();
-    for (v, x) in half.iter().enumerate() {
-        let inside = x.x > 0.5 - 1e-9;
-        image.push(if inside { v } else { mesh.vertices.len() });
-        if !inside {
-            mesh.vertices.push(Vec3::new(1.0 - x.x, x.y, x.z));
-        }
-    }
-    let tets = mesh.tets.clone();
-    mesh.tets.extend(tets.iter().map(|&[a, b, c, d]| [b, a, c, d].map(|v| image[v])));
+    let (size, half) = (Vec3::new(1.0 / cells as f64, 1.0, 0.5), Vec3::new(0.5, 0.0, 0.0));
+    let place = |p: Vec3| p.component_mul(&size) - half;
+    let mut mesh = whole(&block([cells / 2, 1, 2], 1.0, |_| false, place));
+    mesh.vertices.iter_mut().for_each(|x| *x += half);
     mesh
 }
 

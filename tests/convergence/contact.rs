@@ -6,7 +6,6 @@ use mechanics::body::Body;
 use mechanics::contact::barrier::{Barrier, Form};
 use mechanics::contact::density::Density;
 use mesh::{SurfaceMesh, Vec3};
-use serde_json::Value;
 use tests::motion::{Motion, SILICONE, begin};
 use tests::{block, plate, tag};
 
@@ -46,12 +45,6 @@ fn on_floor(gravity: Vec3, velocity: f64, friction: f64, dt: f64, steps: usize) 
     begin(&[("block", &cube())], &[("floor", &floor())], &text)
 }
 
-fn floor_force(report: &Value, kind: &str) -> Vec3 {
-    let forces = report["collisions"][kind].as_array().unwrap();
-    let force = forces.iter().find(|f| f["bodies"][1] == "floor").expect("it touches the floor");
-    Vec3::from_iterator(force["force"].as_array().unwrap().iter().map(|c| c.as_f64().unwrap()))
-}
-
 /// Gap / d̂ at which vertices alone carry a pressure [Pa]. They are a quarter of
 /// the potential; the floor has no vertices there, another quarter, and no edges,
 /// half of it.
@@ -84,9 +77,8 @@ fn a_resting_block_presses_with_its_weight_whatever_the_step() {
         let steps = (0.4 / dt) as usize;
         let mut rest = on_floor(Vec3::new(0.0, 0.0, -G), 0.0, 0.0, dt, steps);
         rest.go(steps);
-        let report = rest.report();
-        let force = floor_force(&report, "contact");
-        let gap = report["collisions"]["smallest_gap"].as_f64().unwrap();
+        let force = rest.force_by("floor", "contact");
+        let gap = rest.report()["collisions"]["smallest_gap"].as_f64().unwrap();
         eprintln!(
             "resting block, step {dt} s: {:.6} of its weight, gap {gap:.4}",
             force.z / (MASS * G)
@@ -169,15 +161,7 @@ fn a_loose_block_between_plates_is_in_balance_without_inertia() {
         let plates = [("low", &at(-start)), ("high", &at(EDGE + start))];
         let mut press = begin(&[("block", &cube())], &plates, &text);
         press.go(press.scene.times().len());
-        let report = press.report();
-        let forces: Vec<f64> = ["low", "high"]
-            .iter()
-            .map(|name| {
-                let all = report["collisions"]["contact"].as_array().unwrap();
-                let force = all.iter().find(|f| f["bodies"][1] == *name).unwrap();
-                force["force"][2].as_f64().unwrap()
-            })
-            .collect();
+        let forces = ["low", "high"].map(|plate| press.force_by(plate, "contact").z);
         let heights = |top: bool| {
             let nodes = press.scene.body.mesh.vertices.iter().zip(press.u().chunks(3));
             let level = |x: f64| (x > 0.99 * EDGE) == top && (x < 0.01 * EDGE) != top;
@@ -195,7 +179,7 @@ fn a_loose_block_between_plates_is_in_balance_without_inertia() {
         // the tiny mass carries what is left: by its rule a thousandth of the weight per centimetre
         assert!((forces[0] + forces[1]).abs() < 1e-3 * MASS * G, "{forces:?}");
         assert!((forces[0] / expected - 1.0).abs() < 2e-3, "{forces:?} {expected}");
-        let out = report["force_balance"]["out_of_balance"].as_f64().unwrap();
+        let out = press.report()["force_balance"]["out_of_balance"].as_f64().unwrap();
         assert!(out < 1e-8 * expected, "{out}");
     }
 }

@@ -7,19 +7,20 @@
 
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{
-    Along, Axis, Direction, Energies, Fibres, Helix, Isobaric, Lead, Term, Traction, Winding, helix,
+    Along, Axis, Chamber, Direction, Energies, Fibres, Helix, Isobaric, Lead, Term, Traction,
+    Winding, helix,
 };
-use mechanics::forward::{Problem, Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Stepping, Workspace, solve_in_time};
 use mechanics::material::fibre::Fibre;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::{Field, Schedule};
+use mechanics::testing::symmetric_wall;
 use mesh::{TetMesh, Vec3};
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where, mean, newton};
 use tests::meshes::{prisms, ring_quarter};
 
-use crate::radial::runge_kutta;
-use crate::symmetric_gas::{Planes, SymmetricGas};
+use crate::radial::Wall;
 
 /// Slack of all fibres.
 const SLACK: f64 = 1e-3;
@@ -175,17 +176,9 @@ fn tube(
     whole: bool,
     energies: impl Fn(&FunctionSpace) -> Energies,
 ) -> (Vec<(Vec3, Vec3)>, f64) {
-    let wall = facets_where(&mesh, |p| p.xy().norm() < inner * (1.0 + 1e-9));
-    let top = mesh.vertices.iter().map(|p| p.z).fold(0.0, f64::max);
-    let space = FunctionSpace::new(2, mesh.vertices.len(), mesh.tets);
-    let energies = energies(&space);
-    let gas =
-        Box::new(Isobaric { pressure: format!("{pressure} * t").parse().expect("a function") });
-    let energies = energies.with(SymmetricGas::new(&space, &wall, Planes::Slab, gas));
-    let places = space.node_positions(&mesh.vertices);
-    let outer = places.iter().map(|p| p.x).fold(0.0, f64::max);
+    let [top, outer] = [2, 0].map(|k| mesh.vertices.iter().map(|p| p[k]).fold(0.0, f64::max));
     let at = |a: f64, b: f64| (a - b).abs() < 1e-9 * outer;
-    let fixed = places.iter().flat_map(|p| {
+    let held = |p: Vec3| {
         let ends = at(p.z, 0.0) || at(p.z, top);
         if !whole {
             return [at(p.x, 0.0), at(p.y, 0.0), ends];
@@ -193,17 +186,24 @@ fn tube(
         // translations and the turn of the bottom: nodes on both axes slide along them
         let on = |a: f64, b: f64| at(p.z, 0.0) && at(a.abs(), outer) && at(b, 0.0);
         [on(p.y, p.x), on(p.x, p.y) && p.x > 0.0, ends]
-    });
-    let fixed: Vec<bool> = fixed.collect();
+    };
+    let own = mesh.clone();
+    let with_gas = |space: &FunctionSpace| {
+        let pressure = format!("{pressure} * t").parse().expect("a function");
+        let inside = |p: Vec3| p.xy().norm() < inner * (1.0 + 1e-9);
+        let wall = symmetric_wall(&own, space, inside);
+        energies(space).with_chamber("gas", Chamber::new(wall, Box::new(Isobaric { pressure })))
+    };
+    let Equilibrium { rest, problem, .. } = Equilibrium::new(mesh, 2, with_gas, held);
+    let places = problem.space.node_positions(&rest);
     let motion: Vec<f64> = places.iter().flat_map(|p| [0.0, 0.0, (stretch - 1.0) * p.z]).collect();
-    let problem = Problem::new(space, energies, &fixed)
-        .with_motion(move |load| motion.iter().map(|m| load * m).collect());
+    let problem = problem.with_motion(move |load| motion.iter().map(|m| load * m).collect());
     let newton = newton(60, 1e-9);
     let stepping = Stepping { first: 0.1, largest: 0.25, smallest: 1e-4, newton };
     let mut workspace = Workspace::new(&problem);
-    let found = solve_in_time(&problem, &mut workspace, &mesh.vertices, &stepping, &[1.0], |_| ());
+    let found = solve_in_time(&problem, &mut workspace, &rest, &stepping, &[1.0], |_| ());
     let u = found.expect("an equilibrium").u;
-    let (forces, _) = problem.gradient(&problem.iterate(&mesh.vertices, &u, 1.0));
+    let (forces, _) = problem.gradient(&problem.iterate(&rest, &u, 1.0));
     let on_top = (0..places.len()).filter(|&n| at(places[n].z, top));
     let force = on_top.map(|n| forces[3 * n + 2]).sum();
     let moved = |(n, x): (usize, &Vec3)| (*x, x + Vec3::new(u[3 * n], u[3 * n + 1], u[3 * n + 2]));
@@ -244,47 +244,29 @@ fn a_mckibben_tube_pulls_as_the_ideal_one() {
     }
 }
 
-/// Radius of the inner wall [m] of a thick tube under pressure, by its equation
-/// d(P_rr)/dR = (P_θθ − P_rr)/R and a shooting method.
-fn thick(model: &Model, [inner, outer]: [f64; 2], pressure: f64, angle: f64) -> f64 {
-    let (sin, cos) = angle.sin_cos();
-    let stress = |slope: f64, ratio: f64| {
-        let energy = |slope: f64, ratio: f64| {
-            let i1 = slope * slope + ratio * ratio + 1.0;
-            let i4 = cos * cos + (ratio * sin).powi(2);
-            model.matrix(i1, slope * ratio) + 2.0 * model.family(i1, i4)
-        };
+/// Radius of the inner wall [m] of a thick tube under pressure, by its radial equation.
+fn thick(model: &Model, radii: [f64; 2], pressure: f64, angle: f64) -> f64 {
+    let (model, (sin, cos)) = (*model, angle.sin_cos());
+    let energy = move |[radial, hoop]: [f64; 2]| {
+        let i1 = radial * radial + hoop * hoop + 1.0;
+        model.matrix(i1, radial * hoop) + 2.0 * model.family(i1, cos * cos + (hoop * sin).powi(2))
+    };
+    let stress = move |[radial, hoop, _]: [f64; 3]| {
         // of fourth order
         let d = 1e-4;
         let by = |f: &dyn Fn(f64) -> f64| {
             (8.0 * (f(d) - f(-d)) - (f(2.0 * d) - f(-2.0 * d))) / (12.0 * d)
         };
-        [by(&|s| energy(slope + s, ratio)), by(&|s| energy(slope, ratio + s))]
+        [by(&|s| energy([radial + s, hoop])), by(&|s| energy([radial, hoop + s])), 0.0]
     };
-    // r′ at which P_rr has a value
-    let slope_at = |wanted: f64, ratio: f64| {
-        let (mut low, mut high) = (0.2, 2.0);
-        for _ in 0..60 {
-            let middle = f64::midpoint(low, high);
-            if stress(middle, ratio)[0] < wanted { low = middle } else { high = middle }
-        }
-        f64::midpoint(low, high)
-    };
-    // r and P_rr are carried outward
-    let outside = |start: f64| {
-        let by = |at: f64, [r, radial]: [f64; 2]| {
-            let slope = slope_at(radial, r / at);
-            [slope, (stress(slope, r / at)[1] - radial) / at]
-        };
-        runge_kutta([inner, outer], 200, [start, -pressure * start / inner], by)[1]
-    };
-    let (mut low, mut high) = (inner, 1.3 * inner);
+    let wall = Wall { radii, sphere: false, stress: &stress };
+    let (mut low, mut high) = (1.0, 1.3);
     for _ in 0..40 {
         let middle = f64::midpoint(low, high);
         // wider, the wall carries more than the pressure
-        if outside(middle) < 0.0 { low = middle } else { high = middle }
+        if wall.outside(middle, pressure) < 0.0 { low = middle } else { high = middle }
     }
-    f64::midpoint(low, high)
+    radii[0] * f64::midpoint(low, high)
 }
 
 /// Straight elements are the error, of second order. Threshold, set before: 1e-4 of the displacement, of what second

@@ -4,7 +4,6 @@ use std::f64::consts::FRAC_PI_2;
 
 use mechanics::element::at;
 use mesh::{TetMesh, Vec3};
-use run::report::results::grid_with_fields;
 use tests::meshes::{extrude, triangle};
 use tests::motion::begin;
 use tests::{plate, tag};
@@ -84,20 +83,17 @@ fn press(even: usize, growth: f64) {
     );
     let mut press = begin(&[("ball", &ball)], &[("plate", &plate)], &text);
     press.go(1);
-    let report = press.report();
-    let force = 4.0 * report["collisions"]["contact"][0]["force"][2].as_f64().unwrap();
+    let force = 4.0 * press.force_by("plate", "contact").z;
     let nodes = press.problem.space.node_positions(&press.scene.body.mesh.vertices);
     let pole = nodes.iter().position(|x| (x + Vec3::new(0.0, 0.0, RADIUS)).norm() < near);
     let delta = at(press.u(), pole.unwrap()).z;
     // ∫ p r² dA = 2/5 a² F of Hertz's pressure
-    let state = press.stepper.iterate(&press.problem, &press.scene.body.mesh.vertices);
-    let grid = grid_with_fields(&press.problem.energies, &state);
-    let field = grid.point_fields.iter().find(|f| f.name == "contact_force").unwrap();
+    let field = press.contact_field();
     let (mut moment, mut sum) = (0.0, 0.0);
     for (node, x) in nodes.iter().enumerate() {
         let x = x + at(press.u(), node);
-        moment += at(&field.values, node).z * (x.x * x.x + x.y * x.y);
-        sum += at(&field.values, node).z;
+        moment += at(&field, node).z * (x.x * x.x + x.y * x.y);
+        sum += at(&field, node).z;
     }
     let radius = (2.5 * moment / sum).sqrt();
     let modulus = YOUNG / (1.0 - POISSON * POISSON);

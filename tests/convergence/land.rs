@@ -7,13 +7,14 @@
 //! loads, each of which is the follower load of the equilibrium before.
 
 use mechanics::element::at;
-use mechanics::energy::{Chamber, Energies, Energy, Hessian, Isobaric, Iterate, Nature, Wall};
+use mechanics::energy::{Chamber, Energies, Energy, Isobaric, Wall};
 use mechanics::material::{Kinematics, Material};
-use mechanics::math::sparse::BlockMatrix;
 use mechanics::math::tensor::{Mat3, Mat9, vec9};
 use mesh::Vec3;
 use tests::block;
 use tests::equilibrium::{Equilibrium, facets_where, newton};
+
+use crate::nodal::NodalForces;
 
 /// ψ = ½ C (e^Q − 1) + ½ K ln²J,  Q = b_f E₁₁² + b_t (E₂₂² + E₃₃² + 2E₂₃²)
 /// + 2 b_fs (E₁₂² + E₁₃²), K for incompressibility.
@@ -78,31 +79,6 @@ impl Material for Guccione {
     fn add_parameter_vjp(&self, _: &Kinematics, _: &Mat3, _: &mut [f64]) {}
 }
 
-/// Constant nodal forces.
-struct Dead {
-    force: Vec<f64>,
-}
-
-impl Energy for Dead {
-    fn name(&self) -> &'static str {
-        "dead"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Other
-    }
-    fn value(&self, at: &Iterate) -> f64 {
-        -at.time * self.force.iter().zip(at.u).map(|(f, u)| f * u).sum::<f64>()
-    }
-    fn add_gradient(&self, at: &Iterate, out: &mut [f64]) {
-        out.iter_mut().zip(&self.force).for_each(|(o, f)| *o -= at.time * f);
-    }
-    fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
-    fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {
-        unimplemented!("no shape derivative is asked for")
-    }
-}
-
 /// Height of the point (10, 0.5, 1) mm [mm], and the dead loads it took.
 fn height(degree: usize, cells: usize) -> (f64, usize) {
     let edge = 1e-3 / cells as f64;
@@ -122,7 +98,7 @@ fn height(degree: usize, cells: usize) -> (f64, usize) {
         let mut force = vec![0.0; body.u.len()];
         gas.add_gradient(&body.problem.iterate(&body.rest, &body.u, load), &mut force);
         force.iter_mut().for_each(|f| *f = -*f);
-        body.problem.energies = Energies::elastic(Box::new(Guccione)).with(Dead { force });
+        body.problem.energies = Energies::elastic(Box::new(Guccione)).with(NodalForces(force));
         body.balance(&newton, 1.0).unwrap();
         let now = 1e3 * (1e-3 + at(&body.u, node).z);
         if load == 1.0 && (now - last).abs() < 1e-5 {

@@ -4,15 +4,16 @@
 use std::f64::consts::PI;
 
 use mechanics::element::{FunctionSpace, add_at, at, quadrature, tabulate};
-use mechanics::energy::{Energies, Energy, Hessian, Iterate, Nature};
+use mechanics::energy::Energies;
 use mechanics::forward::{Configuration, Problem, Workspace};
 use mechanics::material::{Kinematics, Material, MooneyRivlin};
-use mechanics::math::sparse::BlockMatrix;
 use mechanics::math::taylor::log_slope;
 use mechanics::math::tensor::{Mat3, cofactor};
 use mesh::Vec3;
 use tests::block;
 use tests::equilibrium::newton;
+
+use crate::nodal::NodalForces;
 
 const AMPLITUDE: f64 = 0.1;
 /// Compressible, so that linear elements do not lock before they converge.
@@ -63,40 +64,14 @@ fn force(x: Vec3) -> Vec3 {
     f
 }
 
-/// The work of f, as nodal forces.
-struct Forcing {
-    nodal: Vec<f64>,
-}
-
-impl Forcing {
-    fn new(space: &FunctionSpace, rest: &[Vec3]) -> Self {
-        let mut nodal = vec![0.0; 3 * space.node_count()];
-        for_each_point(space, rest, |nodes, _, values, _, x, weight| {
-            let f = weight * force(x);
-            nodes.iter().zip(values).for_each(|(&n, v)| add_at(&mut nodal, n, &(f * *v)));
-        });
-        Self { nodal }
-    }
-}
-
-impl Energy for Forcing {
-    fn name(&self) -> &'static str {
-        "manufactured force"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Other
-    }
-    fn value(&self, at: &Iterate) -> f64 {
-        -self.nodal.iter().zip(at.u).map(|(f, u)| f * u).sum::<f64>()
-    }
-    fn add_gradient(&self, _: &Iterate, out: &mut [f64]) {
-        out.iter_mut().zip(&self.nodal).for_each(|(o, f)| *o -= f);
-    }
-    fn add_hessian(&self, _: &Iterate, _: Hessian, _: &mut BlockMatrix) {}
-    fn add_mixed_vjp(&self, _: &Iterate, _: &[f64], _: &mut [f64]) {
-        unimplemented!("no shape derivative is asked for")
-    }
+/// f as forces on nodes.
+fn nodal_forces(space: &FunctionSpace, rest: &[Vec3]) -> NodalForces {
+    let mut nodal = vec![0.0; 3 * space.node_count()];
+    for_each_point(space, rest, |nodes, _, values, _, x, weight| {
+        let f = weight * force(x);
+        nodes.iter().zip(values).for_each(|(&n, v)| add_at(&mut nodal, n, &(f * *v)));
+    });
+    NodalForces(nodal)
 }
 
 /// Calls `f` with nodes, G⁻ᵀ, values, reference gradients, position and weight
@@ -130,8 +105,7 @@ fn errors(degree: usize, exact: usize, n: usize) -> [f64; 2] {
     let on_boundary = |p: &Vec3| p.iter().any(|c| !(1e-9..1.0 - 1e-9).contains(c));
     let fixed: Vec<bool> = nodes.iter().flat_map(|p| [on_boundary(p); 3]).collect();
     let u: Vec<f64> = nodes.iter().flat_map(|&p| <[f64; 3]>::from(displacement(p))).collect();
-    let forcing = Forcing::new(&space, &rest);
-    let energies = Energies::elastic(Box::new(LAW)).with(forcing);
+    let energies = Energies::elastic(Box::new(LAW)).with(nodal_forces(&space, &rest));
     let problem = Problem::new(space, energies, &fixed);
     let newton = newton(20, 1e-11);
     let mut state = Configuration::new(&problem, &rest, u, 1.0);

@@ -89,34 +89,15 @@ fn traction(motion: &Motion, name: &str) -> Vec3 {
     total
 }
 
-/// Magnitude of the force of the upper plate [N].
-fn plate_force(motion: &mut Motion) -> f64 {
-    let report = motion.report();
-    let forces = report["collisions"]["contact"].as_array().unwrap();
-    let high = forces.iter().find(|f| f["bodies"][1] == "high").expect("it is pressed");
-    high["force"][2].as_f64().unwrap().abs()
-}
-
-/// Forces of contact and friction on the nodes of the four free faces.
-#[derive(Default)]
-struct FaceNodes {
-    /// Largest force on a node that no plate is near [N].
-    largest: f64,
-    /// How many such nodes there are.
-    free: usize,
-    /// Smallest force on a node that is nearer to a plate than the activation [N].
-    smallest_near: f64,
-    /// How many such nodes there are.
-    near: usize,
-}
-
-fn face_nodes(motion: &Motion) -> FaceNodes {
+/// Magnitudes of the forces of contact and friction on the nodes of the four free faces [N]: on those that no plate is
+/// near, and on those that are nearer to one than the activation.
+fn face_forces(motion: &Motion) -> [Vec<f64>; 2] {
     let rest = &motion.scene.body.mesh.vertices;
     let load = motion.stepper.progress.time();
     let state = motion.stepper.iterate(&motion.problem, rest);
     let grid = grid_with_fields(&motion.problem.energies, &state);
     let half = 0.5 * EDGE + 0.99 * ACTIVATION - 0.25 * EDGE * load;
-    let mut found = FaceNodes { smallest_near: f64::INFINITY, ..FaceNodes::default() };
+    let mut found = [Vec::new(), Vec::new()];
     for (node, x) in grid.points.iter().enumerate() {
         if ![x.x, x.y].iter().any(|c| c.min(EDGE - c) < 1e-9) {
             continue;
@@ -124,13 +105,7 @@ fn face_nodes(motion: &Motion) -> FaceNodes {
         let forces = grid.point_fields.iter().filter(|f| f.name.ends_with("_force"));
         let force = forces.map(|f| at(&f.values, node).norm()).fold(0.0, f64::max);
         let gap = half - ((x + at(motion.u(), node)).z - 0.5 * EDGE).abs();
-        if gap >= ACTIVATION {
-            found.free += 1;
-            found.largest = found.largest.max(force);
-        } else {
-            found.near += 1;
-            found.smallest_near = found.smallest_near.min(force);
-        }
+        found[usize::from(gap < ACTIVATION)].push(force);
     }
     found
 }
@@ -154,17 +129,18 @@ fn press(cells: usize) -> Vec<Point> {
         cube.go(1);
         let faces = ["cube.left", "cube.right", "cube.front", "cube.back"];
         let sum: f64 = faces.iter().map(|face| traction(&cube, face).norm()).sum();
-        let force = plate_force(&mut cube);
-        let nodes = face_nodes(&cube);
+        let force = cube.force_by("high", "contact").z.abs();
+        let [free, near] = face_forces(&cube);
+        let largest = free.iter().copied().fold(0.0, f64::max);
         let shortening = 0.5 * step as f64 / STEPS as f64;
-        let (stress, contact) = (0.25 * sum / force, nodes.largest / force);
+        let (stress, contact) = (0.25 * sum / force, largest / force);
         curve.push(Point { shortening, stress, contact });
-        assert!(nodes.largest == 0.0, "{:e} N at a free node in step {step}", nodes.largest);
+        assert!(largest == 0.0, "{largest:e} N at a free node in step {step}");
         // the rows at the plates are not free, and the next ones may have been folded onto them
         let rows = 4 * cells * (cells - 3);
-        assert!(nodes.free >= rows, "{} free nodes of {rows}", nodes.free);
+        assert!(free.len() >= rows, "{} free nodes of {rows}", free.len());
         // the same forces are seen where a plate is near: the rims of both ends, 4 cells nodes each
-        let (near, least) = (nodes.near, nodes.smallest_near);
+        let (near, least) = (near.len(), near.iter().copied().fold(f64::INFINITY, f64::min));
         assert!(shortening <= 0.1 || near >= 8 * cells && least > 0.0, "{near} nodes, {least:e} N");
     }
     let last = curve.last().unwrap();
@@ -174,7 +150,7 @@ fn press(cells: usize) -> Vec<Point> {
         6 * cells.pow(3),
         100.0 * last.shortening,
         last.stress,
-        plate_force(&mut cube),
+        cube.force_by("high", "contact").z.abs(),
         last.contact,
         cube.stepper.progress.newton_iterations,
         clock.elapsed().as_secs_f64()

@@ -81,8 +81,8 @@ impl Wall<'_> {
         maximum([0.9 * near, 1.1 * near], pressure).expect("a limit as without compressibility")
     }
 
-    /// P_rr at the outer wall [Pa].
-    fn outside(&self, stretch: f64, pressure: f64) -> f64 {
+    /// P_rr at the outer wall [Pa], of a stretch of the inner one and a pressure [Pa].
+    pub fn outside(&self, stretch: f64, pressure: f64) -> f64 {
         let [inner, outer] = self.radii;
         let around = if self.sphere { 2.0 } else { 1.0 };
         let stretches =
@@ -108,7 +108,7 @@ impl Wall<'_> {
 }
 
 /// y at the end of an interval, where y′ = `by`(x, y), by the classic rule of Runge and Kutta.
-pub fn runge_kutta(
+fn runge_kutta(
     [from, to]: [f64; 2],
     steps: usize,
     start: [f64; 2],

@@ -31,17 +31,8 @@ fn go(motion: &mut Motion) -> (f64, usize) {
     let to = Iterate { time: end, ..from };
     let straight = motion.workspace.move_supports(&motion.problem, &to);
     let free = motion.problem.max_step(&from, &Iterate { u: &straight, ..to });
-    let mut load_steps = 0;
-    for end in motion.scene.times() {
-        motion
-            .stepper
-            .advance(&motion.problem, &mut motion.workspace, &rest, end, |step| {
-                load_steps += 1;
-                motion.last = Some(step.clone());
-            })
-            .unwrap_or_else(|e| panic!("t = {end}: {e}"));
-    }
-    (free, load_steps)
+    let count = motion.scene.times().len();
+    (free, motion.go(count))
 }
 
 /// Largest difference of two displacements over the largest of the first.

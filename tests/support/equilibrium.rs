@@ -51,25 +51,6 @@ impl Equilibrium {
         Self { rest, workspace: Workspace::new(&problem), problem, u }
     }
 
-    /// How far the end of a cantilever of degree 2 rises on the mean [m], of a square section with a side [m], along x.
-    pub fn rise_of_end(
-        mesh: TetMesh,
-        energies: impl Fn(&FunctionSpace) -> Energies,
-        side: f64,
-        length: f64,
-    ) -> f64 {
-        let middle = |c: f64| (c - 0.5 * side).abs() < 1e-9;
-        let held = |p: Vec3| match p.x > 1e-9 {
-            true => [false; 3],
-            false => [true, middle(p.y), middle(p.z)],
-        };
-        let mut beam = Self::new(mesh, 2, energies, held);
-        beam.solve(1.0);
-        let tip = |x: &&(Vec3, Vec3)| x.0.x > length - 1e-9;
-        let rises: Vec<f64> = beam.nodes().iter().filter(tip).map(|x| x.1.z - x.0.z).collect();
-        mean(&rises)
-    }
-
     /// Moves on to the equilibrium at a fraction of the load.
     pub fn solve(&mut self, load: f64) {
         // slender bodies cancel large inner forces: 1e-10 is below their rounding

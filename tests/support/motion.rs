@@ -91,20 +91,23 @@ impl Motion {
         Self { scene, problem, workspace, stepper, last: None, _folder: None }
     }
 
-    /// Goes through the next `count` time steps.
-    pub fn go(&mut self, count: usize) {
+    /// Goes through the next `count` time steps, in how many load steps.
+    pub fn go(&mut self, count: usize) -> usize {
         let rest = self.scene.body.mesh.vertices.clone();
+        let mut load_steps = 0;
         for _ in 0..count {
             let now = self.stepper.progress.time;
             let next = self.scene.times().into_iter().find(|&t| t > now).expect("a time step");
             let mut last = None;
             self.stepper
                 .advance(&self.problem, &mut self.workspace, &rest, next, |step| {
-                    last = Some(step.clone())
+                    load_steps += 1;
+                    last = Some(step.clone());
                 })
-                .unwrap_or_else(|e| panic!("{e}"));
+                .unwrap_or_else(|e| panic!("t = {next}: {e}"));
             self.last = last;
         }
+        load_steps
     }
 
     /// Goes to the end: the states at the ends of time steps.
@@ -141,6 +144,22 @@ impl Motion {
         let measured = (&[][..], 0.0);
         let step = results::step(&self.scene, &self.scene.body, &self.problem, step, v, measured);
         serde_json::json!(step.expect("tags are known"))
+    }
+
+    /// Force of `contact` or `friction` by an obstacle on what touches it, at the last step [N].
+    pub fn force_by(&mut self, obstacle: &str, kind: &str) -> Vec3 {
+        let report = self.report();
+        let all = report["collisions"][kind].as_array().expect("a list of forces");
+        let own = all.iter().find(|force| force["bodies"][1] == obstacle).expect("it is touched");
+        let force = own["force"].as_array().expect("a vector");
+        Vec3::from_iterator(force.iter().map(|c| c.as_f64().expect("a number")))
+    }
+
+    /// Forces of contact on the nodes, at the last step [N].
+    pub fn contact_field(&self) -> Vec<f64> {
+        let at = self.stepper.iterate(&self.problem, &self.scene.body.mesh.vertices);
+        let fields = results::grid_with_fields(&self.problem.energies, &at).point_fields;
+        fields.into_iter().find(|f| f.name == "contact_force").expect("a scene with contact").values
     }
 
     /// ∫ ρ w dX of a nodal field over all bodies, e.g. momentum [kg m/s].

@@ -23,6 +23,19 @@ pub fn map_merge<T: Send>(
     });
 }
 
+/// Calls `map` on each item in parallel, and `merge` on each with its result, serially and in their order.
+pub fn map_each<I: Sync, T: Send>(
+    items: &[I],
+    map: impl Fn(&I) -> T + Sync,
+    mut merge: impl FnMut(&I, T),
+) {
+    map_merge(
+        items.len(),
+        |range| items[range].iter().map(&map).collect::<Vec<T>>(),
+        |range, parts| items[range].iter().zip(parts).for_each(|(item, part)| merge(item, part)),
+    );
+}
+
 /// As [`map_merge`], but `merge` gets the results of many consecutive ranges at
 /// once, to go about them in parallel.
 pub fn map_merge_waves<T: Send>(

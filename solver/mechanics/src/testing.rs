@@ -1,6 +1,7 @@
 //! Small surfaces, and gradient checks, for unit tests.
 
-use mesh::{SurfaceMesh, TetMesh, Vec3};
+use mesh::topology::TET_FACETS;
+use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key};
 
 use crate::element::FunctionSpace;
 use crate::energy::{Chamber, Elastic, Energies, Isobaric, Wall};
@@ -159,6 +160,16 @@ pub fn block(cells: [usize; 3]) -> TetMesh {
     TetMesh { vertices, tets }
 }
 
+/// Facets of a mesh, on its boundary and inside, whose vertices are all where a condition holds, ascending.
+pub fn facets_where(mesh: &TetMesh, test: impl Fn(Vec3) -> bool) -> Vec<[usize; 3]> {
+    let of_tet = |t: &[usize; 4]| TET_FACETS.map(|corners| facet_key(corners.map(|c| t[c])));
+    let here = |f: &[usize; 3]| f.iter().all(|&v| test(mesh.vertices[v]));
+    let mut all: Vec<_> = mesh.tets.iter().flat_map(of_tet).filter(here).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// An eighth of a shell with the radii `inner` and 1, in the octant of positive coordinates: an octahedron
 /// refined `levels` times, in layers of equal thickness.
 pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
@@ -166,12 +177,18 @@ pub fn eighth_shell(levels: usize, layers: usize, inner: f64) -> TetMesh {
     let octant = |t: &&[usize; 3]| t.iter().all(|&v| whole.vertices[v].min() > -1e-12);
     let facets: Vec<[usize; 3]> = whole.triangles.iter().filter(octant).copied().collect();
     let (facets, _) = mesh::topology::submesh(&whole.vertices, &facets);
-    let count = facets.vertices.len();
     let radius = |layer: usize| inner + (1.0 - inner) * layer as f64 / layers as f64;
-    let vertices = (0..=layers).flat_map(|l| facets.vertices.iter().map(move |v| radius(l) * v));
-    let vertices: Vec<Vec3> = vertices.collect();
+    prisms(&facets, (0..=layers).map(radius))
+}
+
+/// Layers of prisms, of three tetrahedra each, between copies of a surface that are larger by ascending factors.
+pub fn prisms(facets: &SurfaceMesh, factors: impl IntoIterator<Item = f64>) -> TetMesh {
+    let count = facets.vertices.len();
+    let copies =
+        factors.into_iter().flat_map(|factor| facets.vertices.iter().map(move |v| factor * v));
+    let vertices: Vec<Vec3> = copies.collect();
     let mut tets = Vec::new();
-    for layer in 0..layers {
+    for layer in 0..vertices.len() / count - 1 {
         for triangle in &facets.triangles {
             let mut below = triangle.map(|v| layer * count + v);
             below.sort_unstable();
@@ -223,23 +240,30 @@ pub fn shell_problem(mesh: &TetMesh, energies: impl FnOnce(&FunctionSpace) -> En
 }
 
 /// The wall of an [`eighth_shell`] at a radius, as the planes of symmetry complete it.
+pub fn shell_wall(mesh: &TetMesh, space: &FunctionSpace, radius: f64) -> Wall {
+    symmetric_wall(mesh, space, |x| (x.norm() - radius).abs() < 1e-9)
+}
+
+/// The wall of the boundary facets where a condition holds, of a body that may be cut at x = 0, y = 0 and z = 0.
 ///
 /// # Panics
-/// Where the mesh is no eighth.
-pub fn shell_wall(mesh: &TetMesh, space: &FunctionSpace, radius: f64) -> Wall {
+/// Where facets in such a plane are no cut.
+pub fn symmetric_wall(
+    mesh: &TetMesh,
+    space: &FunctionSpace,
+    inside: impl Fn(Vec3) -> bool,
+) -> Wall {
     let boundary = mesh::topology::boundary(mesh).facets;
-    let on =
-        |f: &[usize; 3], test: &dyn Fn(&Vec3) -> bool| f.iter().all(|&v| test(&mesh.vertices[v]));
-    let planes: Vec<_> = (0..3)
-        .map(|axis| {
-            let cut = boundary.iter().filter(|f| on(f, &|x| x[axis] < 1e-12));
-            let cut: Vec<[usize; 3]> = cut.copied().collect();
-            Plane::find(mesh, &boundary, &["cut".to_owned()], &cut).expect("a plane")
-        })
-        .collect();
-    let wall = boundary.iter().filter(|f| on(f, &|x| (x.norm() - radius).abs() < 1e-9));
-    let wall: Vec<[usize; 3]> = wall.copied().collect();
-    Wall::cut_by(&planes, space, &wall)
+    let own_where = |test: &dyn Fn(Vec3) -> bool| -> Vec<[usize; 3]> {
+        let facets = boundary.iter().filter(|f| f.iter().all(|&v| test(mesh.vertices[v])));
+        facets.copied().collect()
+    };
+    let cuts = (0..3).map(|axis| own_where(&|x: Vec3| x[axis].abs() < 1e-11));
+    let planes = cuts.filter(|cut| !cut.is_empty()).map(|cut| {
+        Plane::find(mesh, &boundary, &["cut".to_owned()], &cut).expect("all of a plane")
+    });
+    let planes: Vec<Plane> = planes.collect();
+    Wall::cut_by(&planes, space, &own_where(&inside))
 }
 
 /// Inner radius of [`balloon`], whose outer one is 1.

@@ -20,7 +20,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use measure::probe::Probe;
-use mechanics::adjoint::{self, Gradient, NoGradient, Partials};
+use mechanics::adjoint::{self, Gradient, NoGradient, Partials, Wanted};
 use mechanics::element::FunctionSpace;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
@@ -187,7 +187,7 @@ impl Run {
         partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
     ) -> Result<Gradient, NoGradient> {
         let on = (self.rest(), &self.states);
-        adjoint::sweep(&self.problem, &mut self.workspace(), on, known, partials)
+        adjoint::sweep(&self.problem, &mut self.workspace(), on, known, Wanted::All, partials)
     }
 
     /// Writes what `solver simulate` writes, of a scene that lies in a file with its meshes.

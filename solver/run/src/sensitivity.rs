@@ -4,7 +4,7 @@
 use anyhow::{Result, anyhow};
 use measure::probe::Probe;
 use measure::quantity::{Equilibrium, Forces, Partials};
-use mechanics::adjoint::{self, Gradient};
+use mechanics::adjoint::{self, Gradient, Wanted};
 use mechanics::energy::Iterate;
 use mechanics::forward::{Linearizations, Problem, Trajectory, Workspace, solve_multipliers};
 use scene::Scene;
@@ -36,7 +36,7 @@ pub fn sensitivities(
             }
         };
         let on = (rest, run);
-        let mut swept = adjoint::sweep(problem, workspace, on, &known, partials)
+        let mut swept = adjoint::sweep(problem, workspace, on, &known, Wanted::All, partials)
             .map_err(|e| anyhow!("derivatives of the probe \"{}\": {e}", probe.name))?;
         swept.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         for (id, by) in q.by_parameters(&here, 1.0) {

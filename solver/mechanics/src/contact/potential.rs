@@ -47,7 +47,7 @@ use super::terms::{Term, Terms};
 use super::weights::Adjacency;
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12};
-use crate::parallel::map_merge;
+use crate::parallel::{map_each, map_merge};
 
 /// Which features repel each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -286,15 +286,10 @@ impl Contacts<'_> {
     fn for_each_term<T: Send>(
         &self,
         map: impl Fn(&Term, &Local, f64) -> T + Sync,
-        mut merge: impl FnMut(&Term, T),
+        merge: impl FnMut(&Term, T),
     ) {
         let (terms, scale) = (self.terms(), self.potential.scale);
-        let part = |range: Range<usize>| -> Vec<T> {
-            terms[range].iter().map(|t| map(t, &self.local(t), scale * t.weight)).collect()
-        };
-        map_merge(terms.len(), part, |range, part| {
-            terms[range].iter().zip(part).for_each(|(term, value)| merge(term, value));
-        });
+        map_each(terms, |t| map(t, &self.local(t), scale * t.weight), merge);
     }
 }
 

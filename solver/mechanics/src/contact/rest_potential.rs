@@ -38,15 +38,11 @@ pub fn add_gradient(
     weight: f64,
     out: &mut [f64],
 ) {
-    let part = |range: Range<usize>| -> Vec<[Vec3; 4]> {
-        pairs[range].iter().map(|p| pair_gradient(p, x, repulsion)).collect()
-    };
-    crate::parallel::map_merge(pairs.len(), part, |range, gradients| {
-        for (pair, gradient) in pairs[range].iter().zip(gradients) {
-            for (v, g) in pair.corners().into_iter().zip(gradient) {
-                for k in 0..3 {
-                    out[3 * v + k] += weight * g[k];
-                }
+    let gradient = |pair: &Pair| pair_gradient(pair, x, repulsion);
+    crate::parallel::map_each(pairs, gradient, |pair, gradient| {
+        for (v, g) in pair.corners().into_iter().zip(gradient) {
+            for k in 0..3 {
+                out[3 * v + k] += weight * g[k];
             }
         }
     });

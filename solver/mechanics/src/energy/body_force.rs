@@ -8,6 +8,7 @@
 //! the density, and the components of what is added to f over that factor everywhere.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use mesh::Vec3;
 use mesh::measure::{tet_volume, tet_volume_gradient};
@@ -104,12 +105,12 @@ impl BodyForce {
 }
 
 impl Energy for BodyForce {
-    fn name(&self) -> &'static str {
-        "body_force"
+    fn kind(&self) -> (&'static str, Nature) {
+        ("body_force", Nature::DeadLoad)
     }
 
-    fn nature(&self) -> Nature {
-        Nature::DeadLoad
+    fn held(&self, time: f64) -> Option<Arc<dyn Energy>> {
+        Some(Arc::new(Self { force: self.force.held_at(time), ..self.clone() }))
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

@@ -106,12 +106,8 @@ impl Chamber {
 }
 
 impl Energy for Chamber {
-    fn name(&self) -> &'static str {
-        "chamber"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Gas
+    fn kind(&self) -> (&'static str, Nature) {
+        ("chamber", Nature::Gas)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

@@ -8,7 +8,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 use super::owner::Owner;
-use super::{Chamber, Contact, Elastic, Energy, GasLaw, Held, Inertia, Iterate, Nature};
+use super::{Chamber, Contact, Elastic, Energy, GasLaw, Inertia, Iterate, Nature};
 use crate::element::FunctionSpace;
 use crate::material::Material;
 use crate::schedule::Schedule;
@@ -49,18 +49,10 @@ impl Term {
         (&*self.energy as &dyn Any).downcast_ref()
     }
 
-    /// This term with its loads as they are at a time, but for the pressures of chambers. Nobody asks for the numbers
-    /// of loads that do not pass.
+    /// This term with its load as it is at a time, but for the pressures of chambers.
     fn held(&self, time: f64) -> Self {
-        if let Some(energy) = self.energy.held(time) {
-            return Self { energy, owners: self.owners.clone() };
-        }
-        match self.nature() {
-            Nature::DeadLoad | Nature::Other => {
-                Self::new(Held { energy: Arc::clone(&self.energy), time })
-            }
-            _ => self.clone(),
-        }
+        let energy = self.energy.held(time).unwrap_or_else(|| Arc::clone(&self.energy));
+        Self { energy, owners: self.owners.clone() }
     }
 }
 
@@ -190,13 +182,12 @@ impl Energies {
     pub fn with_scaled_pressures(&self, time: f64, scaled: &[ChamberId]) -> Self {
         let mut held: Self = self.terms.iter().map(|term| term.held(time)).collect();
         held.change(|place, chamber: &Chamber| {
-            let mut gas = chamber.gas.clone();
+            let gas = &chamber.gas;
             let grows = gas.pressure().is_some() && scaled.contains(&ChamberId(place));
             let value = gas.schedule().at(time);
             let then =
                 if grows { Schedule::proportional(value, time) } else { Schedule::held(value) };
-            *gas.schedule_mut() = then;
-            Chamber { gas, ..chamber.clone() }
+            Chamber { gas: gas.with_schedule(then), ..chamber.clone() }
         });
         held
     }

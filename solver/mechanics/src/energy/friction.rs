@@ -18,7 +18,6 @@
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, section 5.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use mesh::Vec3;
@@ -28,7 +27,7 @@ use crate::contact::friction::{LaggedContact, LaggedContactCotangent, dissipatio
 use crate::contact::surface::{BodyForce, Surface};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat12, Vec12};
-use crate::parallel::map_merge;
+use crate::parallel::map_each;
 
 /// Friction on a collision surface.
 #[derive(Clone)]
@@ -108,12 +107,8 @@ impl Friction {
 }
 
 impl Energy for Friction {
-    fn name(&self) -> &'static str {
-        "friction"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Friction
+    fn kind(&self) -> (&'static str, Nature) {
+        ("friction", Nature::Friction)
     }
 
     fn value(&self, at: &Iterate) -> f64 {
@@ -134,14 +129,11 @@ impl Energy for Friction {
     fn add_hessian(&self, at: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
         let Some(step) = at.step else { return };
         let (v, h) = (self.velocities(at, step), step.h);
-        let part = |range: Range<usize>| -> Vec<Mat12> {
-            step.lagged_contacts[range].iter().map(|c| self.hessian(c, &v, h, kind)).collect()
-        };
-        map_merge(step.lagged_contacts.len(), part, |range, blocks| {
-            for (contact, block) in step.lagged_contacts[range].iter().zip(blocks) {
-                self.surface.add_block(&contact.corners, &block, out);
-            }
-        });
+        map_each(
+            &step.lagged_contacts,
+            |contact| self.hessian(contact, &v, h, kind),
+            |contact, block| self.surface.add_block(&contact.corners, &block, out),
+        );
     }
 
     fn couplings(&self, at: &Iterate, _reach: f64) -> Vec<[usize; 2]> {

@@ -163,12 +163,8 @@ impl Inertia {
 }
 
 impl Energy for Inertia {
-    fn name(&self) -> &'static str {
-        if self.tiny { "tiny_mass" } else { "inertia" }
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Inertia
+    fn kind(&self) -> (&'static str, Nature) {
+        (if self.tiny { "tiny_mass" } else { "inertia" }, Nature::Inertia)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

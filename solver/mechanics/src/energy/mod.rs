@@ -11,7 +11,6 @@ mod energies;
 mod fibres;
 mod friction;
 pub mod gas_law;
-mod held;
 mod inertia;
 mod membrane;
 mod mullins;
@@ -36,7 +35,6 @@ pub use energies::{ChamberId, Energies, Term};
 pub use fibres::{Axis, Direction, Directions, FibreMean, FibreSummary, Fibres};
 pub use friction::Friction;
 pub use gas_law::{GasLaw, IdealGas, Isobaric, Moment, Potential, PrescribedVolume};
-pub use held::Held;
 pub use inertia::Inertia;
 pub use membrane::{Membrane, MembraneSummary};
 pub use mullins::{Mullins, MullinsMean, MullinsSummary};
@@ -252,11 +250,17 @@ impl Nature {
 
 /// One term E(u; X) of the potential energy with all its derivatives.
 pub trait Energy: Any + Send + Sync {
-    /// Kind of the term, as reports call it.
-    fn name(&self) -> &'static str;
+    /// What reports call it, and what it is to balances of forces and energy.
+    fn kind(&self) -> (&'static str, Nature);
+    /// What reports call it.
+    fn name(&self) -> &'static str {
+        self.kind().0
+    }
     /// What it is to balances of forces and energy.
-    fn nature(&self) -> Nature;
-    /// This term with its load as it is at a time, where that keeps its numbers.
+    fn nature(&self) -> Nature {
+        self.kind().1
+    }
+    /// This term with its load as it is at a time, for all times, where it has one that changes, but for pressures.
     fn held(&self, _time: f64) -> Option<Arc<dyn Energy>> {
         None
     }

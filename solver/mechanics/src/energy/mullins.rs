@@ -193,31 +193,24 @@ impl InternalVariables for Mullins {
             past: vec![0.0; self.count(at.space)],
             parameters: vec![0.0; self.law_parameters() + NUMBERS],
         };
-        for e in self.elements() {
-            let (element, own) = self.points.of(at, e);
-            for point in own {
-                let bar = cotangents[self.first + point.place];
-                if self.law.energy_density(&point.k) < self.before(at.step, &point) {
-                    out.past[point.place] = bar;
-                    continue;
-                }
-                self.law.add_energy_vjp(&point.k, bar, &mut out.parameters);
-                let by_f = bar * self.law.first_piola(&point.k);
-                let (place, by) = ((e, &element), (&mut *by_u, &mut *by_rest));
-                QuadraturePoints::add_deformation_vjp(at, place, &point, &by_f, by);
+        self.points.for_each(at, |e, element, point| {
+            let bar = cotangents[self.first + point.place];
+            if self.law.energy_density(&point.k) < self.before(at.step, point) {
+                out.past[point.place] = bar;
+                return;
             }
-        }
+            self.law.add_energy_vjp(&point.k, bar, &mut out.parameters);
+            let by_f = bar * self.law.first_piola(&point.k);
+            let (place, by) = ((e, element), (&mut *by_u, &mut *by_rest));
+            QuadraturePoints::add_deformation_vjp(at, place, point, &by_f, by);
+        });
         out
     }
 }
 
 impl Energy for Mullins {
-    fn name(&self) -> &'static str {
-        "mullins"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Elastic
+    fn kind(&self) -> (&'static str, Nature) {
+        ("mullins", Nature::Elastic)
     }
 
     fn value(&self, at: &Iterate) -> f64 {
@@ -254,14 +247,11 @@ impl Energy for Mullins {
     fn add_past_vjp(&self, at: &Iterate, lambda: &[f64], out: &mut PastCotangent) {
         let Some(step) = step_with_past(at) else { return };
         out.internal.resize(step.internal.len(), 0.0);
-        for e in self.elements() {
-            let (element, own) = self.points.of(at, e);
-            for point in own {
-                let Some(by) = self.softened(step, &point) else { continue };
-                let along = self.law.first_piola(&point.k).dot(&point.gradient(&element, lambda));
-                out.internal[self.first + point.place] += point.weight * by.by_largest * along;
-            }
-        }
+        self.points.for_each(at, |_, element, point| {
+            let Some(by) = self.softened(step, point) else { return };
+            let along = self.law.first_piola(&point.k).dot(&point.gradient(element, lambda));
+            out.internal[self.first + point.place] += point.weight * by.by_largest * along;
+        });
     }
 
     fn slots(&self) -> Vec<Slot> {
@@ -272,19 +262,16 @@ impl Energy for Mullins {
         let law = self.law_parameters();
         let mut sum = vec![0.0; law + NUMBERS];
         let Some(step) = step_with_past(at) else { return sum };
-        for e in self.elements() {
-            let (element, own) = self.points.of(at, e);
-            for point in own {
-                let Some(by) = self.softened(step, &point) else { continue };
-                let bar = point.weight * point.gradient(&element, lambda);
-                let along = self.law.first_piola(&point.k).dot(&bar);
-                let (own, numbers) = sum.split_at_mut(law);
-                self.law.add_parameter_vjp(&point.k, &(by.first * bar), own);
-                // P = (η − 1) ∂W/∂F depends on the parameters by η(W), too
-                self.law.add_energy_vjp(&point.k, by.second * along, own);
-                numbers.iter_mut().zip(by.by_numbers).for_each(|(n, by)| *n += by * along);
-            }
-        }
+        self.points.for_each(at, |_, element, point| {
+            let Some(by) = self.softened(step, point) else { return };
+            let bar = point.weight * point.gradient(element, lambda);
+            let along = self.law.first_piola(&point.k).dot(&bar);
+            let (own, numbers) = sum.split_at_mut(law);
+            self.law.add_parameter_vjp(&point.k, &(by.first * bar), own);
+            // P = (η − 1) ∂W/∂F depends on the parameters by η(W), too
+            self.law.add_energy_vjp(&point.k, by.second * along, own);
+            numbers.iter_mut().zip(by.by_numbers).for_each(|(n, by)| *n += by * along);
+        });
         sum
     }
 }

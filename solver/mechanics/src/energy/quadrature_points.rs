@@ -1,5 +1,6 @@
 //! Energy densities at quadrature points, one point after the other: stress and tangent of each become
-//! forces and blocks of elements. For terms that have more to remember than lanes would gain.
+//! forces and blocks of elements. For terms that have more to remember than lanes would gain, and for the adjoint
+//! derivatives of all.
 //!
 //! Where strain is constant in an element, one point stands for all.
 
@@ -8,21 +9,51 @@ use std::ops::Range;
 use mesh::Vec3;
 use nalgebra::SVector;
 
-use super::elements::{Element, corner_gradients};
 use super::{Hessian, Iterate};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::material::Kinematics;
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
-use crate::math::tensor::{Mat3, Mat9, project_positive, vec9};
+use crate::math::tensor::{Mat3, Mat9, cofactor, project_positive, vec9};
 use crate::parallel::{fill, map_merge, map_merge_waves};
 
 /// Nodes of an element, at most.
 const MOST_NODES: usize = 20;
 
+/// Geometry of one straight-sided element.
+pub(super) struct Element<'a> {
+    pub(super) nodes: &'a [usize],
+    /// G⁻ᵀ: maps reference gradients to rest gradients [1/m].
+    to_rest: Mat3,
+    /// Rest volume [m³].
+    pub(super) volume: f64,
+}
+
+impl<'a> Element<'a> {
+    pub(super) fn new(space: &'a FunctionSpace, rest: &[Vec3], e: usize) -> Self {
+        let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
+        let g = Mat3::from_columns(&[b - a, c - a, d - a]);
+        let det = g.determinant();
+        // cof G / det G = G⁻ᵀ; a flat element gives infinities, which the
+        // caller sees as an infinite energy
+        let to_rest = cofactor(&g) / det;
+        let n = space.nodes_per_element();
+        let nodes = &space.element_nodes()[e * n..(e + 1) * n];
+        Self { nodes, to_rest, volume: det / 6.0 }
+    }
+
+    /// Rest gradients of the four barycentric coordinates.
+    pub(super) fn corner_gradients(&self) -> [Vec3; 4] {
+        let c = |k: usize| self.to_rest.column(k).into_owned();
+        [-(c(0) + c(1) + c(2)), c(0), c(1), c(2)]
+    }
+}
+
 /// A quadrature point of an element.
 pub(super) struct Point {
-    /// The place among all of the term.
+    /// The place among all of the term, or of the element.
     pub(super) place: usize,
+    /// Part of the volume of the element that it stands for [1].
+    pub(super) share: f64,
     /// Volume that it stands for [m³].
     pub(super) weight: f64,
     /// ∇φ_a [1/m].
@@ -42,6 +73,38 @@ impl Point {
     pub(super) fn inverse(&self) -> Mat3 {
         self.k.cofactor.transpose() / self.k.j()
     }
+
+    /// M of the derivative M : ∇V of P : ∇λ dX along a velocity V of the rest vertices, by P, ∂P/∂F : ∇λ and ∇λ.
+    pub(super) fn by_rest(&self, stress: &Mat3, pushed: &Mat3, grad_l: &Mat3) -> Mat3 {
+        Mat3::identity() * stress.dot(grad_l)
+            - self.k.grad_u.transpose() * pushed
+            - grad_l.transpose() * stress
+    }
+}
+
+/// An element with its quadrature points: all of the rule, or one where strain is constant in it.
+pub(super) fn points<'a>(
+    iterate: &Iterate<'a>,
+    e: usize,
+    all: bool,
+) -> (Element<'a>, impl Iterator<Item = Point> + use<'a>) {
+    let (space, u) = (iterate.space, iterate.u);
+    let element = Element::new(space, iterate.rest, e);
+    let (nodes, volume, to_rest) = (element.nodes, element.volume, element.to_rest);
+    let table = space.volume_table();
+    let one = !all && nodes.len() == 4;
+    let point = move |place: usize| {
+        let mut gradients = [Vec3::zeros(); MOST_NODES];
+        let mut grad_u = Mat3::zeros();
+        for ((g, t), &node) in gradients.iter_mut().zip(&table.gradients[place]).zip(nodes) {
+            *g = to_rest * Vec3::from(*t);
+            grad_u += at(u, node) * g.transpose();
+        }
+        let share = if one { 1.0 } else { table.weights[place] };
+        let k = Kinematics::new(&grad_u);
+        Point { place, share, weight: share * volume, gradients, k }
+    };
+    (element, (0..if one { 1 } else { table.weights.len() }).map(point))
 }
 
 /// The points of a term that has consecutive elements.
@@ -68,23 +131,17 @@ impl QuadraturePoints {
         iterate: &Iterate<'a>,
         e: usize,
     ) -> (Element<'a>, impl Iterator<Item = Point> + use<'a>) {
-        let (space, u) = (iterate.space, iterate.u);
-        let element = Element::new(space, iterate.rest, e);
-        let (nodes, volume, to_rest) = (element.nodes, element.volume, element.to_rest);
-        let points = weights(space);
-        let first = (e - self.elements.start) * points.len();
-        let point = move |(q, weight): (usize, f64)| {
-            let mut gradients = [Vec3::zeros(); MOST_NODES];
-            let table = &space.volume_table().gradients[q];
-            let mut grad_u = Mat3::zeros();
-            for ((g, t), &node) in gradients.iter_mut().zip(table).zip(nodes) {
-                *g = to_rest * Vec3::from(*t);
-                grad_u += at(u, node) * g.transpose();
-            }
-            let k = Kinematics::new(&grad_u);
-            Point { place: first + q, weight: weight * volume, gradients, k }
-        };
-        (element, points.into_iter().enumerate().map(point))
+        let first = (e - self.elements.start) * Self::each(iterate.space);
+        let (element, own) = points(iterate, e, false);
+        (element, own.map(move |point| Point { place: first + point.place, ..point }))
+    }
+
+    /// Calls `f` with each element, and each point of it.
+    pub(super) fn for_each(&self, iterate: &Iterate, mut f: impl FnMut(usize, &Element, &Point)) {
+        for e in self.elements.clone() {
+            let (element, own) = self.of(iterate, e);
+            own.for_each(|point| f(e, &element, &point));
+        }
     }
 
     /// N numbers of each point, by place.
@@ -174,22 +231,16 @@ impl QuadraturePoints {
         at_point: impl Fn(&Point) -> Option<(Mat3, Mat9)>,
         out: &mut [f64],
     ) {
-        for e in self.elements.clone() {
-            let (element, own) = self.of(iterate, e);
-            let corner = corner_gradients(&element);
-            for point in own {
-                let Some((stress, tangent)) = at_point(&point) else { continue };
-                let grad_l = point.gradient(&element, lambda);
-                let pushed = tangent * vec9(&grad_l);
-                let pushed = Mat3::from_column_slice(pushed.as_slice());
-                let m = Mat3::identity() * stress.dot(&grad_l)
-                    - point.k.grad_u.transpose() * pushed
-                    - grad_l.transpose() * stress;
-                for (&vertex, c) in iterate.space.tets()[e].iter().zip(&corner) {
-                    add_at(out, vertex, &(point.weight * (m * c)));
-                }
+        self.for_each(iterate, |e, element, point| {
+            let Some((stress, tangent)) = at_point(point) else { return };
+            let grad_l = point.gradient(element, lambda);
+            let pushed = tangent * vec9(&grad_l);
+            let pushed = Mat3::from_column_slice(pushed.as_slice());
+            let m = point.by_rest(&stress, &pushed, &grad_l);
+            for (&vertex, c) in iterate.space.tets()[e].iter().zip(&element.corner_gradients()) {
+                add_at(out, vertex, &(point.weight * (m * c)));
             }
-        }
+        });
     }
 
     /// Adds a cotangent of F at a point to those of u and X: ∇u at fixed nodal u changes by −∇u ∇V.
@@ -204,15 +255,10 @@ impl QuadraturePoints {
             add_at(by_u, node, &(by_f * g));
         }
         let m = -point.k.grad_u.transpose() * by_f;
-        for (&vertex, c) in iterate.space.tets()[e].iter().zip(&corner_gradients(element)) {
+        for (&vertex, c) in iterate.space.tets()[e].iter().zip(&element.corner_gradients()) {
             add_at(by_rest, vertex, &(m * c));
         }
     }
-}
-
-/// Parts of the volume of an element that its points stand for.
-fn weights(space: &FunctionSpace) -> Vec<f64> {
-    if space.nodes_per_element() == 4 { vec![1.0] } else { space.volume_table().weights.clone() }
 }
 
 /// Adds w ∇φ_a · A · ∇φ_b for all pairs b ≤ a; entry (i, j) of a block at 3 i + j.

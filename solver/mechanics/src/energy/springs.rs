@@ -70,12 +70,8 @@ impl Springs {
 }
 
 impl Energy for Springs {
-    fn name(&self) -> &'static str {
-        "springs"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Load
+    fn kind(&self) -> (&'static str, Nature) {
+        ("springs", Nature::Load)
     }
 
     fn value(&self, at: &Iterate) -> f64 {

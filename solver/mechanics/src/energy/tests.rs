@@ -158,6 +158,37 @@ fn remembering() -> Vec<Sample> {
     ]
 }
 
+/// A load on a space and its boundary by its numbers.
+type Load = fn(&FunctionSpace, &[[usize; 3]], &[f64]) -> Box<dyn Energy>;
+
+fn field(values: &[f64]) -> Field {
+    Field([0, 1, 2].map(|axis| Schedule::held(values[axis])))
+}
+
+/// Gas around a body.
+fn around(space: &FunctionSpace, facets: &[[usize; 3]], gas: Box<dyn GasLaw>) -> Box<dyn Energy> {
+    let outside: Vec<[usize; 3]> = facets.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    Box::new(Chamber::new(Wall::new(space, &outside), gas))
+}
+
+/// Each with its numbers.
+const LOADS: [(&str, &[f64], Load); 5] = [
+    ("weight", &[3.0, 1.0, -2.0, 0.5], |space, _, n| {
+        Box::new(BodyForce::weight(field(&n[1..]), n[0], 0..space.tets().len()))
+    }),
+    ("traction", &[1.0, -2.0, 0.5], |space, facets, n| {
+        Box::new(Traction::new(space, facets, field(n)))
+    }),
+    ("inertia", &[3.0], |space, _, n| Box::new(Inertia::new(space, n[0], 0..space.tets().len()))),
+    ("ideal gas", &[3e4], |space, facets, n| {
+        let (fill, ambient, exponent) = (Schedule::held(n[0]), 101.3e3, 1.4);
+        around(space, facets, Box::new(IdealGas { fill, ambient, exponent }))
+    }),
+    ("pressure", &[3e4], |space, facets, n| {
+        around(space, facets, Box::new(Isobaric { pressure: Schedule::held(n[0]) }))
+    }),
+];
+
 /// Loads, gas around the body, and inertia, on a cube.
 fn loads() -> Vec<Sample> {
     let mut case = Case::new(cube(2, 0.2), 2, &mut Random::new(41), 0.03);
@@ -167,46 +198,18 @@ fn loads() -> Vec<Sample> {
         ..TimeStep::default()
     });
     let case = Arc::new(case);
-    let mesh = TetMesh { vertices: case.rest.clone(), tets: case.space.tets().to_vec() };
-    let facets = mesh::topology::boundary(&mesh).facets;
-    let all = 0..mesh.tets.len();
-    let field = |values: &[f64]| Field([0, 1, 2].map(|axis| Schedule::held(values[axis])));
-    let sample = |name: &str, numbers: &[f64], term: ByNumbers| Sample {
-        name: name.to_owned(),
-        case: Arc::clone(&case),
-        sizes: [1e-2; 2],
-        numbers: numbers.to_vec(),
-        term,
+    let facets = mesh::topology::boundary(&cube(2, 0.2)).facets;
+    let sample = |(name, numbers, load): (&str, &[f64], Load)| {
+        let (own, facets) = (Arc::clone(&case), facets.clone());
+        Sample {
+            name: name.to_owned(),
+            case: Arc::clone(&case),
+            sizes: [1e-2; 2],
+            numbers: numbers.to_vec(),
+            term: Box::new(move |numbers| load(&own.space, &facets, numbers)),
+        }
     };
-    let (elements, on, own) = (all.clone(), facets.clone(), Arc::clone(&case));
-    let mut samples = vec![
-        sample("weight", &[3.0, 1.0, -2.0, 0.5], {
-            Box::new(move |n| Box::new(BodyForce::weight(field(&n[1..]), n[0], elements.clone())))
-        }),
-        sample("traction", &[1.0, -2.0, 0.5], {
-            Box::new(move |n| Box::new(Traction::new(&own.space, &on, field(n))))
-        }),
-    ];
-    let own = Arc::clone(&case);
-    samples.push(sample("inertia", &[3.0], {
-        Box::new(move |n| Box::new(Inertia::new(&own.space, n[0], all.clone())))
-    }));
-    let outside: Vec<[usize; 3]> = facets.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let gas = |fill: f64| -> [Box<dyn GasLaw>; 2] {
-        let ideal = IdealGas { fill: Schedule::held(fill), ambient: 101.3e3, exponent: 1.4 };
-        [Box::new(ideal), Box::new(Isobaric { pressure: Schedule::held(fill) })]
-    };
-    for (kind, name) in ["ideal gas", "pressure"].into_iter().enumerate() {
-        let (own, outside) = (Arc::clone(&case), outside.clone());
-        samples.push(sample(name, &[3e4], {
-            Box::new(move |n| {
-                let (wall, [ideal, isobaric]) = (Wall::new(&own.space, &outside), gas(n[0]));
-                let gas = if kind == 0 { ideal } else { isobaric };
-                Box::new(Chamber::new(wall, gas))
-            })
-        }));
-    }
-    samples
+    LOADS.map(sample).into()
 }
 
 /// Taylor test of a derivative, or that the function is linear.

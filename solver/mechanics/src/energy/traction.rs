@@ -9,6 +9,8 @@
 //! t(X, t) [Pa] may depend on the rest position, but is neither turned nor
 //! stretched by the deformation, unlike gas pressure, a follower load.
 
+use std::sync::Arc;
+
 use mesh::Vec3;
 
 use super::{Energy, Hessian, Iterate, Nature, Owner, Slot};
@@ -85,12 +87,12 @@ impl Traction {
 }
 
 impl Energy for Traction {
-    fn name(&self) -> &'static str {
-        "traction"
+    fn kind(&self) -> (&'static str, Nature) {
+        ("traction", Nature::DeadLoad)
     }
 
-    fn nature(&self) -> Nature {
-        Nature::DeadLoad
+    fn held(&self, time: f64) -> Option<Arc<dyn Energy>> {
+        Some(Arc::new(Self { traction: self.traction.held_at(time), ..self.clone() }))
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {

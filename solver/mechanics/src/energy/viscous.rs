@@ -185,46 +185,36 @@ impl InternalVariables for Viscous {
             past: vec![0.0; self.count(iterate.space)],
             parameters: vec![0.0; self.law_parameters() + 2 * self.branches.len()],
         };
-        for e in self.points.elements.clone() {
-            let (element, own) = self.points.of(iterate, e);
-            for point in own {
-                let (s, inverse) = (self.isochoric_stress(&point), point.inverse());
-                let mut s_bar = Mat3::zeros();
-                for (i, branch) in self.branches.iter().enumerate() {
-                    let place = self.at(count, i, point.place);
-                    let (bar, a) = (&cotangents[place.clone()], step.internal_h / branch.time);
-                    let past = step.internal.get(place.clone()).map_or(Mat3::zeros(), tensor);
-                    let to = place.start - self.first;
-                    out.past[to..to + SIX]
-                        .iter_mut()
-                        .zip(bar)
-                        .for_each(|(p, b)| *p = b / (1.0 + a));
-                    let bar = by_nine(bar);
-                    s_bar += a / (1.0 + a) * bar;
-                    // ∂Z/∂τ = −a/τ (S − Z°)/(1 + a)²
-                    out.parameters[self.law_parameters() + 2 * i + 1] -=
-                        a / branch.time / (1.0 + a).powi(2) * bar.dot(&(s - past));
-                }
-                // S = F⁻¹ P̄: δS = F⁻¹ (δP̄ − δF S)
-                let pushed = inverse.transpose() * s_bar;
-                self.law.add_parameter_vjp(&point.k, &pushed, &mut out.parameters);
-                let through = self.law.tangent(&point.k) * vec9(&pushed);
-                let by_f = Mat3::from_column_slice(through.as_slice()) - pushed * s;
-                let (at, by) = ((e, &element), (&mut *by_u, &mut *by_rest));
-                QuadraturePoints::add_deformation_vjp(iterate, at, &point, &by_f, by);
+        self.points.for_each(iterate, |e, element, point| {
+            let (s, inverse) = (self.isochoric_stress(point), point.inverse());
+            let mut s_bar = Mat3::zeros();
+            for (i, branch) in self.branches.iter().enumerate() {
+                let place = self.at(count, i, point.place);
+                let (bar, a) = (&cotangents[place.clone()], step.internal_h / branch.time);
+                let past = step.internal.get(place.clone()).map_or(Mat3::zeros(), tensor);
+                let to = place.start - self.first;
+                out.past[to..to + SIX].iter_mut().zip(bar).for_each(|(p, b)| *p = b / (1.0 + a));
+                let bar = by_nine(bar);
+                s_bar += a / (1.0 + a) * bar;
+                // ∂Z/∂τ = −a/τ (S − Z°)/(1 + a)²
+                out.parameters[self.law_parameters() + 2 * i + 1] -=
+                    a / branch.time / (1.0 + a).powi(2) * bar.dot(&(s - past));
             }
-        }
+            // S = F⁻¹ P̄: δS = F⁻¹ (δP̄ − δF S)
+            let pushed = inverse.transpose() * s_bar;
+            self.law.add_parameter_vjp(&point.k, &pushed, &mut out.parameters);
+            let through = self.law.tangent(&point.k) * vec9(&pushed);
+            let by_f = Mat3::from_column_slice(through.as_slice()) - pushed * s;
+            let (at, by) = ((e, element), (&mut *by_u, &mut *by_rest));
+            QuadraturePoints::add_deformation_vjp(iterate, at, point, &by_f, by);
+        });
         out
     }
 }
 
 impl Energy for Viscous {
-    fn name(&self) -> &'static str {
-        "viscous"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Dissipative
+    fn kind(&self) -> (&'static str, Nature) {
+        ("viscous", Nature::Dissipative)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
@@ -269,17 +259,14 @@ impl Energy for Viscous {
         let Some(step) = iterate.step.filter(|step| !step.internal.is_empty()) else { return };
         out.internal.resize(step.internal.len(), 0.0);
         let count = self.points.count(iterate.space);
-        for e in self.points.elements.clone() {
-            let (element, own) = self.points.of(iterate, e);
-            for point in own {
-                let grad_l = point.gradient(&element, lambda);
-                let by = by_six(&(-point.weight * (point.k.f.transpose() * grad_l)));
-                for (i, (c, _)) in self.branches_at(step, count, point.place).enumerate() {
-                    let to = &mut out.internal[self.at(count, i, point.place)];
-                    to.iter_mut().zip(by).for_each(|(to, by)| *to += c * by);
-                }
+        self.points.for_each(iterate, |_, element, point| {
+            let grad_l = point.gradient(element, lambda);
+            let by = by_six(&(-point.weight * (point.k.f.transpose() * grad_l)));
+            for (i, (c, _)) in self.branches_at(step, count, point.place).enumerate() {
+                let to = &mut out.internal[self.at(count, i, point.place)];
+                to.iter_mut().zip(by).for_each(|(to, by)| *to += c * by);
             }
-        }
+        });
     }
 
     fn slots(&self) -> Vec<Slot> {
@@ -295,23 +282,20 @@ impl Energy for Viscous {
         let mut sum = vec![0.0; law + 2 * self.branches.len()];
         let Some(step) = iterate.step else { return sum };
         let count = self.points.count(iterate.space);
-        for e in self.points.elements.clone() {
-            let (element, own) = self.points.of(iterate, e);
-            for point in own {
-                let bar = point.weight * point.gradient(&element, lambda);
-                let (c, _) = self.sums(step, count, point.place);
-                self.law.add_parameter_vjp(&point.k, &(c * bar), &mut sum[..law]);
-                let stress = self.law.first_piola(&point.k);
-                let branches = self.branches_at(step, count, point.place);
-                for (i, ((c, past), branch)) in branches.zip(&self.branches).enumerate() {
-                    let along = (stress - point.k.f * past).dot(&bar);
-                    let a = step.internal_h / branch.time;
-                    sum[law + 2 * i] += along / (1.0 + a);
-                    // ∂c/∂τ = c a / (τ (1 + a))
-                    sum[law + 2 * i + 1] += c * a / (branch.time * (1.0 + a)) * along;
-                }
+        self.points.for_each(iterate, |_, element, point| {
+            let bar = point.weight * point.gradient(element, lambda);
+            let (c, _) = self.sums(step, count, point.place);
+            self.law.add_parameter_vjp(&point.k, &(c * bar), &mut sum[..law]);
+            let stress = self.law.first_piola(&point.k);
+            let branches = self.branches_at(step, count, point.place);
+            for (i, ((c, past), branch)) in branches.zip(&self.branches).enumerate() {
+                let along = (stress - point.k.f * past).dot(&bar);
+                let a = step.internal_h / branch.time;
+                sum[law + 2 * i] += along / (1.0 + a);
+                // ∂c/∂τ = c a / (τ (1 + a))
+                sum[law + 2 * i + 1] += c * a / (branch.time * (1.0 + a)) * along;
             }
-        }
+        });
         sum
     }
 }

@@ -285,6 +285,15 @@ impl<'a> BlockMatrix<'a> {
         }
     }
 
+    /// Adds the blocks of all pairs of some nodes, row by row, as [`Self::add_lower`] does.
+    pub fn add_dense(&mut self, nodes: &[usize], blocks: &[crate::math::tensor::Mat3]) {
+        for (&row, blocks) in nodes.iter().zip(blocks.chunks_exact(nodes.len())) {
+            for (&column, block) in nodes.iter().zip(blocks) {
+                self.add_lower(row, column, block);
+            }
+        }
+    }
+
     /// Tᵀ A T on the nodes that follow none: the blocks of followers are added to those of their masters,
     /// which the pattern must have, and are not used any more.
     pub fn fold(&mut self, followers: &Followers) {

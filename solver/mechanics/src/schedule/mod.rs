@@ -36,6 +36,8 @@ pub struct Schedule {
     value: Value,
     /// t₁ [s].
     first: f64,
+    /// The time at which it is held, whatever the time [s].
+    still: Option<f64>,
 }
 
 /// w(t).
@@ -52,7 +54,7 @@ const LARGEST: f64 = 1e100;
 /// A number, which grows until t₁ = 1 s.
 impl From<f64> for Schedule {
     fn from(value: f64) -> Self {
-        Self { value: Value::Number(value), first: 1.0 }
+        Self { value: Value::Number(value), first: 1.0, still: None }
     }
 }
 
@@ -69,23 +71,29 @@ impl Schedule {
     /// Linear between values at increasing times [s], the first 0.
     pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
         let table = Table::new(times.to_vec(), values.to_vec())?;
-        Ok(Self { value: Value::Table(Arc::new(table)), first: times[1] })
+        Ok(Self { value: Value::Table(Arc::new(table)), first: times[1], still: None })
     }
 
     /// A value that does not change at t > 0.
     pub fn held(value: f64) -> Self {
-        Self { value: Value::Number(value), first: f64::MIN_POSITIVE }
+        Self { value: Value::Number(value), first: f64::MIN_POSITIVE, still: None }
+    }
+
+    /// This schedule as it is at a time [s], for all times.
+    pub fn held_at(&self, time: f64) -> Self {
+        Self { still: Some(time), ..self.clone() }
     }
 
     /// A value that grows in proportion to t without end, and is `value` at a time > 0 [s].
     pub fn proportional(value: f64, time: f64) -> Self {
-        let rate = Expression::proportional(value / time);
-        Self { value: Value::Expression(Arc::new(rate)), first: f64::MIN_POSITIVE }
+        let rate = Value::Expression(Arc::new(Expression::proportional(value / time)));
+        Self { value: rate, first: f64::MIN_POSITIVE, still: None }
     }
 
     /// ∂v/∂p by a parameter at a time, where v does not depend on the position.
     pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
         let Value::Expression(expression) = &self.value else { return 0.0 };
+        let time = self.still.unwrap_or(time);
         let now = expression.by_parameter(parameter, time);
         match self.to_come(time) {
             0.0 => now,
@@ -105,7 +113,7 @@ impl Schedule {
 
     /// 1 − t/t₁ during the first step, 0 after it.
     pub fn to_come(&self, time: f64) -> f64 {
-        (1.0 - time / self.first).max(0.0)
+        (1.0 - self.still.unwrap_or(time) / self.first).max(0.0)
     }
 
     /// v at a time t [s], where it does not depend on the position; NaN
@@ -125,6 +133,7 @@ impl Schedule {
 
     /// v and its gradient at a rest position [m] and a time.
     pub fn jet(&self, position: Vec3, time: f64) -> Jet {
+        let time = self.still.unwrap_or(time);
         let to_come = self.to_come(time);
         if let Value::Number(value) = self.value {
             return Jet::constant((time / self.first).min(1.0) * value);
@@ -204,6 +213,11 @@ impl Field {
     /// Whether it depends on the position.
     pub fn uses_position(&self) -> bool {
         self.0.iter().any(Schedule::uses_position)
+    }
+
+    /// This field as it is at a time [s], for all times.
+    pub fn held_at(&self, time: f64) -> Self {
+        Self(self.0.each_ref().map(|component| component.held_at(time)))
     }
 
     /// The vector at a rest position [m] and a time.

@@ -55,7 +55,7 @@ impl Written {
             }
             Self::Table(table) => Value::Table(Arc::clone(table)),
         };
-        Ok(Schedule { value, first })
+        Ok(Schedule { value, first, still: None })
     }
 
     /// Adds a constant.

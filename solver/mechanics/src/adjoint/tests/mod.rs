@@ -291,7 +291,7 @@ fn check(case: &Case, forces: bool) {
     let size = if case.hits() && case.degree > 1 { 0.125 } else { 1.0 };
     // without contact the remainder of a smaller change is lost in rounding
     let part = if case.hits() { 1e-3 } else { 8e-3 };
-    let runs = Runs { problem: &with, run: &run, forces };
+    let runs = Runs { problem: &with, run: &run, forces, moves: |_| true };
     let (problem, run, gradient) = runs.check(&rest, 2e-6 * size, &[part * size], by);
     if case.hits() {
         assert!(mollified_pairs(&problem, &rest, &run) > 0, "no edges are nearly parallel");

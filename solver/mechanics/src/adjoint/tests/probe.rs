@@ -68,7 +68,8 @@ impl Probe {
                 out.by_contact[d] += Self::weight(n) * by_force * f64::from(n > 0);
             }
         };
-        let swept = sweep(problem, workspace, (rest, run), &Linearizations::default(), partials);
+        let (on, known) = ((rest, run), Linearizations::default());
+        let swept = sweep(problem, workspace, on, &known, Wanted::All, partials);
         let mut gradient = swept.expect("regular");
         problem.space.add_to_vertices(&by_x, &mut gradient.rest);
         gradient
@@ -81,6 +82,8 @@ pub struct Runs<'a> {
     pub run: &'a dyn Fn(&Problem, &mut Workspace, &[Vec3]) -> Trajectory,
     /// Whether the forces of contact are measured.
     pub forces: bool,
+    /// Whether a vertex may move.
+    pub moves: fn(Vec3) -> bool,
 }
 
 impl Runs<'_> {
@@ -108,7 +111,13 @@ impl Runs<'_> {
         let gradient = probe.gradient(&problem, &mut workspace, rest, &run);
         let by = by(&gradient);
         let ones = vec![1.0; count(&by)];
-        check_gradient(&flat(rest), &gradient.rest, step, |x| self.value(&ones, &points(x)));
+        let moves: Vec<usize> = (0..rest.len()).filter(|&v| (self.moves)(rest[v])).collect();
+        let of = |x: &[Vec3]| flat(&moves.iter().map(|&v| x[v]).collect::<Vec<_>>());
+        check_gradient(&of(rest), &of(&points(&gradient.rest)), step, |x| {
+            let mut moved = rest.to_vec();
+            moves.iter().zip(points(x)).for_each(|(&v, x)| moved[v] = x);
+            self.value(&ones, &moved)
+        });
         let mut first = 0;
         for (by, step) in by.iter().zip(groups) {
             check_gradient(&vec![1.0; by.len()], by, *step, |x| {

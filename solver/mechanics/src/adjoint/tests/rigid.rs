@@ -189,41 +189,23 @@ fn runs_with_a_rigid_top_have_their_gradients() {
         let case = Topped { degree, method, steps, moves };
         let rest = Topped::mesh().vertices;
         let numbers = [0.2, 3.0, 1.0, -2.0];
-        let run = |factors: &[f64], rest: &[Vec3]| {
+        let problem = |factors: &[f64]| {
             let [mass, x, y, z] = std::array::from_fn(|i| numbers[i] * factors[i]);
-            let (problem, mut workspace) = case.problem(mass, [x, y, z], factors[4]);
-            let run = case.run(&problem, &mut workspace, rest);
-            (problem, workspace, run)
+            case.problem(mass, [x, y, z], factors[4])
         };
-        let same = [1.0; 5];
-        let (problem, mut workspace, at) = run(&same, &rest);
-        let probe = Probe::new(problem.dofs(), false);
-        let gradient = probe.gradient(&problem, &mut workspace, &rest, &at);
-        let load = gradient.parameters.total(RigidLoad::owner(0));
-        let inertia = gradient.parameters.total(RigidMass::owner(0));
-        let law = gradient.parameters.total(Elastic::owner(0));
-        let by_mass = load[0] + inertia.first().copied().unwrap_or(0.0);
-        let by = [
-            by_mass * numbers[0],
-            load[1] * numbers[1],
-            load[2] * numbers[2],
-            load[3] * numbers[3],
-            law[0] * YOUNG,
-        ];
-        check_gradient(&same, &by, 1e-3, |factors| {
-            let (problem, _, run) = run(factors, &rest);
-            probe.value(&problem, &rest, &run)
-        });
-        let loose: Vec<usize> =
-            (0..rest.len()).filter(|&v| (rest[v].z - EDGE).abs() > 1e-9).collect();
-        let of_loose = |x: &[Vec3]| loose.iter().map(|&v| x[v]).collect::<Vec<_>>();
-        let (x, by) = (flat(&of_loose(&rest)), flat(&of_loose(&points(&gradient.rest))));
-        check_gradient(&x, &by, 2e-6, |x| {
-            let mut moved = rest.clone();
-            loose.iter().zip(points(x)).for_each(|(&v, x)| moved[v] = x);
-            let (problem, _, run) = run(&same, &moved);
-            probe.value(&problem, &moved, &run)
-        });
+        let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
+            case.run(problem, workspace, rest)
+        };
+        let by = |gradient: &Gradient| -> Vec<Vec<f64>> {
+            let load = gradient.parameters.total(RigidLoad::owner(0));
+            let inertia = gradient.parameters.total(RigidMass::owner(0));
+            let mass = load[0] + inertia.first().copied().unwrap_or(0.0);
+            let by = [mass, load[1], load[2], load[3]].into_iter().zip(numbers);
+            let by_law = gradient.parameters.total(Elastic::owner(0))[0] * YOUNG;
+            vec![by.map(|(by, number)| by * number).chain([by_law]).collect()]
+        };
+        let moves = |x: Vec3| (x.z - EDGE).abs() > 1e-9;
+        Runs { problem: &problem, run: &run, forces: false, moves }.check(&rest, 2e-6, &[1e-3], by);
     }
 }
 

@@ -1,47 +1,44 @@
 //! Runs of viscoelastic bodies: their gradients, and closed forms of relaxation.
 
+use std::ops::Range;
+
 use super::*;
-use crate::energy::{Branch, Mullins, Viscous};
-use crate::material::{Material, OgdenRoxburgh};
+use crate::energy::{Branch, Energy, Mullins, Viscous};
+use crate::material::{Isochoric, Material, OgdenRoxburgh};
 
 const BRANCHES: [Branch; 2] =
     [Branch { overstress: 0.6, time: 0.03 }, Branch { overstress: 0.3, time: 0.4 }];
 
-/// The problem of a case with overstress.
-fn problem(case: &Case, numbers: &Numbers, branches: &[Branch]) -> (Problem, Workspace, Vec<Vec3>) {
-    let (mut problem, _, rest) = case.problem(numbers);
-    let [c1, c2, c3, d1] = numbers.law;
-    let law = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
-    let count = problem.space.tets().len();
-    let viscous = Viscous::new(law, branches.to_vec(), 0..count, 0);
-    let of_law = (Elastic::owner(0), numbers.law.len());
-    problem.energies.extend([Term::of_both(of_law, Viscous::owner(0), viscous)]);
-    let workspace = Workspace::new(&problem);
-    (problem, workspace, rest)
-}
-
-fn check_viscous(case: &Case) {
-    let with = |p: &[f64]| {
-        let law = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
-        let scaled = |(i, b): (usize, &Branch)| Branch {
-            overstress: p[4 + 2 * i] * b.overstress,
-            time: p[5 + 2 * i] * b.time,
-        };
-        let branches: Vec<Branch> = BRANCHES.iter().enumerate().map(scaled).collect();
-        let (problem, workspace, _) = problem(case, &Numbers { law, ..NUMBERS }, &branches);
+/// Gradients of the runs of a case with a term that remembers, by the numbers of its law and of the term, with first steps
+/// of both.
+fn check_with<T: Energy>(
+    case: &Case,
+    (owner, numbers): (Owner, &[f64]),
+    steps: [f64; 2],
+    term: impl Fn(Isochoric, &[f64], Range<usize>) -> T,
+) {
+    let problem = |p: &[f64]| {
+        let law: [f64; 4] = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
+        let own: Vec<f64> = p[4..].iter().zip(numbers).map(|(p, number)| p * number).collect();
+        let (mut problem, ..) = case.problem(&Numbers { law, ..NUMBERS });
+        let [c1, c2, c3, d1] = law;
+        let law = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
+        let own = term(law, &own, 0..problem.space.tets().len());
+        problem.energies.extend([Term::of_both((Elastic::owner(0), 4), owner, own)]);
+        let workspace = Workspace::new(&problem);
         (problem, workspace)
     };
     let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
         case.run(problem, workspace, rest, case.start(problem, rest))
     };
-    let by = |g: &Gradient| {
-        let numbers: Vec<f64> = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]).collect();
-        let of_branches = by_factors(g, Viscous::owner(0), &numbers);
-        assert!(of_branches.iter().all(|by| *by != 0.0), "{of_branches:?}");
-        vec![by_factors(g, Elastic::owner(0), &NUMBERS.law), of_branches]
+    let by = |gradient: &Gradient| {
+        let own = by_factors(gradient, owner, numbers);
+        assert!(own.iter().all(|by| *by != 0.0), "{own:?}");
+        vec![by_factors(gradient, Elastic::owner(0), &NUMBERS.law), own]
     };
     let rest = case.bodies().0.vertices;
-    Runs { problem: &with, run: &run, forces: case.hits() }.check(&rest, 2e-6, &[1e-3, 1e-3], by);
+    let runs = Runs { problem: &problem, run: &run, forces: case.hits(), moves: |_| true };
+    runs.check(&rest, 2e-6, &steps, by);
 }
 
 #[test]
@@ -55,39 +52,31 @@ fn viscous_runs_have_their_gradients_with_any_formula() {
         (Method::Newmark, 1, 4, Shape::Tet, Inside::Pressure),
         (Method::GeneralizedAlpha, 1, 4, Shape::Tet, Inside::Pressure),
     ] {
-        check_viscous(&Case { method, degree, steps, dt: 0.02, body, inside });
+        let case = Case { method, degree, steps, dt: 0.02, body, inside };
+        let numbers: Vec<f64> = BRANCHES.iter().flat_map(|b| [b.overstress, b.time]).collect();
+        check_with(
+            &case,
+            (Viscous::owner(0), &numbers[..]),
+            [1e-3; 2],
+            |law, numbers, elements| {
+                let branches = numbers.chunks_exact(2);
+                let branches = branches.map(|b| Branch { overstress: b[0], time: b[1] });
+                Viscous::new(law, branches.collect(), elements, 0)
+            },
+        );
     }
 }
 
 /// A tetrahedron that swings sideways in three milliseconds, so that it is softened on its way back.
 #[test]
 fn softened_runs_have_their_gradients() {
-    let softening = OgdenRoxburgh { r: 2.0, m: 2.0, beta: 0.1 };
     let (method, body, inside) = (Method::Bdf2, Shape::Tet, Inside::Pressure);
     let case = Case { method, degree: 1, steps: 10, dt: 4e-4, body, inside };
-    let numbers = [softening.r, softening.m, softening.beta];
-    let with = |p: &[f64]| {
-        let law: [f64; 4] = std::array::from_fn(|k| p[k] * NUMBERS.law[k]);
-        let [r, m, beta] = std::array::from_fn(|k| p[4 + k] * numbers[k]);
-        let (mut problem, ..) = case.problem(&Numbers { law, ..NUMBERS });
-        let [c1, c2, c3, d1] = law;
-        let isochoric = MooneyRivlin { c1, c2, c3, d1 }.isochoric().expect("in invariants");
-        let mullins = Mullins::new(isochoric, OgdenRoxburgh { r, m, beta }, 0..1, 0);
-        let of_law = (Elastic::owner(0), law.len());
-        problem.energies.extend([Term::of_both(of_law, Mullins::owner(0), mullins)]);
-        let workspace = Workspace::new(&problem);
-        (problem, workspace)
-    };
-    let run = |problem: &Problem, workspace: &mut Workspace, rest: &[Vec3]| {
-        case.run(problem, workspace, rest, case.start(problem, rest))
-    };
-    let by = |g: &Gradient| {
-        let of_softening = by_factors(g, Mullins::owner(0), &numbers);
-        assert!(of_softening.iter().all(|by| *by != 0.0), "it is not softened");
-        vec![by_factors(g, Elastic::owner(0), &NUMBERS.law), of_softening]
-    };
-    let rest = case.bodies().0.vertices;
-    Runs { problem: &with, run: &run, forces: false }.check(&rest, 2e-6, &[1e-3, 1e-2], by);
+    let numbers = (Mullins::owner(0), &[2.0, 2.0, 0.1][..]);
+    check_with(&case, numbers, [1e-3, 1e-2], |law, numbers, elements| {
+        let softening = OgdenRoxburgh { r: numbers[0], m: numbers[1], beta: numbers[2] };
+        Mullins::new(law, softening, elements, 0)
+    });
 }
 
 /// A unit cube sheared by a given displacement of all its nodes: forces of its law and overstress.

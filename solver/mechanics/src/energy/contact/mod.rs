@@ -236,12 +236,8 @@ impl Contact {
 }
 
 impl Energy for Contact {
-    fn name(&self) -> &'static str {
-        "contact"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Contact
+    fn kind(&self) -> (&'static str, Nature) {
+        ("contact", Nature::Contact)
     }
 
     fn value(&self, at: &Iterate) -> f64 {

@@ -21,10 +21,10 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::elements::{Element, corner_gradients, points};
+use super::quadrature_points::points;
 use super::{Iterate, Owner};
-use crate::element::{FunctionSpace, at};
-use crate::material::{Kinematics, Material, Split};
+use crate::element::FunctionSpace;
+use crate::material::{Material, Split};
 use crate::math::tensor::{Mat3, cofactor_change, vec9};
 
 pub use mean::ElementLaw;
@@ -39,16 +39,6 @@ pub struct Elastic {
     elements: Option<Range<usize>>,
     /// The law in two parts, where the volume of an element changes as a whole.
     mean: Option<Split>,
-}
-
-/// ∇w = Σ w_a ⊗ ∇φ_a for a nodal field.
-#[inline(always)]
-fn field_gradient<const N: usize>(values: &[Vec3; N], gradients: &[Vec3; N]) -> Mat3 {
-    let mut result = Mat3::zeros();
-    for (w, g) in values.iter().zip(gradients) {
-        result += w * g.transpose();
-    }
-    result
 }
 
 impl Elastic {
@@ -92,43 +82,30 @@ impl Elastic {
         (split.map_or(&*self.material, |split| &*split.pointwise), split)
     }
 
-    fn element_mixed<const N: usize>(
-        &self,
-        iterate: &Iterate,
-        lambda: &[f64],
-        e: usize,
-    ) -> [Vec3; 4] {
-        let element = Element::new(iterate.space, iterate.rest, e);
-        let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
-        let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
-        let corner = corner_gradients(&element);
+    fn element_mixed(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> [Vec3; 4] {
+        let (element, own) = points(iterate, e, false);
+        let corner = element.corner_gradients();
         let ElementLaw { law, dilatation } = self.law_in(iterate, e);
         // of the mean dilatations: by λ, and by ∇V
         let (mut along, mut by_rest) = ([0.0; MEANS], [Mat3::zeros(); MEANS]);
         let mut local = [Vec3::zeros(); 4];
-        for (q, weight) in points::<N>(iterate) {
-            let g: [Vec3; N] = element.gradients(iterate.space, q);
-            let (grad_u, grad_l) = (field_gradient(&u, &g), field_gradient(&l, &g));
-            let k = Kinematics::new(&grad_u);
-            let mut stress = law.first_piola(&k);
-            let pushed = law.tangent(&k) * vec9(&grad_l);
+        for point in own {
+            let (q, k, grad_l) = (point.place, &point.k, point.gradient(&element, lambda));
+            let mut stress = law.first_piola(k);
+            let pushed = law.tangent(k) * vec9(&grad_l);
             let mut pushed = Mat3::from_column_slice(pushed.as_slice());
             if let Some(mean) = &dilatation {
                 stress += mean.pressure(q) * k.cofactor;
                 pushed += mean.pressure(q) * cofactor_change(&k.f, &grad_l);
                 for c in 0..mean.count() {
-                    let weight = weight * mean.weight(c, q);
+                    let weight = point.share * mean.weight(c, q);
                     along[c] += weight * k.cofactor.dot(&grad_l);
-                    by_rest[c] -= weight * grad_u.transpose() * k.cofactor;
+                    by_rest[c] -= weight * k.grad_u.transpose() * k.cofactor;
                 }
             }
             // V = ψ_j e_k has ∇V = e_k ⊗ ∇ψ_j, so M : ∇V = (M ∇ψ_j)_k
-            let m = Mat3::identity() * stress.dot(&grad_l)
-                - grad_u.transpose() * pushed
-                - grad_l.transpose() * stress;
-            for (o, c) in local.iter_mut().zip(&corner) {
-                *o += (weight * element.volume) * (m * c);
-            }
+            let m = point.by_rest(&stress, &pushed, &grad_l);
+            local.iter_mut().zip(&corner).for_each(|(o, c)| *o += point.weight * (m * c));
         }
         if let Some(mean) = &dilatation {
             for c in 0..mean.count() {
@@ -139,7 +116,7 @@ impl Elastic {
         local
     }
 
-    fn element_parameters<const N: usize>(
+    fn element_parameters(
         &self,
         iterate: &Iterate,
         lambda: &[f64],
@@ -147,19 +124,15 @@ impl Elastic {
     ) -> Vec<f64> {
         let mut sum = vec![0.0; self.material.parameter_count()];
         for e in elements {
-            let element = Element::new(iterate.space, iterate.rest, e);
-            let u: [Vec3; N] = std::array::from_fn(|a| at(iterate.u, element.nodes[a]));
-            let l: [Vec3; N] = std::array::from_fn(|a| at(lambda, element.nodes[a]));
+            let (element, own) = points(iterate, e, false);
             let ElementLaw { law, dilatation } = self.law_in(iterate, e);
             let mut along = [0.0; MEANS];
-            for (q, weight) in points::<N>(iterate) {
-                let g: [Vec3; N] = element.gradients(iterate.space, q);
-                let bar = field_gradient(&l, &g) * (weight * element.volume);
-                let k = Kinematics::new(&field_gradient(&u, &g));
-                law.add_parameter_vjp(&k, &bar, &mut sum);
+            for point in own {
+                let bar = point.gradient(&element, lambda) * point.weight;
+                law.add_parameter_vjp(&point.k, &bar, &mut sum);
                 if let Some(mean) = &dilatation {
-                    let by = k.cofactor.dot(&bar);
-                    (0..mean.count()).for_each(|c| along[c] += mean.weight(c, q) * by);
+                    let by = point.k.cofactor.dot(&bar);
+                    (0..mean.count()).for_each(|c| along[c] += mean.weight(c, point.place) * by);
                 }
             }
             if let Some(mean) = dilatation {

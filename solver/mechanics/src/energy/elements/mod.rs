@@ -12,7 +12,6 @@ use crate::element::{FunctionSpace, add_at};
 use crate::math::lanes::{Lanes, MOST, widest};
 use crate::math::pool::Pool;
 use crate::math::sparse::{BlockMatrix, pair_count};
-use crate::math::tensor::Mat3;
 use crate::parallel::{fill, map_merge, map_merge_waves};
 
 pub(super) use batch::{Batch, CORNERS, CUBIC, Forces, Nodal, QUADRATIC, points};
@@ -48,7 +47,7 @@ pub(super) trait ElementEnergy: Send + Sync {
     );
 
     /// λᵀ ∂²E/∂u∂X of an element, at its corners.
-    fn mixed_vjp<const N: usize>(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4];
+    fn mixed_vjp(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4];
 
     /// Number of its parameters.
     fn parameter_count(&self) -> usize;
@@ -59,12 +58,7 @@ pub(super) trait ElementEnergy: Send + Sync {
     }
 
     /// λᵀ ∂²E/∂u∂p of some elements, by the parameters; or several of these, one after the other, to be added.
-    fn parameters_vjp<const N: usize>(
-        &self,
-        at: &Iterate,
-        lambda: &[f64],
-        elements: Range<usize>,
-    ) -> Vec<f64>;
+    fn parameters_vjp(&self, at: &Iterate, lambda: &[f64], elements: Range<usize>) -> Vec<f64>;
 }
 
 /// The lower blocks of the Hessians of some elements, in the order of
@@ -177,47 +171,6 @@ fn pieces(range: Range<usize>, each: usize) -> impl Iterator<Item = Range<usize>
     range.clone().step_by(each).map(move |first| first..(first + each).min(range.end))
 }
 
-/// Geometry of one straight-sided element.
-pub(in crate::energy) struct Element<'a> {
-    pub(in crate::energy) nodes: &'a [usize],
-    /// G⁻ᵀ: maps reference gradients to rest gradients [1/m].
-    pub(in crate::energy) to_rest: Mat3,
-    /// Rest volume [m³].
-    pub(in crate::energy) volume: f64,
-}
-
-impl<'a> Element<'a> {
-    #[inline(always)]
-    pub(in crate::energy) fn new(space: &'a FunctionSpace, rest: &[Vec3], e: usize) -> Self {
-        let [a, b, c, d] = space.tets()[e].map(|v| rest[v]);
-        let g = Mat3::from_columns(&[b - a, c - a, d - a]);
-        let det = g.determinant();
-        // cof G / det G = G⁻ᵀ; a flat element gives infinities, which the
-        // caller sees as an infinite energy
-        let to_rest = crate::math::tensor::cofactor(&g) / det;
-        let n = space.nodes_per_element();
-        let nodes = &space.element_nodes()[e * n..(e + 1) * n];
-        Self { nodes, to_rest, volume: det / 6.0 }
-    }
-
-    /// Rest gradients ∇φ_a of all nodes at quadrature point q.
-    #[inline(always)]
-    pub(in crate::energy) fn gradients<const N: usize>(
-        &self,
-        space: &FunctionSpace,
-        q: usize,
-    ) -> [Vec3; N] {
-        let table = &space.volume_table().gradients[q];
-        std::array::from_fn(|a| self.to_rest * Vec3::from(table[a]))
-    }
-}
-
-/// Rest gradients of the four barycentric coordinates.
-pub(in crate::energy) fn corner_gradients(element: &Element) -> [Vec3; 4] {
-    let c = |k: usize| element.to_rest.column(k).into_owned();
-    [-(c(0) + c(1) + c(2)), c(0), c(1), c(2)]
-}
-
 fn shifted(range: &Range<usize>, by: usize) -> Range<usize> {
     range.start + by..range.end + by
 }
@@ -269,17 +222,12 @@ fn merge_hessians<E: ElementEnergy, const N: usize>(
     );
 }
 
-fn merge_mixed<E: ElementEnergy, const N: usize>(
-    energy: &E,
-    iterate: &Iterate,
-    lambda: &[f64],
-    out: &mut [f64],
-) {
+fn merge_mixed<E: ElementEnergy>(energy: &E, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
     let own = energy.range(iterate.space);
     map_merge(
         own.len(),
         |r| -> Vec<[Vec3; 4]> {
-            let one = |e| energy.mixed_vjp::<N>(iterate, lambda, e);
+            let one = |e| energy.mixed_vjp(iterate, lambda, e);
             shifted(&r, own.start).map(one).collect()
         },
         |r, parts| {
@@ -292,16 +240,12 @@ fn merge_mixed<E: ElementEnergy, const N: usize>(
     );
 }
 
-fn merge_parameters<E: ElementEnergy, const N: usize>(
-    energy: &E,
-    iterate: &Iterate,
-    lambda: &[f64],
-) -> Vec<f64> {
+fn merge_parameters<E: ElementEnergy>(energy: &E, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
     let (own, count) = (energy.range(iterate.space), energy.parameter_count());
     let mut sum = vec![0.0; count];
     map_merge(
         own.len(),
-        |r| energy.parameters_vjp::<N>(iterate, lambda, shifted(&r, own.start)),
+        |r| energy.parameters_vjp(iterate, lambda, shifted(&r, own.start)),
         |_, parts| {
             for part in parts.chunks_exact(count.max(1)) {
                 sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
@@ -324,12 +268,8 @@ macro_rules! with_nodes {
 }
 
 impl<E: ElementEnergy + 'static> Energy for E {
-    fn name(&self) -> &'static str {
-        E::NAME
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Elastic
+    fn kind(&self) -> (&'static str, Nature) {
+        (E::NAME, Nature::Elastic)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
@@ -345,7 +285,7 @@ impl<E: ElementEnergy + 'static> Energy for E {
     }
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        with_nodes!(iterate.space, merge_mixed::<E>(self, iterate, lambda, out));
+        merge_mixed(self, iterate, lambda, out);
     }
 
     fn slots(&self) -> Vec<Slot> {
@@ -353,6 +293,6 @@ impl<E: ElementEnergy + 'static> Energy for E {
     }
 
     fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        with_nodes!(iterate.space, merge_parameters::<E>(self, iterate, lambda))
+        merge_parameters(self, iterate, lambda)
     }
 }

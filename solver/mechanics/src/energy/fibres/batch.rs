@@ -92,37 +92,18 @@ impl<S: Simd> Points<S> {
         Self { f: plus_identity(h, one), along, shares, strain }
     }
 
+    /// Of the law in each lane.
     #[inline(always)]
-    fn responses(&self, simd: S, fibres: &Fibres) -> Responses<S> {
+    fn responses(&self, simd: S, law: impl Fn(usize) -> Fibre) -> Responses<S> {
         let strain = self.strain.to_array();
         let mut values = [[0.0; MOST]; 3];
         for lane in 0..Lanes::<S>::COUNT {
-            let response = fibres.law.response(strain[lane]);
+            let response = law(lane).response(strain[lane]);
             values[0][lane] = response.energy;
             values[1][lane] = response.slope;
             values[2][lane] = response.curvature;
         }
         values.map(|value| Lanes::load(simd, &value))
-    }
-
-    /// Evaluates [`Self::responses`] where k₁ is a profile. It is a function of its own, so that a single k₁ stays in a register.
-    #[inline(always)]
-    fn responses_along<const N: usize>(
-        &self,
-        batch: &Batch<S, N>,
-        lambda: &[f64],
-        (law, stiffness): (&Fibre, &Profile),
-    ) -> Responses<S> {
-        let strain = self.strain.to_array();
-        let mut values = [[0.0; MOST]; 3];
-        for lane in 0..Lanes::<S>::COUNT {
-            let k1 = stiffness.at(place(batch, lambda, lane).1);
-            let response = Fibre { k1, ..*law }.response(strain[lane]);
-            values[0][lane] = response.energy;
-            values[1][lane] = response.slope;
-            values[2][lane] = response.curvature;
-        }
-        values.map(|value| Lanes::load(batch.simd, &value))
     }
 
     /// H g.
@@ -161,8 +142,11 @@ impl Fibres {
         let lambda = &batch.iterate.space.volume_table().points[q];
         let points = Points::new(self, &batch.grad_u(q, &g), directions(batch, self, lambda));
         let responses = match &self.stiffness {
-            None => points.responses(batch.simd, self),
-            Some(stiffness) => points.responses_along(batch, lambda, (&self.law, stiffness)),
+            None => points.responses(batch.simd, |_| self.law),
+            Some(stiffness) => points.responses(batch.simd, |lane| Fibre {
+                k1: stiffness.at(place(batch, lambda, lane).1),
+                ..self.law
+            }),
         };
         (points, g, responses)
     }
@@ -232,7 +216,7 @@ impl ElementEnergy for Fibres {
         }
     }
 
-    fn mixed_vjp<const N: usize>(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4] {
+    fn mixed_vjp(&self, at: &Iterate, lambda: &[f64], element: usize) -> [Vec3; 4] {
         self.element_mixed(at, lambda, element)
     }
 
@@ -249,12 +233,7 @@ impl ElementEnergy for Fibres {
         stiffnesses + 2 + angles
     }
 
-    fn parameters_vjp<const N: usize>(
-        &self,
-        at: &Iterate,
-        lambda: &[f64],
-        elements: Range<usize>,
-    ) -> Vec<f64> {
+    fn parameters_vjp(&self, at: &Iterate, lambda: &[f64], elements: Range<usize>) -> Vec<f64> {
         elements.flat_map(|e| self.element_parameters(at, lambda, e)).collect()
     }
 }

@@ -34,10 +34,8 @@ use std::sync::Arc;
 
 use mesh::Vec3;
 
-use super::elements::{Element, corner_gradients};
+use super::quadrature_points::{self, Element, points};
 use super::{Iterate, Owner, Profile};
-use crate::element::at;
-use crate::material::Kinematics;
 use crate::material::fibre::{Fibre, Response};
 use crate::math::tensor::Mat3;
 
@@ -181,51 +179,45 @@ pub struct FibreMean {
     pub stress: f64,
 }
 
-/// A quadrature point of an element.
-struct Point {
+/// What fibres do at a quadrature point of an element.
+struct Point<'a> {
+    at: &'a quadrature_points::Point,
     /// Barycentric coordinates.
     lambda: [f64; 4],
     /// Rest position [m].
     place: Vec3,
-    /// Volume that it stands for [m³].
-    weight: f64,
     /// a₀.
     along: Vec3,
     /// H.
     structure: Mat3,
-    k: Kinematics,
     /// ψ and its derivatives.
     response: Response,
 }
 
-impl Point {
+impl Point<'_> {
     /// √I₄.
     fn stretch(&self) -> f64 {
-        (self.k.f * self.along).norm()
+        (self.at.k.f * self.along).norm()
     }
 
     /// P a₀ along the deformed fibres [Pa].
     fn stress(&self) -> f64 {
-        let pull = 2.0 * self.response.slope * self.k.f * self.structure * self.along;
-        pull.dot(&(self.k.f * self.along)) / self.stretch()
+        let f = &self.at.k.f;
+        let pull = 2.0 * self.response.slope * f * self.structure * self.along;
+        pull.dot(&(f * self.along)) / self.stretch()
     }
 
     /// B = 2 F H : Λ.
     fn strain_along(&self, grad_l: &Mat3) -> f64 {
-        2.0 * (self.k.f * self.structure).dot(grad_l)
+        2.0 * (self.at.k.f * self.structure).dot(grad_l)
     }
 
     /// M.
     fn by_structure(&self, grad_l: &Mat3) -> Mat3 {
-        let product = self.k.f.transpose() * grad_l;
-        2.0 * self.response.curvature * self.strain_along(grad_l) * self.k.green
+        let product = self.at.k.f.transpose() * grad_l;
+        2.0 * self.response.curvature * self.strain_along(grad_l) * self.at.k.green
             + self.response.slope * (product + product.transpose())
     }
-}
-
-/// ∇w of nodal values of an element, by the gradients of its basis.
-fn gradient(nodes: &[usize], gradients: &[Vec3], w: &[f64]) -> Mat3 {
-    nodes.iter().zip(gradients).map(|(&node, g)| at(w, node) * g.transpose()).sum()
 }
 
 impl Fibres {
@@ -282,26 +274,18 @@ impl Fibres {
         self.law.dispersion * Mat3::identity() + own * along * along.transpose()
     }
 
-    /// Calls `f` with each quadrature point of an element and the gradients of its basis there [1/m].
-    fn for_each_point(&self, iterate: &Iterate, e: usize, mut f: impl FnMut(&Point, &[Vec3])) {
-        let (space, table) = (iterate.space, iterate.space.volume_table());
-        let element = Element::new(space, iterate.rest, e);
-        let corners = space.tets()[e].map(|v| iterate.rest[v]);
-        let mut gradients = vec![Vec3::zeros(); element.nodes.len()];
-        for ((reference, lambda), weight) in
-            table.gradients.iter().zip(&table.points).zip(&table.weights)
-        {
-            for (g, reference) in gradients.iter_mut().zip(reference) {
-                *g = element.to_rest * Vec3::from(*reference);
-            }
-            let lambda = [lambda[0], lambda[1], lambda[2], lambda[3]];
+    /// Calls `f` with an element and each quadrature point of it.
+    fn for_each_point(&self, iterate: &Iterate, e: usize, mut f: impl FnMut(&Element, &Point)) {
+        let corners = iterate.space.tets()[e].map(|v| iterate.rest[v]);
+        let (element, own) = points(iterate, e, true);
+        for at in own {
+            let rule = &iterate.space.volume_table().points[at.place];
+            let lambda = [rule[0], rule[1], rule[2], rule[3]];
             let place = corners.iter().zip(lambda).map(|(x, l)| l * x).sum();
             let along = self.along(e, place);
             let structure = self.structure(&along);
-            let k = Kinematics::new(&gradient(element.nodes, &gradients, iterate.u));
-            let response = self.law_at(place).response(2.0 * structure.dot(&k.green));
-            let weight = weight * element.volume;
-            f(&Point { lambda, place, weight, along, structure, k, response }, &gradients);
+            let response = self.law_at(place).response(2.0 * structure.dot(&at.k.green));
+            f(&element, &Point { at: &at, lambda, place, along, structure, response });
         }
     }
 
@@ -310,13 +294,13 @@ impl Fibres {
         let stretch = [f64::INFINITY, 0.0];
         let mut all = FibreSummary { volume: 0.0, energy: 0.0, stretch, stress: 0.0, taut: 0.0 };
         for e in self.elements() {
-            self.for_each_point(iterate, e, |p, _| {
-                let stretch = p.stretch();
+            self.for_each_point(iterate, e, |_, p| {
+                let (stretch, weight) = (p.stretch(), p.at.weight);
                 all.stretch = [all.stretch[0].min(stretch), all.stretch[1].max(stretch)];
-                all.volume += p.weight;
-                all.energy += p.weight * p.response.energy;
+                all.volume += weight;
+                all.energy += weight * p.response.energy;
                 all.stress = all.stress.max(p.stress());
-                all.taut += if p.response.slope > 0.0 { p.weight } else { 0.0 };
+                all.taut += if p.response.slope > 0.0 { weight } else { 0.0 };
             });
         }
         all.taut /= all.volume;
@@ -327,11 +311,11 @@ impl Fibres {
     pub fn means(&self, iterate: &Iterate) -> Vec<FibreMean> {
         let one = |e: usize| {
             let (mut mean, mut volume) = (FibreMean::default(), 0.0);
-            self.for_each_point(iterate, e, |p, _| {
-                mean.direction += p.weight * p.along;
-                mean.stretch += p.weight * p.stretch();
-                mean.stress += p.weight * p.stress();
-                volume += p.weight;
+            self.for_each_point(iterate, e, |_, p| {
+                mean.direction += p.at.weight * p.along;
+                mean.stretch += p.at.weight * p.stretch();
+                mean.stress += p.at.weight * p.stress();
+                volume += p.at.weight;
             });
             let FibreMean { direction, stretch, stress } = mean;
             FibreMean {
@@ -348,10 +332,9 @@ impl Fibres {
         let [stiffnesses, angles] = self.counts();
         let (mut by_k1, mut by_law) = (vec![0.0; stiffnesses], [0.0; 2]);
         let mut by_angle = vec![0.0; angles];
-        let nodes = Element::new(iterate.space, iterate.rest, e).nodes;
-        self.for_each_point(iterate, e, |p, gradients| {
-            let grad_l = p.weight * gradient(nodes, gradients, lambda);
-            let strain = 2.0 * p.structure.dot(&p.k.green);
+        self.for_each_point(iterate, e, |element, p| {
+            let grad_l = p.at.weight * p.at.gradient(element, lambda);
+            let strain = 2.0 * p.structure.dot(&p.at.k.green);
             let [slope_by_k1, slope_by_k2] = self.law_at(p.place).slope_by_parameters(strain);
             let (along, by_structure) = (p.strain_along(&grad_l), p.by_structure(&grad_l));
             let own = 1.0 - 3.0 * self.law.dispersion;
@@ -367,31 +350,27 @@ impl Fibres {
     }
 
     fn element_mixed(&self, iterate: &Iterate, lambda: &[f64], e: usize) -> [Vec3; 4] {
-        let element = Element::new(iterate.space, iterate.rest, e);
-        let corner = corner_gradients(&element);
         let mut out = [Vec3::zeros(); 4];
-        self.for_each_point(iterate, e, |p, gradients| {
-            let grad_l = gradient(element.nodes, gradients, lambda);
+        self.for_each_point(iterate, e, |element, p| {
+            let grad_l = p.at.gradient(element, lambda);
             let Response { slope, curvature, .. } = p.response;
-            let by_strain = 2.0 * p.k.f * p.structure;
+            let by_strain = 2.0 * p.at.k.f * p.structure;
             let stress = slope * by_strain;
             let pushed = curvature * p.strain_along(&grad_l) * by_strain
                 + 2.0 * slope * grad_l * p.structure;
-            let m = Mat3::identity() * stress.dot(&grad_l)
-                - p.k.grad_u.transpose() * pushed
-                - grad_l.transpose() * stress;
+            let m = p.at.by_rest(&stress, &pushed, &grad_l);
             let own = 2.0 * (1.0 - 3.0 * self.law.dispersion);
             let mut by_place = own
                 * self.directions.gradient(p.place).transpose()
                 * (p.by_structure(&grad_l) * p.along);
             if let Some(stiffness) = &self.stiffness {
-                let strain = 2.0 * p.structure.dot(&p.k.green);
+                let strain = 2.0 * p.structure.dot(&p.at.k.green);
                 let [slope_by_k1, _] = self.law.slope_by_parameters(strain);
                 let by_k1 = slope_by_k1 * p.strain_along(&grad_l);
                 by_place += by_k1 * stiffness.gradient(p.place);
             }
-            for ((out, c), lambda) in out.iter_mut().zip(&corner).zip(p.lambda) {
-                *out += p.weight * (m * c + lambda * by_place);
+            for ((out, c), lambda) in out.iter_mut().zip(element.corner_gradients()).zip(p.lambda) {
+                *out += p.at.weight * (m * c + lambda * by_place);
             }
         });
         out

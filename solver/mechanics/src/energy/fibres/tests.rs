@@ -1,6 +1,7 @@
 //! Fibres in a cube: derivatives, lanes, and what does not depend on them.
 
 use super::*;
+use crate::element::at;
 use crate::energy::elements::tests::check_lanes;
 use crate::energy::tests::{Case, Sample};
 use crate::energy::{Energy, Hessian};
@@ -162,25 +163,6 @@ fn measures_are_those_of_a_homogeneous_stretch() {
     let slack = along(Vec3::y()).summary(&iterate);
     assert_eq!((slack.energy, slack.stress, slack.taut), (0.0, 0.0, 0.0));
     assert!((slack.stretch[0] - 0.8).abs() < 1e-12, "{slack:?}");
-}
-
-/// A profile of equal values is the number. Threshold, set before: 1e-13.
-#[test]
-fn equal_values_along_an_axis_are_the_number() {
-    for degree in [1, 2] {
-        let case = case(degree, 0.03);
-        let (axis, elements) = (Axis { point: Vec3::repeat(-0.4), along: Vec3::z() }, 5..40);
-        let law = Fibre { k1: 2e5, k2: 3.0, dispersion: 0.1, slack: Some(0.2) };
-        let one = Fibres::new(law, Direction::Helical(axis, 0.6), elements.clone());
-        let angle = Directions::Twisting(profile(axis, [0.5, 1.1], &[0.6; 6]));
-        // its k₁ does not count
-        let twisting = Fibres::new(Fibre { k1: 1.0, ..law }, angle, elements);
-        let same = twisting.with_stiffness(Some(profile(axis, [0.5, 1.1], &[2e5; 4])));
-        let [force, other] = [&one, &same].map(|family| case.gradient(family, &case.u, &case.rest));
-        let size = force.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-13 * size;
-        assert!(size > 0.0 && force.iter().zip(&other).all(near));
-    }
 }
 
 /// Along the axis of a slab of the depth 1, stretched by λ, fibres have the energy ∫ ½ k₁(z) (λ² − 1)² dz. Of degree 3

@@ -72,8 +72,8 @@ impl GasLaw for IdealGas {
         &self.fill
     }
 
-    fn schedule_mut(&mut self) -> &mut Schedule {
-        &mut self.fill
+    fn with_schedule(&self, fill: Schedule) -> Box<dyn GasLaw> {
+        Box::new(Self { fill, ..self.clone() })
     }
 
     fn check(&self, moments: &[f64]) -> Result<(), BelowVacuum> {
@@ -82,9 +82,5 @@ impl GasLaw for IdealGas {
 
     fn pressure_by_parameter(&self, v: f64, rest: f64, _: &Moment) -> Option<f64> {
         Some((rest / v).powf(self.exponent))
-    }
-
-    fn boxed(&self) -> Box<dyn GasLaw> {
-        Box::new(self.clone())
     }
 }

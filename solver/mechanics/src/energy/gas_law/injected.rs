@@ -55,8 +55,8 @@ impl GasLaw for InjectedLiquid {
         &self.injected
     }
 
-    fn schedule_mut(&mut self) -> &mut Schedule {
-        &mut self.injected
+    fn with_schedule(&self, injected: Schedule) -> Box<dyn GasLaw> {
+        Box::new(Self { injected, ..self.clone() })
     }
 
     fn needs_space(&self) -> bool {
@@ -65,9 +65,5 @@ impl GasLaw for InjectedLiquid {
 
     fn pressure_by_parameter(&self, _: f64, _: f64, _: &Moment) -> Option<f64> {
         Some(1.0 / self.compliance)
-    }
-
-    fn boxed(&self) -> Box<dyn GasLaw> {
-        Box::new(self.clone())
     }
 }

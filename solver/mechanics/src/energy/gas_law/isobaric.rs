@@ -30,8 +30,8 @@ impl GasLaw for Isobaric {
         &self.pressure
     }
 
-    fn schedule_mut(&mut self) -> &mut Schedule {
-        &mut self.pressure
+    fn with_schedule(&self, pressure: Schedule) -> Box<dyn GasLaw> {
+        Box::new(Self { pressure })
     }
 
     fn pressure(&self) -> Option<&Schedule> {
@@ -44,9 +44,5 @@ impl GasLaw for Isobaric {
 
     fn pressure_by_parameter(&self, _: f64, _: f64, _: &Moment) -> Option<f64> {
         Some(1.0)
-    }
-
-    fn boxed(&self) -> Box<dyn GasLaw> {
-        Box::new(self.clone())
     }
 }

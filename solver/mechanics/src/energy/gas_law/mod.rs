@@ -105,8 +105,8 @@ pub trait GasLaw: Debug + Send + Sync {
     /// The one number that it follows over time, the parameter p: pressure, fill, change,
     /// factor, injected volume or supply.
     fn schedule(&self) -> &Schedule;
-    /// The schedule of that number, to be changed.
-    fn schedule_mut(&mut self) -> &mut Schedule;
+    /// The same law with another schedule of that number.
+    fn with_schedule(&self, schedule: Schedule) -> Box<dyn GasLaw>;
     /// Checks its schedule at the moments of the scene [s].
     fn check(&self, _moments: &[f64]) -> Result<(), BelowVacuum> {
         Ok(())
@@ -131,13 +131,11 @@ pub trait GasLaw: Debug + Send + Sync {
     fn wanted(&self, _rest: f64, _load: f64) -> Option<Wanted> {
         None
     }
-    /// A copy.
-    fn boxed(&self) -> Box<dyn GasLaw>;
 }
 
 impl Clone for Box<dyn GasLaw> {
     fn clone(&self) -> Self {
-        self.boxed()
+        self.with_schedule(self.schedule().clone())
     }
 }
 

@@ -74,9 +74,11 @@ impl GasLaw for PrescribedVolume {
         by
     }
 
-    fn schedule_mut(&mut self) -> &mut Schedule {
-        let (Self::Change(by) | Self::Factor(by)) = self;
-        by
+    fn with_schedule(&self, schedule: Schedule) -> Box<dyn GasLaw> {
+        Box::new(match self {
+            Self::Change(_) => Self::Change(schedule),
+            Self::Factor(_) => Self::Factor(schedule),
+        })
     }
 
     fn needs_space(&self) -> bool {
@@ -89,9 +91,5 @@ impl GasLaw for PrescribedVolume {
 
     fn wanted(&self, rest: f64, time: f64) -> Option<Wanted> {
         Some(self.at_load(rest, time))
-    }
-
-    fn boxed(&self) -> Box<dyn GasLaw> {
-        Box::new(self.clone())
     }
 }

@@ -157,8 +157,8 @@ impl GasLaw for SuppliedGas {
         &self.supply
     }
 
-    fn schedule_mut(&mut self) -> &mut Schedule {
-        &mut self.supply
+    fn with_schedule(&self, supply: Schedule) -> Box<dyn GasLaw> {
+        Box::new(Self { supply, ..self.clone() })
     }
 
     fn check(&self, moments: &[f64]) -> Result<(), BelowVacuum> {
@@ -176,9 +176,5 @@ impl GasLaw for SuppliedGas {
 
     fn remembers(&self) -> Option<f64> {
         Some(self.ambient)
-    }
-
-    fn boxed(&self) -> Box<dyn GasLaw> {
-        Box::new(self.clone())
     }
 }

@@ -43,7 +43,7 @@ use crate::element::{FunctionSpace, add_at, at};
 use crate::material::sheet::{self, Sheet, State, Strain, Stress};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, project_positive};
-use crate::parallel::map_merge;
+use crate::parallel::map_each;
 
 #[cfg(test)]
 pub(super) mod tests;
@@ -270,20 +270,14 @@ impl Membrane {
         &self,
         iterate: &Iterate,
         of_point: impl Fn(&[usize], &Point, &mut T) + Sync,
-        mut merge: impl FnMut(&Facet, T),
+        merge: impl FnMut(&Facet, T),
     ) {
         let one = |facet: &Facet| {
             let mut value = T::default();
             points(self, facet, iterate, |p| of_point(&facet.nodes, p, &mut value));
             value
         };
-        map_merge(
-            self.facets.len(),
-            |range| self.facets[range].iter().map(one).collect::<Vec<T>>(),
-            |range, parts| {
-                self.facets[range].iter().zip(parts).for_each(|(facet, part)| merge(facet, part));
-            },
-        );
+        map_each(&self.facets, one, merge);
     }
 
     /// Measures of the sheet at a state.
@@ -311,12 +305,8 @@ impl Membrane {
 }
 
 impl Energy for Membrane {
-    fn name(&self) -> &'static str {
-        "membrane"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Elastic
+    fn kind(&self) -> (&'static str, Nature) {
+        ("membrane", Nature::Elastic)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
@@ -363,12 +353,7 @@ impl Energy for Membrane {
                     }
                 }
             },
-            |facet, blocks| {
-                for (&a, blocks) in facet.nodes.iter().zip(blocks.chunks_exact(facet.nodes.len())) {
-                    let pairs = facet.nodes.iter().zip(blocks);
-                    pairs.for_each(|(&b, block)| out.add_lower(a, b, block));
-                }
-            },
+            |facet, blocks| out.add_dense(&facet.nodes, &blocks),
         );
     }
 

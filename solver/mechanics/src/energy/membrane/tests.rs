@@ -1,6 +1,6 @@
 //! Sheets on the boundary of a block and inside it, of all degrees and in all states.
 
-use mesh::{TetMesh, topology};
+use mesh::TetMesh;
 
 use super::*;
 use crate::energy::Axis;
@@ -9,7 +9,7 @@ use crate::material::sheet::LAWS;
 use crate::material::sheet::TensionField;
 use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::testing::cube;
+use crate::testing::{cube, facets_where};
 
 /// A sheet with a state near a homogeneous one.
 struct Sheets {
@@ -37,18 +37,8 @@ const STRETCHES: [(&str, [f64; 2]); 4] = [
 
 /// The top of a block of two layers and the plane between them, which is bent.
 fn facets(mesh: &TetMesh) -> Vec<[usize; 3]> {
-    let mut all: Vec<[usize; 3]> = Vec::new();
-    for tet in &mesh.tets {
-        for corners in topology::TET_FACETS {
-            let facet = mesh::facet_key(corners.map(|c| tet[c]));
-            let is_at = |z: f64| facet.iter().all(|&v| (mesh.vertices[v].z - z).abs() < 1e-9);
-            if is_at(1.0) || is_at(0.5) {
-                all.push(facet);
-            }
-        }
-    }
-    all.sort_unstable();
-    all.dedup();
+    let at = |z: f64| facets_where(mesh, |x| (x.z - z).abs() < 1e-9);
+    let all = [at(1.0), at(0.5)].concat();
     assert_eq!(all.len(), 16);
     all
 }

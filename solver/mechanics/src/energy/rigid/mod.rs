@@ -30,7 +30,7 @@ use crate::element::{add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
 use crate::rigid::RigidSet;
-use crate::schedule::{Field, Schedule};
+use crate::schedule::Field;
 
 /// Stiffness of a part against itself, over the shear modulus of what it is bonded to and its size: strains of
 /// the part are this much smaller than those around it. The factor in single precision bears no more.
@@ -121,12 +121,8 @@ fn pairs(nodes: &[usize]) -> Vec<[usize; 2]> {
 }
 
 impl Energy for Rigid {
-    fn name(&self) -> &'static str {
-        "rigid"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Elastic
+    fn kind(&self) -> (&'static str, Nature) {
+        ("rigid", Nature::Elastic)
     }
 
     fn value(&self, at: &Iterate) -> f64 {
@@ -231,12 +227,8 @@ impl RigidMass {
 }
 
 impl Energy for RigidMass {
-    fn name(&self) -> &'static str {
-        "inertia"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Inertia
+    fn kind(&self) -> (&'static str, Nature) {
+        ("inertia", Nature::Inertia)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
@@ -319,12 +311,6 @@ impl RigidLoad {
         Self { force, gravity, mass, masters: part.masters().to_vec(), weights }
     }
 
-    /// This load as it is at a time, for all times.
-    pub fn held(&self, time: f64) -> Self {
-        let still = |field: &Field| Field(field.0.each_ref().map(|s| Schedule::held(s.at(time))));
-        Self { force: still(&self.force), gravity: still(&self.gravity), ..self.clone() }
-    }
-
     /// Displacement of the point where the force acts [m], or another nodal field there.
     pub fn of_point(&self, w: &[f64]) -> Vec3 {
         self.masters.iter().zip(&self.weights).map(|(&m, share)| at(w, m) * *share).sum()
@@ -336,16 +322,13 @@ impl RigidLoad {
 }
 
 impl Energy for RigidLoad {
-    fn name(&self) -> &'static str {
-        "rigid_load"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::DeadLoad
+    fn kind(&self) -> (&'static str, Nature) {
+        ("rigid_load", Nature::DeadLoad)
     }
 
     fn held(&self, time: f64) -> Option<Arc<dyn Energy>> {
-        Some(Arc::new(Self::held(self, time)))
+        let (force, gravity) = (self.force.held_at(time), self.gravity.held_at(time));
+        Some(Arc::new(Self { force, gravity, ..self.clone() }))
     }
 
     fn value(&self, at: &Iterate) -> f64 {

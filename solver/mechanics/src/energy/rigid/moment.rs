@@ -130,12 +130,6 @@ impl RigidMoment {
         Ok(Self { moment, masters: part.masters().to_vec(), turns })
     }
 
-    /// These moments as they are at a time, for all times.
-    pub fn held(&self, time: f64) -> Self {
-        let still = self.moment.0.each_ref().map(|moment| Schedule::held(moment.at(time)));
-        Self { moment: Field(still), ..self.clone() }
-    }
-
     /// The moments at a time with the turns they make.
     fn acting(&self, time: f64) -> impl Iterator<Item = (f64, &Turn)> {
         let moments = self.moment.0.iter().map(move |moment| moment.at(time));
@@ -144,16 +138,12 @@ impl RigidMoment {
 }
 
 impl Energy for RigidMoment {
-    fn name(&self) -> &'static str {
-        "rigid_moment"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Load
+    fn kind(&self) -> (&'static str, Nature) {
+        ("rigid_moment", Nature::Load)
     }
 
     fn held(&self, time: f64) -> Option<Arc<dyn Energy>> {
-        Some(Arc::new(Self::held(self, time)))
+        Some(Arc::new(Self { moment: self.moment.held_at(time), ..self.clone() }))
     }
 
     fn value(&self, at: &Iterate) -> f64 {

@@ -11,6 +11,7 @@ use crate::energy::{FreeFlight, TimeStep};
 use crate::math::linear::dot;
 use crate::math::random::Random;
 use crate::rigid::Moves;
+use crate::schedule::Schedule;
 use crate::testing::cube;
 
 /// A block with one face that is rigid, or all of it.

@@ -28,7 +28,7 @@ use super::rim::{Rim, rims};
 use crate::element::{FunctionSpace, add_at, at};
 use crate::math::sparse::{BlockMatrix, pair_count, pair_index};
 use crate::math::tensor::{Mat3, cross_matrix};
-use crate::parallel::map_merge;
+use crate::parallel::map_each;
 use crate::symmetry::Plane;
 
 /// Nodes of a facet, at most.
@@ -100,31 +100,21 @@ impl Wall {
         }
     }
 
-    /// Calls `of_facet` with the nodes of each facet, in parallel, and then `merge` with
-    /// these and with what it returned, facet by facet.
-    fn for_each_facet<T: Send>(
-        &self,
-        of_facet: impl Fn(&[usize]) -> T + Sync,
-        mut merge: impl FnMut(&[usize], T),
-    ) {
-        map_merge(
-            self.facets.len(),
-            |range| self.facets[range].iter().map(|nodes| of_facet(nodes)).collect::<Vec<T>>(),
-            |range, parts| {
-                self.facets[range].iter().zip(parts).for_each(|(nodes, part)| merge(nodes, part));
-            },
-        );
-    }
-
-    /// Calls `f` with each edge of each rim and the apex of its cap, from the origin.
+    /// Calls `f` with each rim, the nodes of each edge of it, their positions and the apex of the cap, from the origin.
     fn for_each_rim_edge(
         &self,
+        space: &FunctionSpace,
         x: impl Fn(usize) -> Vec3 + Copy,
-        mut f: impl FnMut(&Rim, [usize; 2], Vec3),
+        mut f: impl FnMut(&Rim, &[usize], &[Vec3], Vec3),
     ) {
         for rim in &self.rims {
             let apex = rim.apex(x) - self.origin;
-            rim.edges().for_each(|edge| f(rim, edge, apex));
+            for [a, b] in rim.edges() {
+                let inside = space.edge_nodes([a, b]);
+                let edge: Vec<usize> = [a].into_iter().chain(inside).chain([b]).collect();
+                let nodes: Vec<Vec3> = edge.iter().map(|&n| x(n) - self.origin).collect();
+                f(rim, &edge, &nodes, apex);
+            }
         }
     }
 
@@ -135,7 +125,7 @@ impl Wall {
 
     /// Volume behind the wall, its caps and planes of symmetry at node positions `x` [m³].
     pub fn volume(&self, space: &FunctionSpace, x: impl Fn(usize) -> Vec3 + Sync) -> f64 {
-        let behind = |nodes: &[usize]| {
+        let behind = |nodes: &Vec<usize>| {
             let mut volume = 0.0;
             points(space, nodes, &x, |x, p| {
                 let position = self.position(x, p);
@@ -144,13 +134,8 @@ impl Wall {
             volume
         };
         let mut volume = 0.0;
-        self.for_each_facet(behind, |_, part| volume += part);
-        self.for_each_rim_edge(&x, |_, [a, b], c| {
-            let inside = space.edge_nodes([a, b]);
-            let edge = [a].into_iter().chain(inside).chain([b]);
-            let nodes: Vec<Vec3> = edge.map(|n| x(n) - self.origin).collect();
-            volume += swept(&nodes).dot(&c) / 6.0;
-        });
+        map_each(&self.facets, behind, |_, part| volume += part);
+        self.for_each_rim_edge(space, &x, |_, _, nodes, c| volume += swept(nodes).dot(&c) / 6.0);
         volume
     }
 
@@ -166,7 +151,7 @@ impl Wall {
         if self.plugged {
             return self.add_gradient(space, x, scale, out);
         }
-        let of_facet = |nodes: &[usize]| {
+        let of_facet = |nodes: &Vec<usize>| {
             let mut forces = [Vec3::zeros(); MOST_NODES];
             points(space, nodes, &x, |_, p| {
                 let normal = -scale * p.weight * p.g1.cross(&p.g2);
@@ -174,7 +159,7 @@ impl Wall {
             });
             forces
         };
-        self.for_each_facet(of_facet, |nodes, forces| {
+        map_each(&self.facets, of_facet, |nodes, forces| {
             nodes.iter().zip(forces).for_each(|(&node, f)| add_at(out, node, &f));
         });
     }
@@ -201,15 +186,12 @@ impl Wall {
             }
         });
         let sixth = scale / 6.0;
-        self.for_each_rim_edge(&x, |rim, [a, b], c| {
-            let inside = space.edge_nodes([a, b]);
-            let edge: Vec<usize> = [a].into_iter().chain(inside).chain([b]).collect();
-            let nodes: Vec<Vec3> = edge.iter().map(|&n| x(n) - self.origin).collect();
+        self.for_each_rim_edge(space, &x, |rim, edge, nodes, c| {
             for (i, j, k) in swept_terms(nodes.len()) {
                 add_at(out, edge[i], &(sixth * k * nodes[j].cross(&c)));
                 add_at(out, edge[j], &(sixth * k * c.cross(&nodes[i])));
             }
-            let by_apex = rim.apex_vjp(sixth, swept(&nodes));
+            let by_apex = rim.apex_vjp(sixth, swept(nodes));
             by_apex.for_each(|(v, by)| add_at(out, v, &by));
         });
     }
@@ -239,7 +221,7 @@ impl Wall {
         if self.plugged {
             return self.add_plugged_stiffness(space, &x, scale, out);
         }
-        let of_facet = |nodes: &[usize]| {
+        let of_facet = |nodes: &Vec<usize>| {
             // of the pairs of nodes (a, b ≤ a)
             let mut blocks = vec![Mat3::zeros(); pair_count(nodes.len())];
             points(space, nodes, &x, |_, p| {
@@ -258,7 +240,7 @@ impl Wall {
             });
             blocks
         };
-        self.for_each_facet(of_facet, |nodes, blocks| {
+        map_each(&self.facets, of_facet, |nodes, blocks| {
             for (a, &row) in nodes.iter().enumerate() {
                 for (b, &column) in nodes[..=a].iter().enumerate() {
                     let block = &blocks[pair_index(a, b)];

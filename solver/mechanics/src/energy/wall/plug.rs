@@ -83,12 +83,10 @@ impl Wall {
             out.add_lower(row, column, &block);
             out.add_lower(column, row, &block.transpose());
         };
-        self.for_each_rim_edge(x, |rim, [a, b], c| {
-            let inside = space.edge_nodes([a, b]);
-            let edge: Vec<usize> = [a].into_iter().chain(inside).chain([b]).collect();
+        self.for_each_rim_edge(space, x, |rim, edge, nodes, c| {
             for (i, j, k) in swept_terms(edge.len()) {
                 let k = -scale * k / 6.0;
-                let [yi, yj] = [i, j].map(|n| cross_matrix(&(x(edge[n]) - self.origin)));
+                let [yi, yj] = [i, j].map(|n| cross_matrix(&nodes[n]));
                 add(edge[i], edge[j], -k * cross_matrix(&c));
                 for (v, share) in rim.apex_vjp(1.0, Vec3::repeat(1.0)) {
                     let share = Mat3::from_diagonal(&share);

@@ -29,7 +29,7 @@ impl Winding {
     ) {
         self.for_each_share(at, power, |segment, p, shares| {
             let [by_slope, by_difference] = p.force_by(shares).map(|by| weight * by);
-            for (&node, slope) in segment.nodes.iter().zip(p.slopes) {
+            for (&node, slope) in segment.nodes.iter().zip(&p.place.slopes) {
                 add_at(by_u, node, &(*slope * by_slope));
             }
             for (&vertex, share) in segment.vertices.iter().zip(&segment.across) {
@@ -43,12 +43,12 @@ impl Winding {
         let (mut by, own) = (vec![0.0; self.parameters()], self.own_parameters());
         self.for_each_share(at, power, |segment, p, shares| {
             let [by_stiffness, by_pretension] = p.force_by_law(self.pretension);
-            p.shares.iter().for_each(|(i, share)| by[*i] += share * shares[0] * by_stiffness);
+            p.place.shares.iter().for_each(|(i, share)| by[*i] += share * shares[0] * by_stiffness);
             by[own - 1] += shares[0] * by_pretension;
             let [by_slope, by_difference] = p.force_by(shares);
             for (k, by) in by[own..].iter_mut().enumerate() {
-                *by += shares[0] * by_stiffness * p.stiffness_rates[k]
-                    + by_slope.dot(&segment.slope(&p.rates[k], at.u))
+                *by += shares[0] * by_stiffness * p.place.stiffness_rates[k]
+                    + by_slope.dot(&segment.slope(&p.place.rates[k], at.u))
                     + by_difference.dot(&segment.corners(&segment.rates[k], at.rest));
             }
         });
@@ -61,7 +61,7 @@ impl Winding {
         let mut all = Vec::new();
         for segment in &self.segments {
             self.for_each_point(at, segment, |p| {
-                let (force, share) = (p.force(), p.weight * p.long);
+                let (force, share) = (p.force(), p.place.weight * p.long);
                 (length, largest) = (length + share, largest.max(force));
                 all.push((force, share));
             });
@@ -88,7 +88,7 @@ impl Winding {
             self.for_each_point(at, segment, |p| {
                 let ratio = p.force() / mean;
                 let root = ratio.powf(power - 1.0);
-                let part = p.weight / length;
+                let part = p.place.weight / length;
                 f(segment, p, [part * root * p.long, part * (root * ratio - 1.0) * mean / power]);
             });
         }

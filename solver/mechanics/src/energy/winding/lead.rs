@@ -219,25 +219,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn derivatives_are_those_of_differences() {
-        let values = [0.9, 1.2, 0.7, 1.1, 1.3];
-        for hand in [1.0, -1.0] {
-            let angle = |values: [f64; 5]| Lead::Angle(profile(&values.map(|v| hand * v)), 0.01);
-            let pitch = |values: [f64; 5]| Lead::Pitch(profile(&values.map(|v| hand * 3e-3 * v)));
-            for (i, scale) in (0..5).flat_map(|i| [(i, 1.0), (i, 3e-3)]) {
-                let of = |by: f64| {
-                    let mut values = values;
-                    values[i] += by;
-                    let lead = if scale == 1.0 { angle(values) } else { pitch(values) };
-                    turns(&lead, 0.015, 0.065)
-                };
-                let step = 1e-5;
-                let slope = (of(step).count - of(-step).count) / (2.0 * step * hand * scale);
-                let by = of(0.0).by[i];
-                assert!((slope / by - 1.0).abs() < 1e-7, "{i} {hand}: {slope} {by}");
-            }
-        }
-    }
 }

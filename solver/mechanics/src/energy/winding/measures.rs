@@ -44,7 +44,7 @@ impl Winding {
         for segment in &self.segments {
             let (mut length, mut sum) = (0.0, 0.0);
             self.for_each_point(iterate, segment, |p| {
-                let (force, share) = (p.force(), p.weight * p.long);
+                let (force, share) = (p.force(), p.place.weight * p.long);
                 (length, sum) = (length + share, sum + share * force);
                 all.length += share;
                 all.energy += 0.5 * share * p.stiffness * p.square[0];
@@ -67,7 +67,7 @@ impl Winding {
                 segment.nodes.iter().zip(values).map(|(&n, v)| v * at(iterate.u, n)).sum()
             });
             let mut force = 0.0;
-            self.for_each_point(iterate, segment, |p| force += p.weight * p.force());
+            self.for_each_point(iterate, segment, |p| force += p.place.weight * p.force());
             Strand { rest, moved, force, vertices: segment.vertices, weights: segment.ends }
         };
         self.segments.iter().map(one).collect()

@@ -40,7 +40,7 @@ use crate::element::{FunctionSpace, add_at, at, tabulate};
 use crate::material::slack::square;
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::Mat3;
-use crate::parallel::map_merge;
+use crate::parallel::map_each;
 
 pub use lay::{Helix, LayError, Piece, helix, polyline};
 pub use lead::{Along, Lead};
@@ -60,8 +60,6 @@ pub struct Winding {
     pub slack: f64,
     /// Sum of the ranges of all pieces.
     turns: f64,
-    /// Places of the points of a segment, and their weights.
-    rule: Vec<(f64, f64)>,
     segments: Vec<Segment>,
     /// The helix that it is, if it is one.
     pub helix: Option<Helix>,
@@ -99,14 +97,9 @@ struct Place {
 
 /// A quadrature point of a segment.
 struct Point<'a> {
-    weight: f64,
-    /// φ′ of the nodes, and φ̇′.
-    slopes: &'a [f64],
-    rates: &'a [Vec<f64>],
-    /// EA [N], and what each of its values has of it.
+    place: &'a Place,
+    /// EA [N].
     stiffness: f64,
-    shares: &'a [(usize, f64)],
-    stiffness_rates: &'a [f64],
     /// D [m].
     rest: Vec3,
     /// L [m].
@@ -229,15 +222,15 @@ impl Point<'_> {
         let along = self.along.dot(m);
         let by_strain = 0.5 * self.stiffness * self.square[2] * along;
         let turned = self.force() / self.stretched * (m - along * self.along);
-        self.weight * (by_strain * self.strained() + turned)
+        self.place.weight * (by_strain * self.strained() + turned)
     }
 
     /// L̇ for the rate k of the ends.
     fn by_ends(&self, segment: &Segment, (at, lambda): (&Iterate, &[f64]), k: usize) -> f64 {
-        let slope = |field: &[f64]| segment.slope(&self.rates[k], field);
-        let m = segment.slope(self.slopes, lambda);
-        let by_slope = self.weight * self.hessian() * m;
-        let by_m = self.weight * self.force() * self.along;
+        let slope = |field: &[f64]| segment.slope(&self.place.rates[k], field);
+        let m = segment.slope(&self.place.slopes, lambda);
+        let by_slope = self.place.weight * self.hessian() * m;
+        let by_m = self.place.weight * self.force() * self.along;
         self.by_rest(&m).dot(&segment.corners(&segment.rates[k], at.rest))
             + by_slope.dot(&slope(at.u))
             + by_m.dot(&slope(lambda))
@@ -261,8 +254,7 @@ impl Winding {
     ) -> Self {
         let segments = pieces.iter().map(|piece| Segment::new(space, piece)).collect();
         let turns = pieces.iter().map(|piece| piece.range[1] - piece.range[0]).sum();
-        let rule = rule(space.degree());
-        Self { stiffness: vec![stiffness], pretension, slack, turns, rule, segments, helix: None }
+        Self { stiffness: vec![stiffness], pretension, slack, turns, segments, helix: None }
     }
 
     /// The same as a helix, or two of both hands, whose lead and phase are numbers of the thread, too.
@@ -278,7 +270,8 @@ impl Winding {
                 [0, 1].map(|end| profile.height(segment.corners(&segment.ends[end], rest)));
             let corners: Vec<f64> =
                 segment.vertices.iter().map(|&v| profile.height(rest[v])).collect();
-            for (place, (s, _)) in segment.points.iter_mut().zip(&self.rule) {
+            let rule = rule(segment.points.len());
+            for (place, (s, _)) in segment.points.iter_mut().zip(rule) {
                 let height = (1.0 - s) * a + s * b;
                 place.shares = profile.basis(height).pairs().collect();
                 let lead = |by: &Vec<f64>| by.iter().zip(&corners).map(|(by, z)| by * z).sum();
@@ -313,28 +306,17 @@ impl Winding {
     fn for_each_point(&self, iterate: &Iterate, segment: &Segment, mut f: impl FnMut(&Point)) {
         let rest = segment.corners(&segment.across, iterate.rest);
         let long = rest.norm();
-        for Place { weight, slopes, rates, shares, stiffness_rates, .. } in &segment.points {
-            let moved = segment.slope(slopes, iterate.u);
+        for place in &segment.points {
+            let moved = segment.slope(&place.slopes, iterate.u);
             let stretched = (rest + moved).norm();
             // without the digits of 1
             let strain =
                 (2.0 * rest.dot(&moved) + moved.norm_squared()) / (long * (stretched + long));
-            let stiffness = shares.iter().map(|&(i, share)| share * self.stiffness[i]).sum();
+            let shares = place.shares.iter();
+            let stiffness = shares.map(|&(i, share)| share * self.stiffness[i]).sum();
             let square = square(strain + self.pretension / stiffness, Some(self.slack));
             let along = (rest + moved) / stretched;
-            f(&Point {
-                weight: *weight,
-                slopes,
-                rates,
-                stiffness,
-                shares,
-                stiffness_rates,
-                rest,
-                long,
-                stretched,
-                along,
-                square,
-            });
+            f(&Point { place, stiffness, rest, long, stretched, along, square });
         }
     }
 
@@ -344,37 +326,29 @@ impl Winding {
         &self,
         iterate: &Iterate,
         of_point: impl Fn(&Segment, &Point, &mut T) + Sync,
-        mut merge: impl FnMut(&Segment, T),
+        merge: impl FnMut(&Segment, T),
     ) {
         let one = |segment: &Segment| {
             let mut value = T::default();
             self.for_each_point(iterate, segment, |p| of_point(segment, p, &mut value));
             value
         };
-        map_merge(
-            self.segments.len(),
-            |range| self.segments[range].iter().map(one).collect::<Vec<T>>(),
-            |range, parts| {
-                self.segments[range].iter().zip(parts).for_each(|(own, part)| merge(own, part));
-            },
-        );
+        map_each(&self.segments, one, merge);
     }
 }
 
 impl Energy for Winding {
-    fn name(&self) -> &'static str {
-        "winding"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::Elastic
+    fn kind(&self) -> (&'static str, Nature) {
+        ("winding", Nature::Elastic)
     }
 
     fn value(&self, iterate: &Iterate) -> f64 {
         let mut sum = 0.0;
         self.for_each_segment(
             iterate,
-            |_, p, value: &mut f64| *value += 0.5 * p.stiffness * p.weight * p.long * p.square[0],
+            |_, p, value: &mut f64| {
+                *value += 0.5 * p.stiffness * p.place.weight * p.long * p.square[0]
+            },
             |_, part| sum += part,
         );
         sum
@@ -384,9 +358,12 @@ impl Energy for Winding {
         self.for_each_segment(
             iterate,
             |_, p, forces: &mut Vec<Vec3>| {
-                forces.resize(p.slopes.len(), Vec3::zeros());
-                let pull = p.weight * p.force() * p.along;
-                forces.iter_mut().zip(p.slopes).for_each(|(force, slope)| *force += pull * *slope);
+                forces.resize(p.place.slopes.len(), Vec3::zeros());
+                let pull = p.place.weight * p.force() * p.along;
+                forces
+                    .iter_mut()
+                    .zip(&p.place.slopes)
+                    .for_each(|(force, slope)| *force += pull * *slope);
             },
             |segment, forces| {
                 segment.nodes.iter().zip(&forces).for_each(|(&node, f)| add_at(out, node, f));
@@ -398,28 +375,22 @@ impl Energy for Winding {
         self.for_each_segment(
             iterate,
             |_, p, blocks: &mut Vec<Mat3>| {
-                let n = p.slopes.len();
+                let n = p.place.slopes.len();
                 blocks.resize(n * n, Mat3::zeros());
-                let stiffness = p.weight * p.hessian();
-                for (a, blocks) in p.slopes.iter().zip(blocks.chunks_exact_mut(n)) {
-                    let pairs = p.slopes.iter().zip(blocks);
+                let stiffness = p.place.weight * p.hessian();
+                for (a, blocks) in p.place.slopes.iter().zip(blocks.chunks_exact_mut(n)) {
+                    let pairs = p.place.slopes.iter().zip(blocks);
                     pairs.for_each(|(b, block)| *block += a * b * stiffness);
                 }
             },
-            |segment, blocks| {
-                let rows = blocks.chunks_exact(segment.nodes.len());
-                for (&a, blocks) in segment.nodes.iter().zip(rows) {
-                    let pairs = segment.nodes.iter().zip(blocks);
-                    pairs.for_each(|(&b, block)| out.add_lower(a, b, block));
-                }
-            },
+            |segment, blocks| out.add_dense(&segment.nodes, &blocks),
         );
     }
 
     fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
         self.for_each_segment(
             iterate,
-            |segment, p, by: &mut Vec3| *by += p.by_rest(&segment.slope(p.slopes, lambda)),
+            |segment, p, by: &mut Vec3| *by += p.by_rest(&segment.slope(&p.place.slopes, lambda)),
             |segment, by| {
                 for (&vertex, share) in segment.vertices.iter().zip(&segment.across) {
                     add_at(out, vertex, &(*share * by));
@@ -445,13 +416,13 @@ impl Energy for Winding {
             iterate,
             |segment, p, by: &mut Vec<f64>| {
                 by.resize(self.parameters(), 0.0);
-                let along = p.weight * p.along.dot(&segment.slope(p.slopes, lambda));
+                let along = p.place.weight * p.along.dot(&segment.slope(&p.place.slopes, lambda));
                 let [by_stiffness, by_pretension] = p.force_by_law(self.pretension);
-                p.shares.iter().for_each(|(i, share)| by[*i] += share * along * by_stiffness);
+                p.place.shares.iter().for_each(|(i, share)| by[*i] += share * along * by_stiffness);
                 by[own - 1] += along * by_pretension;
                 for (k, by) in by[own..].iter_mut().enumerate() {
                     *by += p.by_ends(segment, (iterate, lambda), k);
-                    *by += along * by_stiffness * p.stiffness_rates[k];
+                    *by += along * by_stiffness * p.place.stiffness_rates[k];
                 }
             },
             |_, part| sum.iter_mut().zip(part).for_each(|(s, p)| *s += p),

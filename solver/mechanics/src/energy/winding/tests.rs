@@ -23,11 +23,7 @@ impl Wound {
         let facets: Vec<_> = boundary.into_iter().filter(top).collect();
         let path = [[0.1, 0.2, 1.0], [0.8, 0.35, 1.1], [0.4, 0.9, 1.0]].map(Vec3::from);
         let pieces = polyline(&facets, &mesh.vertices, &path).expect("it lies on the top");
-        let space = FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets);
-        let numbers = Random::new(43).numbers(3 * space.node_count());
-        let u = numbers.iter().map(|x| size * x).collect();
-        let case = Arc::new(Case { space, rest: mesh.vertices, u, step: None });
-        Self { case, pieces }
+        Self { case: Arc::new(Case::new(mesh, degree, &mut Random::new(43), size)), pieces }
     }
 
     /// A thread of which a part is slack; the slack is wide, so that its curvature is seen by steps of the

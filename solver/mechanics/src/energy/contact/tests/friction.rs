@@ -10,13 +10,7 @@ fn sliding_blocks(form: Form, scale: f64) -> (Scene, Friction) {
     let mut random = Random::new(9);
     // speeds from below to above the full one
     scene.u.iter_mut().for_each(|u| *u += 4e-3 * scale * random.uniform());
-    scene.step = Some(TimeStep {
-        h: 0.01,
-        history,
-        free_flight: None,
-        lagged_contacts,
-        ..TimeStep::default()
-    });
+    scene.step = Some(TimeStep { h: 0.01, history, lagged_contacts, ..TimeStep::default() });
     let friction = Friction::new(Arc::clone(scene.contact.surface()), 0.7, 0.4 * scale);
     (scene, friction)
 }
@@ -40,16 +34,8 @@ fn friction_has_its_derivatives_and_no_resultant() {
 /// A flat skin slides on a floor as a whole: |T| = μ N f₀′(y).
 #[test]
 fn sliding_as_a_whole_has_the_force_of_coulomb() {
-    let mesh = cube(3, 0.2);
-    let floor = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
-    let surface = square(1, 0.0);
-    let vertices = surface.vertices.iter().map(floor).collect();
-    let obstacle = Obstacle {
-        surface: SurfaceMesh { vertices, ..surface },
-        motion: Some(Box::new(|_, t| Vec3::new(0.0, 0.003, 0.0) * t)),
-    };
-    let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
-    let mut scene = Scene::new(1, &[mesh], vec![obstacle], barrier(Form::Convergent, 0.01), low);
+    // the floor itself moves along y
+    let mut scene = on_floor(3, Some(Box::new(|_, t| Vec3::new(0.0, 0.003, 0.0) * t)));
     let normal = scene.contact.body_forces(&scene.here())[0].force;
     let lagged_contacts = scene.contact.lagged_contacts(&scene.here());
     let counted: f64 = lagged_contacts.iter().map(|s| s.force).sum();
@@ -58,17 +44,10 @@ fn sliding_as_a_whole_has_the_force_of_coulomb() {
     let h = 0.1;
     let history = scene.u.clone();
     for (relative, share) in [(0.25e-3, 0.4375), (1e-3, 1.0), (5e-3, 1.0), (1e-9, 2e-6)] {
-        // the floor itself moves along y
         let by = Vec3::new(relative, 0.003, 0.0) * h;
         scene.u = (0..scene.space.node_count()).flat_map(|_| <[f64; 3]>::from(by)).collect();
         let (history, lagged_contacts) = (history.clone(), lagged_contacts.clone());
-        scene.step = Some(TimeStep {
-            h,
-            history,
-            free_flight: None,
-            lagged_contacts,
-            ..TimeStep::default()
-        });
+        scene.step = Some(TimeStep { h, history, lagged_contacts, ..TimeStep::default() });
         let force = friction.body_forces(&scene.here())[0].force;
         let expected = Vec3::new(-0.5 * normal.z * share, 0.0, 0.0);
         assert!((force - expected).norm() < 1e-6 * expected.norm(), "{force} {expected}");

@@ -1,15 +1,17 @@
+use std::ops::{Deref, DerefMut};
+
 use mesh::{SurfaceMesh, TetMesh};
 
 use super::*;
 use crate::contact::barrier::Form;
 use crate::contact::density::Density;
-use crate::contact::surface::Obstacle;
+use crate::contact::surface::{Motion, Obstacle};
 use crate::contact::terms::Term;
 use crate::element::{FunctionSpace, at};
 use crate::energy::TimeStep;
+use crate::energy::tests::Case;
 use crate::math::linear::dot;
 use crate::math::random::Random;
-use crate::math::sparse::Pattern;
 use crate::symmetry::Plane;
 use crate::testing::{check_gradient, cube, flat, points, square};
 
@@ -20,11 +22,22 @@ mod weights;
 
 /// Bodies with contact, at a displacement.
 struct Scene {
-    space: FunctionSpace,
-    rest: Vec<Vec3>,
-    u: Vec<f64>,
+    case: Case,
     contact: Contact,
-    step: Option<TimeStep>,
+}
+
+impl Deref for Scene {
+    type Target = Case;
+
+    fn deref(&self) -> &Case {
+        &self.case
+    }
+}
+
+impl DerefMut for Scene {
+    fn deref_mut(&mut self) -> &mut Case {
+        &mut self.case
+    }
 }
 
 impl Scene {
@@ -63,36 +76,13 @@ impl Scene {
         let surface =
             Surface::symmetric(planes, &space, &facets, &bodies, obstacles, degree, &fixed);
         let contact = Contact::new(Arc::new(surface), Partners::ThroughAir, barrier);
-        Self { space, rest, u, contact, step: None }
-    }
-
-    fn at<'a>(&'a self, rest: &'a [Vec3], u: &'a [f64]) -> Iterate<'a> {
-        let step = self.step.as_ref();
-        Iterate { step, ..Iterate::new(&self.space, rest, u, 1.0) }
-    }
-
-    fn here(&self) -> Iterate<'_> {
-        self.at(&self.rest, &self.u)
-    }
-
-    fn gradient(&self, energy: &dyn Energy, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; u.len()];
-        energy.add_gradient(&self.at(rest, u), &mut gradient);
-        gradient
-    }
-
-    fn times_hessian(&self, energy: &dyn Energy, kind: Hessian, q: &[f64]) -> Vec<f64> {
-        let n = self.space.node_count();
-        let dense = Pattern::new(n, &(0..n).collect::<Vec<_>>(), n, &[]);
-        let mut matrix = BlockMatrix::zeros(&dense);
-        energy.add_hessian(&self.here(), kind, &mut matrix);
-        matrix.multiply(q)
+        Self { case: Case { space, rest, u, step: None }, contact }
     }
 
     /// Gradient, Hessian and mixed derivative against differences.
     fn check(&self, energy: &dyn Energy, scale: f64) {
-        let gradient = self.gradient(energy, &self.rest, &self.u);
-        check_gradient(&self.u, &gradient, 1e-3 * scale, |u| energy.value(&self.at(&self.rest, u)));
+        let gradient = self.gradient(energy, &self.u, &self.rest);
+        check_gradient(&self.u, &gradient, 1e-3 * scale, |u| energy.value(&self.at(u, &self.rest)));
 
         let mut random = Random::new(5);
         let lambda = random.numbers(self.u.len());
@@ -106,7 +96,7 @@ impl Scene {
         for along in [gradient, random.numbers(self.u.len())] {
             let largest = along.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             let q: Vec<f64> = along.iter().map(|v| v / largest).collect();
-            let by_u = |h: f64| self.gradient(energy, &self.rest, &shifted(&self.u, &q, h));
+            let by_u = |h: f64| self.gradient(energy, &shifted(&self.u, &q, h), &self.rest);
             let difference: Vec<f64> =
                 by_u(h).iter().zip(by_u(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
             let exact = self.times_hessian(energy, Hessian::Exact, &q);
@@ -126,7 +116,7 @@ impl Scene {
         for q in [along, random.numbers(mixed.len()), random.numbers(mixed.len())] {
             let by_rest = |h: f64| {
                 let rest = points(&shifted(&flat(&self.rest), &q, h));
-                dot(&self.gradient(energy, &rest, &self.u), &lambda)
+                dot(&self.gradient(energy, &self.u, &rest), &lambda)
             };
             close((by_rest(h) - by_rest(-h)) / (2.0 * h), dot(&mixed, &q), "mixed");
         }
@@ -136,6 +126,17 @@ impl Scene {
 fn barrier(form: Form, activation: f64) -> Barrier {
     let stiffness = if form == Form::Plain { 1e5 / activation.powi(4) } else { 1e5 };
     Barrier { form, density: Density::Log, activation, stiffness, thickness: 0.0 }
+}
+
+/// A block of n³ cells whose flat skin is near a floor of two triangles, and away from its edges.
+fn on_floor(n: usize, motion: Option<Box<Motion>>) -> Scene {
+    let place = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
+    let floor = square(1, 0.0);
+    let vertices = floor.vertices.iter().map(place).collect();
+    let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..floor }, motion };
+    let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
+    let barrier = barrier(Form::Convergent, 0.01);
+    Scene::new(1, &[cube(n, 0.2)], vec![obstacle], barrier, low)
 }
 
 /// A block on another, turned by so little that their edges are mollified, and a
@@ -153,8 +154,7 @@ fn blocks(degree: usize, form: Form, scale: f64, thickness: f64) -> Scene {
     let surface = square(1, 0.0);
     let vertices = surface.vertices.iter().map(plate).collect();
     let surface = SurfaceMesh { vertices, ..surface };
-    let motion: Box<crate::contact::surface::Motion> =
-        Box::new(move |_, t| Vec3::new(0.0, 0.3 * t, 0.1 * t) * scale);
+    let motion: Box<Motion> = Box::new(move |_, t| Vec3::new(0.0, 0.3 * t, 0.1 * t) * scale);
     let obstacle = Obstacle { surface, motion: Some(motion) };
     let barrier = Barrier { thickness: thickness * scale, ..barrier(form, 0.12 * scale) };
     let mut scene = Scene::new(degree, &meshes, vec![obstacle], barrier, |_| true);
@@ -205,18 +205,8 @@ fn every_derivative_belongs_to_the_energy_at_any_scale() {
 #[test]
 fn the_projected_hessian_is_positive_and_the_exact_one_is_not() {
     let scene = blocks(1, Form::Convergent, 1.0, 0.0);
-    let lowest = |kind: Hessian| {
-        let unit = |d: usize| -> Vec<f64> {
-            (0..scene.u.len()).map(|i| f64::from(u8::from(i == d))).collect()
-        };
-        let column = |d: usize| scene.times_hessian(&scene.contact, kind, &unit(d));
-        let columns: Vec<f64> = (0..scene.u.len()).flat_map(column).collect();
-        let matrix = nalgebra::DMatrix::from_vec(scene.u.len(), scene.u.len(), columns);
-        let eigenvalues = matrix.symmetric_eigenvalues();
-        eigenvalues.min() / eigenvalues.max()
-    };
-    assert!(lowest(Hessian::Projected) > -1e-14);
-    assert!(lowest(Hessian::Exact) < -1e-3);
+    assert!(scene.smallest(&scene.contact, Hessian::Projected) > -1e-14);
+    assert!(scene.smallest(&scene.contact, Hessian::Exact) < -1e-3);
 }
 
 /// Whatever the two sides do to each other cancels, and so does its torque.
@@ -247,8 +237,8 @@ fn results_depend_neither_on_threads_nor_on_the_list_of_pairs() {
         pool.expect("a thread pool").install(|| {
             let scene = blocks(2, Form::Convergent, 1.0, 0.0);
             let away: Vec<f64> = scene.u.iter().map(|u| u + detour).collect();
-            scene.contact.value(&scene.at(&scene.rest, &away));
-            let gradient = scene.gradient(&scene.contact, &scene.rest, &scene.u);
+            scene.contact.value(&scene.at(&away, &scene.rest));
+            let gradient = scene.gradient(&scene.contact, &scene.u, &scene.rest);
             let value = scene.contact.value(&scene.here());
             gradient.into_iter().chain([value]).map(f64::to_bits).collect::<Vec<_>>()
         })
@@ -257,31 +247,29 @@ fn results_depend_neither_on_threads_nor_on_the_list_of_pairs() {
     assert!([(2, 0.0), (5, 0.01), (3, 1.0)].into_iter().all(|(n, d)| run(n, d) == expected));
 }
 
-/// Steps end before anything touches, with a little of the gap left.
+/// The displacement of a scene with its upper block moved on.
+fn with_upper(scene: &Scene, by: Vec3) -> Vec<f64> {
+    let positions = scene.space.node_positions(&scene.rest);
+    let own = positions.iter().map(|x| if x.z > 1.02 { by } else { Vec3::zeros() });
+    flat(&own.collect::<Vec<_>>()).iter().zip(&scene.u).map(|(by, u)| u + by).collect()
+}
+
 /// The list of neighbours on the way of a step is taken from what collision detection met.
 #[test]
 fn on_the_way_of_a_step_contact_is_what_it_is_without() {
-    let down = |scene: &Scene| -> Vec<f64> {
-        let positions = scene.space.node_positions(&scene.rest);
-        let one = |x: &Vec3| if x.z > 1.02 { -0.5 * Vec3::z() } else { Vec3::zeros() };
-        positions.iter().flat_map(|x| <[f64; 3]>::from(one(x))).collect()
-    };
     let scene = blocks(2, Form::Convergent, 1.0, 0.0);
-    let step = down(&scene);
-    let along = |share: f64| -> Vec<f64> {
-        scene.u.iter().zip(&step).map(|(u, s)| u + share * s).collect()
-    };
-    let share = scene.contact.max_step(&scene.here(), &scene.at(&scene.rest, &along(1.0)));
+    let down = |share: f64| with_upper(&scene, -0.5 * share * Vec3::z());
+    let share = scene.contact.max_step(&scene.here(), &scene.at(&down(1.0), &scene.rest));
     let mut touched = 0;
     for part in [share, 0.5 * share, 0.9 * share] {
-        let u = along(part);
+        let u = down(part);
         let fresh = blocks(2, Form::Convergent, 1.0, 0.0);
         let [found, expected] =
-            [&scene, &fresh].map(|of| of.contact.value(&of.at(&of.rest, &u)).to_bits());
+            [&scene, &fresh].map(|of| of.contact.value(&of.at(&u, &of.rest)).to_bits());
         assert_eq!(found, expected, "{part} of the step");
         let slack = |of: &Scene| {
             let (x, rest) =
-                (of.contact.positions(&of.at(&of.rest, &u)), of.contact.rest(&of.here()));
+                (of.contact.positions(&of.at(&u, &of.rest)), of.contact.rest(&of.here()));
             of.contact.neighbours.last_at(&rest, &[&x]).expect("a list").slack
         };
         assert!(slack(&scene) < slack(&fresh), "the list is not of the step");
@@ -290,28 +278,20 @@ fn on_the_way_of_a_step_contact_is_what_it_is_without() {
     assert!(touched > 0, "nothing touched on the way");
 }
 
+/// Steps end before anything touches, with a little of the gap left.
 #[test]
 fn steps_are_cut_where_surfaces_meet() {
     for thickness in [0.0, 0.03] {
-        let mut scene = blocks(2, Form::Convergent, 1.0, thickness);
-        let upper = |scene: &Scene, by: Vec3| -> Vec<f64> {
-            let positions = scene.space.node_positions(&scene.rest);
-            let zero = Vec3::zeros();
-            let one = |x: &Vec3| if x.z > 1.02 { by } else { zero };
-            positions.iter().flat_map(|x| <[f64; 3]>::from(one(x))).collect()
-        };
         for (direction, free) in [(Vec3::z(), true), (-0.5 * Vec3::z(), false)] {
-            let step = upper(&scene, direction);
-            let to: Vec<f64> = scene.u.iter().zip(&step).map(|(u, s)| u + s).collect();
-            let share = scene.contact.max_step(&scene.here(), &scene.at(&scene.rest, &to));
+            let mut scene = blocks(2, Form::Convergent, 1.0, thickness);
+            let to = with_upper(&scene, direction);
+            let share = scene.contact.max_step(&scene.here(), &scene.at(&to, &scene.rest));
             assert!((share == 1.0) == free && share > 0.02, "{share}");
-            let start = scene.u.clone();
-            scene.u.iter_mut().zip(&step).for_each(|(u, s)| *u += share * s);
+            scene.u = with_upper(&scene, share * direction);
             assert!(scene.contact.value(&scene.here()).is_finite());
             assert_eq!(scene.contact.objection(&scene.here()), None);
             let left = scene.contact.gaps(&scene.here()).smallest;
             assert!(free || (left > 0.0 && left < 0.2), "{left}");
-            scene.u = start;
         }
     }
 }

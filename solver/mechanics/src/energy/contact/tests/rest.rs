@@ -4,42 +4,19 @@ use super::*;
 use crate::contact::candidates::close_within;
 use crate::contact::friction::LaggedContactCotangent;
 use crate::contact::solid::Solid;
-use crate::testing::sphere;
+use crate::testing::{block, prisms, sphere};
 
 /// Cells between grid lines, six tetrahedra each, where `solid` holds.
 fn grid(lines: [&[f64]; 3], solid: impl Fn([usize; 3]) -> bool) -> TetMesh {
-    let size = lines.map(<[f64]>::len);
-    let id = |i: [usize; 3]| (i[2] * size[1] + i[1]) * size[0] + i[0];
-    let mut tets = Vec::new();
-    for cell in 0..(size[0] - 1) * (size[1] - 1) * (size[2] - 1) {
-        let (nx, ny) = (size[0] - 1, size[1] - 1);
-        let at = [cell % nx, cell / nx % ny, cell / (nx * ny)];
-        if solid(at) {
-            let corner = |v: Vec3| id([0, 1, 2].map(|k| at[k] + v[k] as usize));
-            tets.extend(cube(1, 0.0).tets.iter().map(|t| t.map(|v| corner(cube_corner(v)))));
-        }
+    let cells @ [nx, ny, _] = lines.map(|line| line.len() - 1);
+    let mut mesh = block(cells);
+    for x in &mut mesh.vertices {
+        *x = Vec3::from_fn(|k, _| lines[k][(x[k] * cells[k] as f64).round() as usize]);
     }
-    let place = |v: usize| {
-        let at = [v % size[0], v / size[0] % size[1], v / (size[0] * size[1])];
-        Vec3::from([0, 1, 2].map(|k| lines[k][at[k]]))
-    };
-    used(&(0..size.iter().product()).map(place).collect::<Vec<_>>(), &tets)
-}
-
-fn cube_corner(v: usize) -> Vec3 {
-    cube(1, 0.0).vertices[v]
-}
-
-/// A mesh without the vertices that no tetrahedron has.
-fn used(vertices: &[Vec3], tets: &[[usize; 4]]) -> TetMesh {
-    let mut ids = tets.as_flattened().to_vec();
-    ids.sort_unstable();
-    ids.dedup();
-    let new = |v: usize| ids.binary_search(&v).expect("a corner");
-    TetMesh {
-        vertices: ids.iter().map(|&v| vertices[v]).collect(),
-        tets: tets.iter().map(|t| t.map(new)).collect(),
-    }
+    let of_cells = mesh.tets.chunks_exact(6).enumerate();
+    let kept = of_cells.filter(|(cell, _)| solid([cell % nx, cell / nx % ny, cell / (nx * ny)]));
+    let tets: Vec<[usize; 4]> = kept.flat_map(|(_, tets)| tets).copied().collect();
+    mesh.with_tets(&tets)
 }
 
 fn even(cells: usize, edge: f64) -> Vec<f64> {
@@ -123,24 +100,7 @@ fn folded(wall: f64, pitch: f64) -> TetMesh {
 
 /// A spherical shell of prisms.
 fn shell(levels: usize, inner: f64, outer: f64) -> TetMesh {
-    let skin = sphere(levels);
-    let count = skin.vertices.len();
-    let mut vertices: Vec<Vec3> = skin.vertices.iter().map(|v| v * inner).collect();
-    vertices.extend(skin.vertices.iter().map(|v| v * outer));
-    let mut tets = Vec::new();
-    for triangle in &skin.triangles {
-        let mut t = *triangle;
-        t.sort_unstable();
-        let ([a, b, c], [x, y, z]) = (t, t.map(|v| v + count));
-        tets.extend([[a, b, c, z], [a, b, y, z], [a, x, y, z]]);
-    }
-    for tet in &mut tets {
-        let [a, b, c, d] = tet.map(|v| vertices[v]);
-        if mesh::measure::tet_volume(a, b, c, d) < 0.0 {
-            tet.swap(0, 1);
-        }
-    }
-    TetMesh { vertices, tets }
+    prisms(&sphere(levels), [inner, outer])
 }
 
 impl Scene {
@@ -253,7 +213,7 @@ fn half_of_a_body_is_as_free_at_rest_as_the_whole() {
         let middle = 3.0 * 1.8;
         let tets =
             whole.tets.iter().filter(|t| t.iter().all(|&v| whole.vertices[v].x < middle + 1e-9));
-        let part = used(&whole.vertices, &tets.copied().collect::<Vec<_>>());
+        let part = whole.with_tets(&tets.copied().collect::<Vec<_>>());
         let in_plane = |x: &[Vec3; 3]| x.iter().all(|v| (v.x - middle).abs() < 1e-9);
         let facets = mesh::topology::boundary(&part).facets;
         let cut: Vec<_> =
@@ -344,7 +304,7 @@ fn thin_walls_need_no_thickness_of_contact() {
     assert_eq!(scene.contact.value(&scene.here()), 0.0);
     for share in [1e-3, 0.5] {
         let to = flat(&scene.rest.iter().map(|x| x * share).collect::<Vec<_>>());
-        assert_eq!(scene.contact.max_step(&scene.here(), &scene.at(&scene.rest, &to)), 1.0);
+        assert_eq!(scene.contact.max_step(&scene.here(), &scene.at(&to, &scene.rest)), 1.0);
     }
     let all = scene.with_all_pairs(barrier);
     assert!(all.contact.value(&all.here()).is_infinite());
@@ -403,7 +363,7 @@ fn lagged_contacts_follow_rest_distances() {
         let at = scene.here();
         scene.contact.add_lagged_contacts_vjp(&at, &cotangents, &mut by_u, &mut by_rest);
         let value = |rest: &[f64]| {
-            let lagged = scene.contact.lagged_contacts(&scene.at(&points(rest), &scene.u));
+            let lagged = scene.contact.lagged_contacts(&scene.at(&scene.u, &points(rest)));
             assert_eq!(lagged.len(), count);
             lagged.iter().zip(&by_force).map(|(contact, by)| by * contact.force).sum()
         };
@@ -417,8 +377,8 @@ fn results_are_those_of_the_rest_shape_that_is_asked_for() {
     let scene = closing(1, Form::Convergent, 1.0, 0.0);
     let wider: Vec<Vec3> = scene.rest.iter().map(|x| x * 1.2).collect();
     let bits = |scene: &Scene, rest: &[Vec3]| {
-        let at = scene.at(rest, &scene.u);
-        let gradient = scene.gradient(&scene.contact, rest, &scene.u);
+        let at = scene.at(&scene.u, rest);
+        let gradient = scene.gradient(&scene.contact, &scene.u, rest);
         let value = scene.contact.value(&at);
         gradient.into_iter().chain([value]).map(f64::to_bits).collect::<Vec<_>>()
     };

@@ -33,8 +33,8 @@ fn a_part_has_its_share_of_the_energy_and_the_forces() {
         }
         let (energy, expected) = (part.contact.value(&part.here()), all.contact.value(&all.here()));
         assert!((2.0 * energy / expected - 1.0).abs() < 1e-12, "{form:?} {energy} {expected}");
-        let gradient = part.gradient(&part.contact, &part.rest, &part.u);
-        let expected = all.gradient(&all.contact, &all.rest, &all.u);
+        let gradient = part.gradient(&part.contact, &part.u, &part.rest);
+        let expected = all.gradient(&all.contact, &all.u, &all.rest);
         let largest = expected.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let mut across = 0.0_f64;
         for v in 0..own {

@@ -2,21 +2,13 @@
 
 use super::*;
 
-/// A flat skin above a floor of two triangles, away from the floor's edges:
-/// only its vertices are in range, and E = ¼ A κ σ b whatever the mesh.
+/// Only the vertices of a flat skin are in range of a floor, and E = ¼ A κ σ b whatever the mesh.
 #[test]
 fn a_flat_contact_has_the_same_potential_for_two_meshes() {
     let energy = |n: usize| {
-        let mesh = cube(n, 0.2);
-        let floor = |v: &Vec3| Vec3::new(20.0 * v.x - 2.0, 20.0 * v.y - 15.0, -0.006);
-        let surface = square(1, 0.0);
-        let vertices = surface.vertices.iter().map(floor).collect();
-        let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..surface }, motion: None };
-        let low = |x: [Vec3; 3]| x.iter().all(|x| x.z == 0.0);
-        let barrier = barrier(Form::Convergent, 0.01);
-        let scene = Scene::new(1, &[mesh], vec![obstacle], barrier, low);
-        assert_eq!(scene.contact.gaps(&scene.here()).pairs, (n + 1) * (n + 1));
-        assert!((scene.contact.gaps(&scene.here()).smallest - 0.6).abs() < 1e-12);
+        let scene = on_floor(n, None);
+        let gaps = scene.contact.gaps(&scene.here());
+        assert!(gaps.pairs == (n + 1) * (n + 1) && (gaps.smallest - 0.6).abs() < 1e-12);
         scene.contact.value(&scene.here())
     };
     let barrier = barrier(Form::Convergent, 0.01);
@@ -87,7 +79,7 @@ fn pairs_that_meet_in_an_edge_or_a_vertex_count_once() {
         let place = [a, 0.3 * a + 0.7 * b, 0.5 * (a + b) + 0.1 * random.vector()][k % 3];
         let u = Vec3::new(place.x, place.y, 0.04);
         let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(u)).collect();
-        let contacts = scene.contact.contacts(&scene.at(&scene.rest, &u));
+        let contacts = scene.contact.contacts(&scene.at(&u, &scene.rest));
         let mut by_area = contacts.zero_areas();
         for term in contacts.terms() {
             contacts.add_by_area(term, contacts.local(term).value(), &mut by_area);
@@ -123,13 +115,13 @@ fn the_energy_is_continuously_differentiable_wherever_features_meet() {
                 let t = k as f64 / steps as f64;
                 let place = Vec3::new(0.8 * t, 0.3 + 0.2 * t, 0.03);
                 let u: Vec<f64> = (0..4).flat_map(|_| <[f64; 3]>::from(place)).collect();
-                let gradient = scene.gradient(&scene.contact, &scene.rest, &u);
+                let gradient = scene.gradient(&scene.contact, &u, &scene.rest);
                 let slope: f64 =
                     (0..4).map(|i| at(&gradient, i).dot(&Vec3::new(0.8, 0.2, 0.0))).sum();
                 jump = jump.max(last.map_or(0.0, |last: f64| (slope - last).abs()));
                 size = size.max(slope.abs());
                 last = Some(slope);
-                let contacts = scene.contact.contacts(&scene.at(&scene.rest, &u));
+                let contacts = scene.contact.contacts(&scene.at(&u, &scene.rest));
                 kinds.extend(contacts.terms().iter().map(|t| t.stencil));
             }
             assert!(kinds.len() > 25, "{}", kinds.len());
