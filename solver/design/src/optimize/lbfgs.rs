@@ -110,45 +110,6 @@ mod tests {
         problem.minimum(0.0).unwrap().d
     }
 
-    /// One iteration with halving until Rosenbrock's function falls enough.
-    fn iterate(lbfgs: &mut Lbfgs, x: &[f64]) -> Vec<f64> {
-        let g = rosenbrock_gradient(x);
-        let p = direction(lbfgs, &g);
-        let slope = dot(&g, &p);
-        assert!(slope < 0.0);
-        let mut alpha = if lbfgs.is_empty() { 1e-3 } else { 1.0 };
-        loop {
-            let next: Vec<f64> = x.iter().zip(&p).map(|(x, p)| x + alpha * p).collect();
-            if rosenbrock(&next) <= rosenbrock(x) + 1e-4 * alpha * slope {
-                let y = rosenbrock_gradient(&next).iter().zip(&g).map(|(a, b)| a - b).collect();
-                lbfgs.update(p.iter().map(|p| alpha * p).collect(), y);
-                return next;
-            }
-            alpha *= 0.5;
-        }
-    }
-
-    fn rosenbrock(x: &[f64]) -> f64 {
-        100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)
-    }
-
-    fn rosenbrock_gradient(x: &[f64]) -> Vec<f64> {
-        let valley = 200.0 * (x[1] - x[0] * x[0]);
-        vec![-2.0 * x[0] * valley - 2.0 * (1.0 - x[0]), valley]
-    }
-
-    #[test]
-    fn rosenbrocks_valley_is_followed_to_its_end() {
-        let (mut lbfgs, mut x) = (Lbfgs::default(), vec![-1.2, 1.0]);
-        let mut iterations = 0;
-        while norm(&rosenbrock_gradient(&x)) > 1e-8 {
-            x = iterate(&mut lbfgs, &x);
-            iterations += 1;
-            assert!(iterations < 60);
-        }
-        assert!((x[0] - 1.0).abs() < 1e-8 && (x[1] - 1.0).abs() < 1e-8);
-    }
-
     /// With exact line searches the directions are conjugate, so that a
     /// quadratic of n variables is minimised in n steps.
     #[test]

@@ -226,21 +226,6 @@ mod tests {
         assert_eq!(found.vertices, same.vertices);
     }
 
-    /// A motion of second order is interpolated with an error of h².
-    #[test]
-    fn a_finer_mesh_gets_the_shape_to_second_order() {
-        let fine = body(12);
-        let exact = designed(&fine);
-        let error = |n: usize| {
-            let own = body(n);
-            let found = carry(&own, &designed(&own), &fine).expect("the same body");
-            let on = fine.boundary().iter().flatten();
-            on.map(|&v| (found.vertices[v] - exact.vertices[v]).norm()).fold(0.0, f64::max)
-        };
-        let [coarse, finer] = [3, 6].map(error);
-        assert!(finer < 0.4 * coarse && finer < 0.01, "{coarse:e} {finer:e}");
-    }
-
     #[test]
     fn what_does_not_belong_together_is_refused() {
         let own = body(3);

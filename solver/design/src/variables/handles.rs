@@ -47,10 +47,59 @@ use scene::config::HandleMotion;
 use super::biharmonic::bounded_biharmonic;
 use super::held::{Held, off};
 use super::isometry::Isometry;
-use super::motion::{Motion, NUMBERS};
 use super::sampling::spread_points;
 
 type Mat3 = nalgebra::Matrix3<f64>;
+
+/// Numbers of a motion: three rotations, three translations, an offset.
+const NUMBERS: usize = 7;
+
+/// A rigid motion about a handle's center.
+struct Motion {
+    /// Angles about x, y, z [rad].
+    angles: [f64; 3],
+    /// Translation [m].
+    translation: Vec3,
+    /// o [m].
+    offset: f64,
+    /// Q: rotation and translation are the images of these.
+    frame: Mat3,
+}
+
+impl Motion {
+    /// Q R_z R_y R_x Qᵀ.
+    fn rotation(&self) -> Mat3 {
+        let [x, y, z] = self.axes();
+        self.image(z.0 * y.0 * x.0)
+    }
+
+    /// The derivatives of the rotation by α₁, α₂, α₃.
+    fn rotation_slopes(&self) -> [Mat3; 3] {
+        let [x, y, z] = self.axes();
+        let slopes = [z.0 * y.0 * x.1, z.0 * y.1 * x.0, z.1 * y.0 * x.0];
+        slopes.map(|slope| self.image(slope))
+    }
+
+    fn image(&self, rotation: Mat3) -> Mat3 {
+        self.frame * rotation * self.frame.transpose()
+    }
+
+    /// Rotation about each axis with its derivative.
+    fn axes(&self) -> [(Mat3, Mat3); 3] {
+        let mut axes = [(Mat3::identity(), Mat3::zeros()); 3];
+        for (k, (rotation, slope)) in axes.iter_mut().enumerate() {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (sin, cos) = self.angles[k].sin_cos();
+            for (matrix, on, off) in [(rotation, cos, sin), (slope, -sin, cos)] {
+                matrix[(i, i)] = on;
+                matrix[(j, j)] = on;
+                matrix[(i, j)] = -off;
+                matrix[(j, i)] = off;
+            }
+        }
+        axes
+    }
+}
 
 /// Where a handle is, and whose motion it has.
 #[derive(Clone, Debug)]
@@ -363,24 +412,9 @@ impl Handles {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use mechanics::math::random::Random;
-    use mechanics::testing::{cap, sphere};
+    use mechanics::testing::sphere;
 
     use super::*;
-    use crate::variables::sampling::rim;
-
-    #[test]
-    fn zero_is_the_rest_shape_and_the_rim_never_moves() {
-        let surface = cap(3);
-        let handles =
-            sample_handles(&surface.vertices, &surface.triangles, Held::default(), 5, &[]).unwrap();
-        let x = &surface.vertices;
-        assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
-        let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
-        assert!(rim(&surface, |_| false).iter().all(|&v| moved[v] == x[v]));
-        let farthest = moved.iter().zip(x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        assert!(farthest > 0.1);
-    }
 
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
