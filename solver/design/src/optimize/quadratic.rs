@@ -395,33 +395,4 @@ mod tests {
             check_minimum(&problem, |d| &b * d);
         }
     }
-
-    /// The multiplier is what the minimum falls by when its inequality gives way.
-    #[test]
-    fn multipliers_are_derivatives_of_the_minimum() {
-        let mut random = Random::new(7);
-        let n = 8;
-        let model = Model::full(positive(n, 1e3, &mut random));
-        let (gradient, metric) = (random.numbers(n), DMatrix::identity(n, n));
-        let mut rows = rows(n, 30, &mut random);
-        let least = |rows: &[Row]| {
-            let problem = Problem::new(&model, &gradient, &metric, rows, 1.0);
-            let found = problem.minimum(0.0).unwrap();
-            (problem.change(&found.d), found.multipliers)
-        };
-        let (_, multipliers) = least(&rows);
-        let held: Vec<_> = multipliers.into_iter().filter(|(_, m)| *m > 1e-3).collect();
-        assert!(!held.is_empty());
-        for (k, multiplier) in held {
-            let by = 1e-4;
-            let own = rows[k].c;
-            rows[k].c = own + by;
-            let more = least(&rows).0;
-            rows[k].c = own - by;
-            let less = least(&rows).0;
-            rows[k].c = own;
-            let slope = (less - more) / (2.0 * by);
-            assert!((slope / multiplier - 1.0).abs() < 1e-3, "{slope} {multiplier}");
-        }
-    }
 }

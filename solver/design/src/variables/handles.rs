@@ -156,7 +156,7 @@ pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
     held: Held,
-    count: usize,
+    (count, motion): (usize, HandleMotion),
     own: &[Isometry],
 ) -> Result<Handles> {
     let site = Site::new(rest, patch, held);
@@ -180,7 +180,7 @@ pub fn sample_handles(
         seats.extend(images.into_iter().zip(own).map(image));
         free.push(if alone { kept(own) } else { [true; NUMBERS] });
     }
-    site.handles(seats, free, None)
+    site.handles(seats, free, motion, None)
 }
 
 /// The numbers of a motion that is its own image by all these isometries.
@@ -223,6 +223,7 @@ impl<'a> Site<'a> {
         self,
         seats: Vec<Seat>,
         free: Vec<[bool; NUMBERS]>,
+        motion: HandleMotion,
         radii: Option<Vec<f64>>,
     ) -> Result<Handles> {
         let points: Vec<usize> = seats.iter().map(|seat| seat.vertex).collect();
@@ -253,7 +254,6 @@ impl<'a> Site<'a> {
             radius(&surface.vertices, &seats[i].center, &weights[i]).max(edge)
         };
         let radii = radii.unwrap_or_else(|| (0..free.len()).map(of_seat).collect());
-        let motion = HandleMotion::default();
         Ok(Handles { vertices, seats, radii, free, weights, across, in_planes, normals, motion })
     }
 }
@@ -282,11 +282,6 @@ fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
 }
 
 impl Handles {
-    /// These handles with another motion.
-    pub fn with(self, motion: HandleMotion) -> Self {
-        Self { motion, ..self }
-    }
-
     /// The handles of the image of the patch by an isometry, with the same variables; `rest`, `patch` and `held` are those of
     /// the image.
     pub fn image(
@@ -304,8 +299,7 @@ impl Handles {
         };
         let seats: Option<Vec<Seat>> = self.seats.iter().map(image).collect();
         let seats = seats.context("the image of the tag has no vertex off its rim")?;
-        let (free, radii) = (self.free.clone(), Some(self.radii.clone()));
-        Ok(site.handles(seats, free, radii)?.with(self.motion))
+        site.handles(seats, self.free.clone(), self.motion, Some(self.radii.clone()))
     }
 
     /// Number of design variables.
@@ -419,8 +413,14 @@ mod tests {
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
-        let handles =
-            sample_handles(&ball.vertices, &ball.triangles, Held::default(), 1, &[]).unwrap();
+        let handles = sample_handles(
+            &ball.vertices,
+            &ball.triangles,
+            Held::default(),
+            (1, HandleMotion::Rigid),
+            &[],
+        )
+        .unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {

@@ -9,7 +9,6 @@ mod geodesic;
 mod handles;
 mod held;
 mod isometry;
-mod laplacian;
 mod load_map;
 mod patch;
 mod pressure_curve;

@@ -89,7 +89,7 @@ impl Patch {
     ) -> Result<Self> {
         Ok(match moves {
             Moves::Handles(count, motion) => {
-                Self::Handles(sample_handles(rest, facets, held, count, own)?.with(motion))
+                Self::Handles(sample_handles(rest, facets, held, (count, motion), own)?)
             }
             Moves::Offset => Self::Linear(Linear::offset(rest, facets, held)),
             Moves::Vertices => Self::Linear(Linear::free(rest, facets, held)),

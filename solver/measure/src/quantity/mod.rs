@@ -3,7 +3,6 @@
 //! A probe is a quantity that is measured at every reported step. An objective is a quantity that is
 //! minimised: it has a weight, and a sum over time.
 
-mod axis;
 mod close_pairs;
 mod distance_field;
 mod kind;
@@ -23,7 +22,6 @@ use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::{Energies, Iterate, Owner};
 use mechanics::forward::Problem;
 
-pub use axis::Axis;
 pub use close_pairs::{ClosePairs, PartsTouch};
 pub use distance_field::{DistanceField, DistanceKind, Targets};
 pub use kind::{Kind, List, Read, Specification};
@@ -31,6 +29,29 @@ pub use means::{Means, of_means};
 pub use normal::Normal;
 pub use site::{Law, Site};
 pub use surface_integral::Patch;
+
+/// A direction as it is written: of any length but 0 [1].
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "[f64; 3]")]
+pub struct Axis([f64; 3]);
+
+impl TryFrom<[f64; 3]> for Axis {
+    type Error = String;
+
+    fn try_from(axis: [f64; 3]) -> Result<Self, String> {
+        match axis.iter().all(|x| x.is_finite()) && axis.iter().any(|x| *x != 0.0) {
+            true => Ok(Self(axis)),
+            false => Err(format!("{axis:?}: must be a direction, finite and not zero")),
+        }
+    }
+}
+
+impl Axis {
+    /// The unit vector along it.
+    pub fn unit(&self) -> Vec3 {
+        Vec3::from(self.0).normalize()
+    }
+}
 
 /// Which shape areas, volumes and distances are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
