@@ -136,19 +136,6 @@ fn contradictions_are_named_together() {
     );
 }
 
-/// The derivatives by offsets of whole tags and of handles, by the Taylor test.
-#[test]
-fn the_gradient_by_offsets_is_exact() {
-    let dir = chamber::workdir();
-    let text = design(2e-3, 2.4e-5);
-    dir.write("design.toml", &text);
-    dir.solver("check design.toml --random 1").assert_good();
-    let first = text.find("[[shape.level]]").unwrap();
-    let second = text.rfind("[[shape.level]]").unwrap();
-    dir.write("design.toml", &(text[..first].to_owned() + &text[second..]));
-    dir.solver("check design.toml --random 1").assert_good();
-}
-
 /// The pressure p is where its term (p/s)² and the term ((q − q*)/t)² of the probe balance.
 #[test]
 fn a_parameter_is_kept_small() {

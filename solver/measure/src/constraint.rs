@@ -8,7 +8,7 @@
 //! n_f   unit normal of a facet, out of the silicone [1]
 //! p     unit vector along which what lies on the facets is pulled [1]
 //!
-//! Numbers at the end of a run are kept by [`crate::bound`].
+//! Of a run a probe of the scene, or the slope of the pressure, at the end stays within bounds.
 //!
 //! An inequality has no weight. It is met to its tolerance: a thousandth of a `least` wall, or 0.001 of the sine of a draft.
 
@@ -16,7 +16,6 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use mechanics::body::{Body, TagError};
-use mechanics::contact::images::Mirrored;
 use mechanics::contact::pairs::Pair;
 use mesh::Vec3;
 use program::table::{Range, Table as _};
@@ -24,8 +23,7 @@ use program::{KeyPath, Misfit, Names, misfit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::bound::{ProbeBound, SlopeBound};
-use crate::quantity::{Axis, Cores, Walls};
+use crate::quantity::{Axis, ClosePairs};
 
 /// Tolerance of a constraint over its size.
 const TOLERANCE: f64 = 1e-3;
@@ -90,6 +88,33 @@ program::table! {
     }
 }
 
+program::table! {
+    /// Bounds of a probe, in its unit.
+    #[derive(Clone, Debug)]
+    pub struct ProbeBound {
+        /// As reports call it.
+        name: String;
+        /// Name of a probe of the scene.
+        probe: String;
+        /// The smallest value that the probe may have.
+        least: Option<f64> = None, Range::FINITE;
+        /// The largest value that the probe may have.
+        most: Option<f64> = None, Range::FINITE;
+    }
+}
+
+program::table! {
+    /// The least slope of the pressure by the volume, over pressure by change of volume from rest: 1 where the body
+    /// answers in proportion, 0 where it balloons.
+    #[derive(Clone, Debug)]
+    pub struct SlopeBound {
+        /// As reports call it.
+        name: String;
+        /// The smallest slope [1].
+        least: f64, Range::POSITIVE.advice(": 0 is the slope where it balloons");
+    }
+}
+
 impl ConstraintConfig {
     /// What reports call it.
     pub fn name(&self) -> &str {
@@ -149,50 +174,62 @@ impl ConstraintConfig {
             }
             Self::Core(core) => core.check_ranges(&here),
             Self::Draft(draft) => draft.check_ranges(&here),
-            Self::Probe(bound) => bound.check_ranges(&here).and_then(|()| bound.check()),
+            Self::Probe(bound) => {
+                bound.check_ranges(&here)?;
+                match (bound.least, bound.most) {
+                    (None, None) => Err(misfit!(
+                        KeyPath::of("probe"),
+                        ": without least and most nothing is kept; expected one of them, or both"
+                    )),
+                    (Some(low), Some(high)) if low >= high => Err(misfit!(
+                        KeyPath::of("least"),
+                        " = {low} and most = {high}: expected numbers, least below most"
+                    )),
+                    _ => Ok(()),
+                }
+            }
             Self::Slope(bound) => bound.check_ranges(&here),
         }
     }
 
-    /// The inequalities on the rest shape of a body; none of a probe.
+    /// The inequalities on the rest shape of a body; none of a run.
     pub fn build(&self, body: &Body) -> Result<Option<Constraint>> {
-        let (built, unit) = match self {
-            Self::Wall(wall) => (wall.build(body), "m"),
-            Self::Core(core) => (core.build(body), "m"),
-            Self::Draft(draft) => (draft.build(body), "1"),
-            Self::Probe(_) | Self::Slope(_) => return Ok(None),
-        };
-        let form = built.with_context(|| self.title())?;
-        Ok(Some(Constraint { name: self.name().to_owned(), unit, form }))
+        self.on(body).with_context(|| self.title())
     }
-}
 
-impl WallConfig {
-    fn build(&self, body: &Body) -> Result<Form> {
+    fn on(&self, body: &Body) -> Result<Option<Constraint>> {
         let each = |names: &[String]| -> Result<Vec<_>, TagError> {
             names.iter().map(|name| body.facets(name)).collect()
         };
-        let own = each(self.on.all())?;
-        let parts = match &self.against[..] {
-            [] => own,
-            against => vec![own.concat(), each(against)?.concat()],
+        let near = |close, least| Constraint {
+            name: self.name().to_owned(),
+            unit: "m",
+            least,
+            tolerance: TOLERANCE * least,
+            form: Form::Near(close),
         };
-        Ok(Form::Wall { walls: Walls::new(&body.planes, &parts)?, least: self.least })
-    }
-}
-
-impl CoreConfig {
-    fn build(&self, body: &Body) -> Result<Form> {
-        let facets: Result<Vec<_>, _> = self.on.all().iter().map(|on| body.facets(on)).collect();
-        Ok(Form::Core { cores: Cores::new(&body.planes, &facets?.concat()), least: self.least })
-    }
-}
-
-impl DraftConfig {
-    fn build(&self, body: &Body) -> Result<Form> {
-        let facets: Result<Vec<_>, _> = self.on.all().iter().map(|on| body.facets(on)).collect();
-        let sine = self.least.to_radians().sin();
-        Ok(Form::Draft { facets: facets?.concat(), pull: self.pull.unit(), sine })
+        Ok(Some(match self {
+            Self::Wall(WallConfig { on, against, least, .. }) => {
+                let own = each(on.all())?;
+                let parts = match &against[..] {
+                    [] => own,
+                    against => vec![own.concat(), each(against)?.concat()],
+                };
+                near(ClosePairs::between(&body.planes, &parts)?, *least)
+            }
+            Self::Core(CoreConfig { on, least, .. }) => {
+                let facets = each(on.all())?.concat();
+                near(ClosePairs::through_air(&body.planes, &facets), *least)
+            }
+            Self::Draft(DraftConfig { name, on, pull, least }) => Constraint {
+                name: name.clone(),
+                unit: "1",
+                least: least.to_radians().sin(),
+                tolerance: TOLERANCE,
+                form: Form::Draft { facets: each(on.all())?.concat(), pull: pull.unit() },
+            },
+            Self::Probe(_) | Self::Slope(_) => return Ok(None),
+        }))
     }
 }
 
@@ -213,74 +250,50 @@ pub struct Constraint {
     pub name: String,
     /// Unit of c.
     pub unit: &'static str,
+    /// The least wall or core [m], or the sine of the least draft [1]: c is what was measured less this.
+    pub least: f64,
+    /// How far c may be below 0 at the end.
+    pub tolerance: f64,
     form: Form,
 }
 
 enum Form {
-    Wall { walls: Walls, least: f64 },
-    Core { cores: Cores, least: f64 },
-    Draft { facets: Vec<[usize; 3]>, pull: Vec3, sine: f64 },
+    /// Distances of what is close.
+    Near(ClosePairs),
+    Draft {
+        facets: Vec<[usize; 3]>,
+        pull: Vec3,
+    },
 }
 
 impl Constraint {
-    /// The least wall or core [m], or the sine of the least draft [1]: c is what was measured less this.
-    pub fn least(&self) -> f64 {
-        match &self.form {
-            Form::Wall { least, .. } | Form::Core { least, .. } => *least,
-            Form::Draft { sine, .. } => *sine,
-        }
-    }
-
     /// A number of it, which `least` is, in words.
     pub fn in_words(&self, number: f64) -> String {
         match &self.form {
             Form::Draft { .. } => format!("{:.2}°", number.clamp(-1.0, 1.0).asin().to_degrees()),
-            _ => format!("{number:.4e} {}", self.unit),
-        }
-    }
-
-    /// How far c may be below 0 at the end.
-    pub fn tolerance(&self) -> f64 {
-        match &self.form {
-            Form::Wall { least, .. } | Form::Core { least, .. } => TOLERANCE * least,
-            Form::Draft { .. } => TOLERANCE,
+            Form::Near(_) => format!("{number:.4e} {}", self.unit),
         }
     }
 
     /// The inequalities that may be violated once every vertex has moved by at most `motion` [m].
     pub fn near(&self, rest: &[Vec3], motion: f64) -> Vec<Inequality> {
         match &self.form {
-            Form::Wall { walls, least } => {
-                let pairs = |x: &[Vec3], radius: f64| walls.pairs(x, radius);
-                near_pairs(&walls.whole, pairs, *least, rest, motion)
+            Form::Near(close) => {
+                let (pairs, x) = close.at(rest, self.least + 2.0 * motion);
+                let mut near = distances(pairs, &x);
+                for one in &mut near {
+                    one.value -= self.least;
+                    let by = one.by.iter_mut();
+                    by.for_each(|(v, by)| (*v, *by) = close.whole.to_vertex(*v, *by));
+                }
+                near
             }
-            Form::Core { cores, least } => {
-                let pairs = |x: &[Vec3], radius: f64| cores.pairs(x, radius);
-                near_pairs(&cores.whole, pairs, *least, rest, motion)
-            }
-            Form::Draft { facets, pull, sine } => {
-                let all = facets.iter().map(|&facet| draft_of(rest, facet, pull, *sine));
+            Form::Draft { facets, pull } => {
+                let all = facets.iter().map(|&facet| draft_of(rest, facet, pull, self.least));
                 all.filter(|(c, slope)| c.value < 2.0 * motion * slope).map(|(c, _)| c).collect()
             }
         }
     }
-}
-
-/// Distances less `least` of what `pairs` finds within a radius at positions of the whole.
-fn near_pairs(
-    whole: &Mirrored,
-    pairs: impl Fn(&[Vec3], f64) -> Vec<Pair>,
-    least: f64,
-    rest: &[Vec3],
-    motion: f64,
-) -> Vec<Inequality> {
-    let x = whole.positions(rest);
-    let mut near = distances(pairs(&x, least + 2.0 * motion), &x);
-    for one in &mut near {
-        one.value -= least;
-        one.by.iter_mut().for_each(|(v, by)| (*v, *by) = whole.to_vertex(*v, *by));
-    }
-    near
 }
 
 /// The distance of each vertex and edge that comes first in pairs from its closest partner, where they do not touch.
@@ -342,6 +355,18 @@ mod tests {
         (Body::new(mesh, Tags::default()), sides)
     }
 
+    fn constraint(form: Form, least: f64) -> Constraint {
+        Constraint { name: String::new(), unit: "", least, tolerance: 0.0, form }
+    }
+
+    fn wall(sides: &[Vec<[usize; 3]>], least: f64) -> Constraint {
+        constraint(Form::Near(ClosePairs::between(&[], sides).unwrap()), least)
+    }
+
+    fn core(facets: &[[usize; 3]], least: f64) -> Constraint {
+        constraint(Form::Near(ClosePairs::through_air(&[], facets)), least)
+    }
+
     fn sum_and_gradient(constraint: &Constraint, rest: &[Vec3], motion: f64) -> (f64, Vec<f64>) {
         let mut gradient = vec![0.0; 3 * rest.len()];
         let mut sum = 0.0;
@@ -361,14 +386,10 @@ mod tests {
         let mut rest = body.mesh.vertices.clone();
         let bump = |x: &Vec3| 0.03 * (3.0 * x.x + 2.0 * x.y).sin() * x.z;
         rest.iter_mut().for_each(|x| x.z += bump(x));
-        let walls = Walls::new(&[], &sides).unwrap();
-        let wall = Form::Wall { walls, least: 0.9 };
-        let draft = Form::Draft { facets: sides[1].clone(), pull: Vec3::z(), sine: 0.05 };
+        let draft = Form::Draft { facets: sides[1].clone(), pull: Vec3::z() };
         // bottom and top of what is air here face each other
         let turned = sides.concat().into_iter().map(|[a, b, c]| [a, c, b]).collect::<Vec<_>>();
-        let core = Form::Core { cores: Cores::new(&[], &turned), least: 0.9 };
-        for form in [wall, draft, core] {
-            let constraint = Constraint { name: String::new(), unit: "", form };
+        for constraint in [wall(&sides, 0.9), constraint(draft, 0.05), core(&turned, 0.9)] {
             let (_, gradient) = sum_and_gradient(&constraint, &rest, 1.0);
             let value = |y: &[f64]| sum_and_gradient(&constraint, &points(y), 1.0).0;
             check_gradient(&flat(&rest), &gradient, 1e-5, value);
@@ -380,10 +401,7 @@ mod tests {
     fn a_core_is_what_faces_through_air() {
         let (body, sides) = body();
         let rest = &body.mesh.vertices;
-        let near = |facets: &[[usize; 3]]| {
-            let form = Form::Core { cores: Cores::new(&[], facets), least: 0.8 };
-            Constraint { name: String::new(), unit: "m", form }.near(rest, 0.15)
-        };
+        let near = |facets: &[[usize; 3]]| core(facets, 0.8).near(rest, 0.15);
         assert!(near(&sides.concat()).is_empty());
         let turn = |facets: &[[usize; 3]]| -> Vec<[usize; 3]> {
             facets.iter().map(|&[a, b, c]| [a, c, b]).collect()
@@ -398,9 +416,7 @@ mod tests {
     #[test]
     fn what_is_too_far_for_the_motion_is_left_out() {
         let (body, sides) = body();
-        let walls = Walls::new(&[], &sides).unwrap();
-        let wall =
-            Constraint { name: String::new(), unit: "m", form: Form::Wall { walls, least: 0.8 } };
+        let wall = wall(&sides, 0.8);
         assert!(wall.near(&body.mesh.vertices, 0.05).is_empty());
         let near = wall.near(&body.mesh.vertices, 0.11);
         assert!(!near.is_empty() && near.iter().all(|c| c.value > 0.19), "{near:?}");

@@ -9,5 +9,4 @@ pub mod kinds; // the table of all quantities
 pub mod entry; // a quantity as a file has it
 pub mod probe; // what to measure: [[probe]]
 pub mod objective; // what to minimise: [[objective]]
-pub mod bound; // what a probe is kept within
 pub mod constraint; // what a design keeps: [[constraint]]

@@ -151,22 +151,6 @@ mod tests {
     }
 
     #[test]
-    fn names_and_functions_that_nobody_knows_get_a_proposal() {
-        let parameters = [("delay".to_owned(), 0.5)].into();
-        for (text, ends) in [
-            ("sine(t)", "max, if), at character 1; did you mean `sin`?"),
-            ("exp(2*sqr(t))", "character 7; did you mean `sqrt`?"),
-            ("3*dealy", "(known: t, x, y, z, pi, delay), at character 3; did you mean `delay`?"),
-            // nothing is similar
-            ("3*tanh(t)", "max, if), at character 3"),
-        ] {
-            let written = read(&format!("\"{text}\"")).expect(text);
-            let message = proposed(&written.schedule(&parameters, 1.0).expect_err(text));
-            assert!(message.ends_with(ends), "{message}");
-        }
-    }
-
-    #[test]
     fn what_is_written_is_what_was_read() {
         for text in ["8.5", "\"20e3*t\"", "{ t = [0.0, 1.0], value = [2.0, 3.0] }"] {
             let scene = Scene { pressure: read(text).expect(text) };

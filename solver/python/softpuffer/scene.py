@@ -14,6 +14,7 @@ from .beside import run_all, unpickled
 from .body import Body
 from .progress import Progress, shown
 from .run import Run, Said, Unusable, UnusableRun, check_unusable
+from .values import as_json
 
 if TYPE_CHECKING:
     import pyvista
@@ -71,7 +72,7 @@ class Scene:
             whole |= {"mesh": _IN_MEMORY, "material": material}
             bodies = [body]
         given = {key: value for key, value in whole.items() if value is not None}
-        self._native = _native.Scene.of_tables(given, os.fspath(folder), [body._native for body in bodies])
+        self._native = _native.Scene.of_json(as_json(given), os.fspath(folder), [body._native for body in bodies])
         self._said = Said()
 
     @classmethod
@@ -173,7 +174,7 @@ class Scene:
 
         Raises InputError where the scene does not have what is changed, or does not admit it.
         """
-        return Scene._of(self._native.scenario({"name": "", **changes}), self._said)
+        return Scene._of(self._native.scenario(as_json({"name": "", **changes})), self._said)
 
     def simulate(
         self,

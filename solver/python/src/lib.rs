@@ -10,7 +10,6 @@ mod error;
 mod run;
 mod saved;
 mod scene;
-mod values;
 
 use pyo3::prelude::*;
 

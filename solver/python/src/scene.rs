@@ -9,7 +9,6 @@ use mechanics::element::FunctionSpace;
 use numpy::{PyArray2, PyReadonlyArray2};
 use program::{Change, Keys, Settings};
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
 use run::error_bars;
 use run::next_to::is_free_of_history;
 use scene::config::ScenarioConfig;
@@ -19,7 +18,6 @@ use crate::body::{Body, points, vectors};
 use crate::computing::{collect, compute};
 use crate::error::{refused, refused_as};
 use crate::run::Run;
-use crate::values::table;
 
 /// A scene. It may be used by several threads: each run has a copy of its own.
 #[pyclass(frozen, module = "softpuffer._native")]
@@ -98,15 +96,16 @@ impl Scene {
         compute(py, read)?.map_err(refused)
     }
 
-    /// A scene by its tables, whose bodies have these meshes in place of those of files. Its other paths are
+    /// A scene by its tables in JSON, whose bodies have these meshes in place of those of files. Its other paths are
     /// relative to a folder.
     #[staticmethod]
-    fn of_tables(
-        tables: &Bound<'_, PyMapping>,
+    fn of_json(
+        py: Python<'_>,
+        text: &str,
         folder: PathBuf,
         bodies: Vec<PyRef<'_, Body>>,
     ) -> PyResult<Self> {
-        Self::of_values(tables.py(), table(tables)?, &folder, &bodies)
+        Self::of_values(py, serde_json::from_str(text).map_err(refused)?, &folder, &bodies)
     }
 
     /// The same by its text in TOML.
@@ -168,12 +167,13 @@ impl Scene {
         FunctionSpace::new(degree, mesh.vertices.len(), mesh.tets.clone()).node_count()
     }
 
-    /// A scene of its own, as a scenario of a design has it, by its table.
-    fn scenario(&self, changes: &Bound<'_, PyMapping>) -> PyResult<Self> {
+    /// A scene of its own, as a scenario of a design has it, by its table in JSON.
+    fn scenario(&self, py: Python<'_>, changes: &str) -> PyResult<Self> {
         let before = self.now();
-        let values = Settings::of_values(table(changes)?, Keys::default());
+        let changes = serde_json::from_str(changes).map_err(refused)?;
+        let values = Settings::of_values(changes, Keys::default());
         let config: ScenarioConfig = values.and_then(|values| values.parse()).map_err(refused)?;
-        let scene = compute(changes.py(), || scene_of(&before, &config))?;
+        let scene = compute(py, || scene_of(&before, &config))?;
         let mut scene = scene.map_err(refused)?;
         for (tag, distance) in config.walls() {
             let path = tag.map_or_else(|| "wall".to_owned(), |tag| format!("wall.{tag}"));

@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let theta = vec![0.0; level.variables()];
     let swept = level.sweep(&at, None)?;
     let by_rest = sum(swept.iter().map(|by| &by.rest));
-    let on_boundary = level.map().on_boundary(&by_rest);
+    let on_boundary = level.map.on_boundary(&by_rest);
     let field = |name: &str, values: Vec<f64>| vtu::Field::new(name, "1/m", 3, values);
     let mesh = &level.body.mesh;
     let space = FunctionSpace::new(1, mesh.vertices.len(), mesh.tets.clone());
@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     let _lock = FolderLock::new(folder)?;
     vtu::write_vtu(&folder.join("gradient.vtu"), &grid)?;
-    let by_shape = level.vjp(&theta, &swept)[..level.map().shape_variables()].to_vec();
+    let by_shape = level.vjp(&theta, &swept)[..level.map.shape_variables()].to_vec();
     let report = json!({
         "program": scene::PROGRAM,
         "objective": at.objective,

@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 use mechanics::adjoint::Wanted;
 use serde::{Deserialize, Serialize};
 
-use super::kept::KeptRow;
 use super::quadratic::Row;
 use super::scenario::Bound;
 use super::{Evaluation, Level, Rejected, Run};
@@ -40,15 +39,15 @@ fn lack(bound: &Bound, c: f64) -> f64 {
 impl Level {
     /// What the runs keep, the same in all scenarios.
     pub fn bounds(&self) -> &[Bound] {
-        self.scenarios[0].bounds()
+        &self.scenarios[0].bounds
     }
 
     /// Each bound at the run of each scenario, with the derivatives, of a linearised evaluation.
     pub fn bound_rows(&self, at: &Evaluation) -> Result<Vec<BoundRow>, Rejected> {
         let loads = self.map.load_variables(&at.theta);
         let mut rows = Vec::new();
-        for (scenario, run) in self.scenarios.iter().zip(&at.runs) {
-            for (bound, Bound { name, .. }) in scenario.bounds().iter().enumerate() {
+        for (scenario, run) in self.runs(at) {
+            for (bound, Bound { name, .. }) in scenario.bounds.iter().enumerate() {
                 let of = (Some(name.as_str()), 1.0);
                 let by = scenario.sweep(run, &at.rest, Wanted::All, of)?;
                 let mut a = self.map.vjp(&at.theta, &by.rest);
@@ -62,7 +61,7 @@ impl Level {
     /// The terms of the objective, and the mean c of each bound, by name.
     pub fn numbers(&self, at: &Evaluation) -> BTreeMap<String, f64> {
         let mean = |k: usize| {
-            let each = at.runs.iter().zip(self.robust.weights());
+            let each = at.runs.iter().zip(&self.robust.weights);
             each.map(|(run, weight)| weight * run.kept[k]).sum()
         };
         let bounds =
@@ -81,23 +80,22 @@ impl Level {
 
     /// ν of each bound at the start of a design.
     pub fn first_penalties(&self, at: &Evaluation, gradient_norm: f64) -> Vec<f64> {
-        let unit = FIRST * at.objective.abs().max(gradient_norm * self.map.mean_edge());
+        let unit = FIRST * at.objective.abs().max(gradient_norm * self.map.mean_edge);
         self.bounds().iter().map(|bound| unit / bound.size()).collect()
     }
 
     /// The inequalities of bounds that are kept; the slope of the merit gets those that are not. Their constraints come
     /// after those of the rest shape.
-    pub fn bounded(&self, rows: &[BoundRow], penalties: &[f64], slope: &mut [f64]) -> Vec<KeptRow> {
+    pub fn bounded(&self, rows: &[BoundRow], penalties: &[f64], slope: &mut [f64]) -> Vec<Row> {
         let first = self.constraints.len();
         let one = |row: &BoundRow| {
             let bound = &self.bounds()[row.bound];
             let sparse = |sign: f64| row.a.iter().map(|a| sign * a).enumerate().collect();
             if lack(bound, row.c) == 0.0 {
-                let kept = Row { a: sparse(1.0), c: row.c };
-                return KeptRow { constraint: Some(first + row.bound), row: kept };
+                return Row { a: sparse(1.0), c: row.c, of: Some(first + row.bound) };
             }
             slope.iter_mut().zip(&row.a).for_each(|(s, a)| *s -= penalties[row.bound] * a);
-            KeptRow { constraint: None, row: Row { a: sparse(-1.0), c: -row.c } }
+            Row { a: sparse(-1.0), c: -row.c, of: None }
         };
         rows.iter().map(one).collect()
     }

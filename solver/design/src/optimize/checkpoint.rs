@@ -10,11 +10,11 @@ use mesh::io::npy;
 use reports::{Castable, Ended, LevelEnd};
 use serde::{Deserialize, Serialize};
 
+use super::Run;
 use super::bounds::BoundRow;
 use super::ending::{Rejections, at_the_last};
 use super::lbfgs::Lbfgs;
 use super::trust_region::TrustRegion;
-use super::{Level, Run};
 
 /// The state after an accepted iteration. Numbers are written so that they are
 /// read back bit for bit.
@@ -245,18 +245,6 @@ impl Checkpoint {
     pub fn check_files(&self, folder: &Path) -> Result<()> {
         let mut files = self.files.iter();
         files.try_for_each(|(name, hash)| program::check_unaltered(&folder.join(name), hash))
-    }
-
-    /// Makes sure that it has as many numbers as its level has variables.
-    pub fn check_numbers(&self, folder: &Path, level: &Level) -> Result<()> {
-        let count = level.variables();
-        ensure!(
-            [self.theta.len(), self.gradient.len()] == [count; 2],
-            "{}: not the numbers of level {}, which has {count} variables; start over with --restart",
-            Self::path(folder).display(),
-            self.level + 1
-        );
-        Ok(())
     }
 
     /// Makes sure that it belongs to these inputs.

@@ -41,7 +41,7 @@ impl Level {
         let by = self.robust.derivatives(&objectives);
         let mut sum = DMatrix::zeros(theta.len(), theta.len());
         let mut states = Vec::new();
-        for ((scenario, run), by) in self.scenarios.iter().zip(&at.runs).zip(by) {
+        for ((scenario, run), by) in self.runs(at).zip(by) {
             let vary = |(theta, shape): (&Vec<f64>, &Vec<_>)| {
                 scenario.varied(self.map.load_variables(theta), shape)
             };
@@ -71,7 +71,6 @@ impl Level {
     ) -> Result<Vec<Near>> {
         match curvature {
             Some(curvature) if self.is_transient() => self.foreseen(d, at, curvature),
-            _ if self.is_transient() => Ok(self.near(at)),
             _ => Ok(self.predict(&along(&at.theta, d, 1.0), at).unwrap_or_else(|| self.near(at))),
         }
     }
@@ -87,7 +86,7 @@ impl Level {
             let states = scenario.foreseen(run, &neighbours, loads, &shape)?;
             Ok(Near::Run(Arc::new(states), Arc::clone(&run.tangents)))
         };
-        self.scenarios.iter().zip(&at.runs).zip(&curvature.states).map(one).collect()
+        self.runs(at).zip(&curvature.states).map(one).collect()
     }
 
     /// Whether it has so few variables that their curvature is within reach.
@@ -122,7 +121,7 @@ impl Level {
 
     /// How far each variable is varied.
     fn variations(&self, theta: &[f64]) -> Vec<f64> {
-        let small = VARIATION * self.map.mean_edge();
+        let small = VARIATION * self.map.mean_edge;
         let size =
             |i| small * small / self.map.motion(theta, &moved(theta, i, small)).max(1e-3 * small);
         (0..theta.len()).map(size).collect()

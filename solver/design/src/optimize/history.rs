@@ -1,6 +1,5 @@
 //! One line per accepted iteration, in `history.jsonl`.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -65,25 +64,20 @@ impl History {
     }
 }
 
-/// What each scenario comes to, with the mean displacements of tags [m] and what probes measure.
-pub(super) fn scenarios(
-    level: &Level,
-    at: &Evaluation,
-    moved: &[BTreeMap<String, f64>],
-    measured: &[BTreeMap<String, f64>],
-) -> BTreeMap<String, ScenarioRun> {
-    let runs = level.scenarios().iter().zip(&at.runs).zip(moved.iter().zip(measured));
-    let one = |((scenario, run), (moved, measured)): ((&Scenario, &Run), (_, _))| {
+/// What each scenario comes to, by its name, in their order.
+pub(super) fn scenarios(level: &Level, at: &Evaluation) -> Result<Vec<(String, ScenarioRun)>> {
+    let one = |(scenario, run): (&Scenario, &Run)| {
+        let measured = scenario.measured(run)?;
         let found = ScenarioRun {
             objective: Some(run.objective),
             terms: numbers(&run.terms),
             newton_iterations: run.newton_iterations,
-            mean_displacement: numbers(moved),
-            probes: probes(measured),
+            mean_displacement: numbers(&scenario.mean_displacements(run)?),
+            probes: (!measured.is_empty()).then(|| numbers(&measured)),
         };
-        (scenario.config.name.clone(), found)
+        Ok((scenario.config.name.clone(), found))
     };
-    runs.map(one).collect()
+    level.runs(at).map(one).collect()
 }
 
 /// Handles of a level, whose numbers are those of one alone.
@@ -95,17 +89,13 @@ pub(super) fn handles(settings: &LevelConfig) -> Option<Handles> {
     }
 }
 
-/// The values of probes, if there are any.
-pub(super) fn probes(measured: &BTreeMap<String, f64>) -> Option<Numbers> {
-    (!measured.is_empty()).then(|| numbers(measured))
-}
-
 /// The spread of mean displacements of tags: the largest less the smallest, over that of the first scenario [1].
-pub(super) fn spread(moved: &[BTreeMap<String, f64>]) -> Numbers {
-    let spread = |(tag, first): (&String, &f64)| {
-        let all = || moved.iter().map(|of_tags| of_tags[tag]);
+pub(super) fn spread(scenarios: &[(String, ScenarioRun)]) -> Numbers {
+    let spread = |(tag, first): (&String, &Option<f64>)| {
+        let first = first.filter(|first| *first > 0.0)?;
+        let all = || scenarios.iter().filter_map(|(_, run)| *run.mean_displacement.get(tag)?);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
-        (*first > 0.0).then(|| (tag.clone(), Some((high - low) / first)))
+        Some((tag.clone(), Some((high - low) / first)))
     };
-    moved[0].iter().filter_map(spread).collect()
+    scenarios[0].1.mean_displacement.iter().filter_map(spread).collect()
 }

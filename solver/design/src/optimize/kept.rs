@@ -27,22 +27,13 @@ const AT_ONCE: usize = 300;
 /// Regularisation where inequalities contradict each other, over the mean diagonal.
 const CONTRADICTIONS: f64 = 1e-8;
 
-/// One inequality of a constraint in the variables of a level.
-#[derive(Clone)]
-pub struct KeptRow {
-    /// Index of the constraint, those of runs after those of the rest shape; none of a gap that must not close.
-    pub constraint: Option<usize>,
-    /// c and its derivatives by the variables; c is as it is.
-    pub row: Row,
-}
-
 impl Level {
     /// The inequalities of the constraints that a step that moves the surface by at most `motion` [m] may violate.
-    pub fn kept_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
+    pub fn kept_rows(&self, theta: &[f64], motion: f64) -> Vec<Row> {
         if self.constraints.is_empty() {
             return Vec::new();
         }
-        let rest = self.map().surface(theta);
+        let rest = self.map.surface(theta);
         let of_one = |(index, kept): (usize, &Constraint)| {
             self.as_rows(theta, Some(index), kept.near(&rest, motion))
         };
@@ -50,27 +41,22 @@ impl Level {
     }
 
     /// Inequalities by which no gap of the surface closes by more than a part in one step.
-    pub fn open_rows(&self, theta: &[f64], motion: f64) -> Vec<KeptRow> {
-        if self.map().moving().is_empty() {
+    pub fn open_rows(&self, theta: &[f64], motion: f64) -> Vec<Row> {
+        if self.map.moving().is_empty() {
             return Vec::new();
         }
-        let mut gaps = self.path.gaps(&self.map().surface(theta), motion);
+        let mut gaps = self.path.gaps(&self.map.surface(theta), motion);
         gaps.iter_mut().for_each(|gap| gap.value *= MOST_CLOSED);
         self.as_rows(theta, None, gaps)
     }
 
     /// Inequalities in the variables; what the level does not move is as it is.
-    fn as_rows(
-        &self,
-        theta: &[f64],
-        constraint: Option<usize>,
-        all: Vec<Inequality>,
-    ) -> Vec<KeptRow> {
+    fn as_rows(&self, theta: &[f64], of: Option<usize>, all: Vec<Inequality>) -> Vec<Row> {
         let one = |c: Inequality| {
-            let a = self.map().by_surface(theta, &c.by);
-            KeptRow { constraint, row: Row { a, c: c.value } }
+            let a = self.map.by_surface(theta, &c.by);
+            Row { a, c: c.value, of }
         };
-        all.into_iter().map(one).filter(|kept| !kept.row.a.is_empty()).collect()
+        all.into_iter().map(one).filter(|row| !row.a.is_empty()).collect()
     }
 
     /// The worst inequality of each constraint at a rest shape.
@@ -83,11 +69,11 @@ impl Level {
     }
 
     /// How far one may be violated.
-    pub fn tolerance(&self, kept: &KeptRow) -> f64 {
+    pub fn tolerance(&self, row: &Row) -> f64 {
         let of_shape = self.constraints.len();
-        match kept.constraint {
+        match row.of {
             None => 0.0,
-            Some(index) if index < of_shape => self.constraints[index].tolerance(),
+            Some(index) if index < of_shape => self.constraints[index].tolerance,
             Some(index) => self.bounds()[index - of_shape].tolerance(),
         }
     }
@@ -96,17 +82,17 @@ impl Level {
     pub fn check_kept(&self, rest: &[Vec3]) -> Result<(), Rejected> {
         let rests = |worst: &Inequality| {
             let zero = vec![0.0; self.variables()];
-            self.map().by_surface(&zero, &worst.by).is_empty()
+            self.map.by_surface(&zero, &worst.by).is_empty()
         };
         let one = |(kept, worst): (&Constraint, Option<Inequality>)| {
-            let worst = worst.filter(|worst| worst.value < -kept.tolerance())?;
+            let worst = worst.filter(|worst| worst.value < -kept.tolerance)?;
             let [x, y, z] = worst.at.into();
             let place = if rests(&worst) { ", which the level does not move," } else { "" };
             Some(format!(
                 "[[constraint]] \"{}\": {} at ({x:.5}, {y:.5}, {z:.5}) m{place} where at least {} is to be kept",
                 kept.name,
-                kept.in_words(kept.least() + worst.value),
-                kept.in_words(kept.least())
+                kept.in_words(kept.least + worst.value),
+                kept.in_words(kept.least)
             ))
         };
         let said: Vec<String> =
@@ -117,28 +103,27 @@ impl Level {
     /// The variables next to these at which all constraints are kept.
     pub fn restored(&self, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
         let mut theta = theta.to_vec();
-        if self.constraints.is_empty() || self.map().shape_variables() == 0 {
+        if self.constraints.is_empty() || self.map.shape_variables() == 0 {
             return Ok(theta);
         }
         let mut inverse = None;
         for _ in 0..STEPS {
             let mut rows = self.kept_rows(&theta, 0.0);
-            let tolerance = |kept: &KeptRow| self.tolerance(kept);
-            rows.retain(|kept| kept.row.c < 0.0);
-            if rows.iter().all(|kept| kept.row.c >= -AIM * tolerance(kept)) {
+            let tolerance = |row: &Row| self.tolerance(row);
+            rows.retain(|row| row.c < 0.0);
+            if rows.iter().all(|row| row.c >= -AIM * tolerance(row)) {
                 break;
             }
-            rows.sort_by(|a, b| (a.row.c / tolerance(a)).total_cmp(&(b.row.c / tolerance(b))));
+            rows.sort_by(|a, b| (a.c / tolerance(a)).total_cmp(&(b.c / tolerance(b))));
             rows.truncate(AT_ONCE);
-            let lacks: Vec<f64> =
-                rows.iter().map(|kept| AIM * tolerance(kept) - kept.row.c).collect();
+            let lacks: Vec<f64> = rows.iter().map(|row| AIM * tolerance(row) - row.c).collect();
             let inverse = inverse.get_or_insert_with(|| self.inverse_metric(&theta));
             let Some(d) = least_motion(&rows, &lacks, inverse.as_ref(), theta.len()) else { break };
-            let motion = self.map().motion(&theta, &along(&theta, &d, 1.0));
-            let part = (LONGEST * self.map().mean_edge() / motion).min(1.0);
+            let motion = self.map.motion(&theta, &along(&theta, &d, 1.0));
+            let part = (LONGEST * self.map.mean_edge / motion).min(1.0);
             theta = along(&theta, &d, part);
         }
-        self.check_kept(&self.map().surface(&theta)).map_err(|rejected| {
+        self.check_kept(&self.map.surface(&theta)).map_err(|rejected| {
             Rejected::new(format!("no shape was found next to this one that keeps all constraints: the last one has {rejected}"))
         })?;
         Ok(theta)
@@ -158,14 +143,14 @@ impl Level {
 
 /// The shortest step along which rows gain what they lack, to first order.
 fn least_motion(
-    rows: &[KeptRow],
+    rows: &[Row],
     lacks: &[f64],
     inverse: Option<&DMatrix<f64>>,
     variables: usize,
 ) -> Option<Vec<f64>> {
     let mut a = DMatrix::zeros(rows.len(), variables);
-    for (k, kept) in rows.iter().enumerate() {
-        kept.row.a.iter().for_each(|(i, by)| a[(k, *i)] = *by);
+    for (k, row) in rows.iter().enumerate() {
+        row.a.iter().for_each(|(i, by)| a[(k, *i)] = *by);
     }
     let along = match inverse {
         Some(inverse) => &a * inverse,

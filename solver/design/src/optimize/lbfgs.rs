@@ -110,6 +110,38 @@ mod tests {
         problem.minimum(0.0).unwrap().d
     }
 
+    /// With exact line searches the directions are conjugate, so that a
+    /// quadratic of n variables is minimised in n steps.
+    #[test]
+    fn a_quadratic_takes_as_many_steps_as_it_has_variables() {
+        let curvature = [1.0, 3.0, 10.0, 40.0, 200.0];
+        let gradient = |x: &[f64]| -> Vec<f64> {
+            x.iter().zip(&curvature).map(|(x, c)| c * (x - 1.0)).collect()
+        };
+        let (mut lbfgs, mut x) = (Lbfgs::default(), vec![0.0; 5]);
+        for _ in 0..5 {
+            let g = gradient(&x);
+            let p = direction(&lbfgs, &g);
+            let bend: f64 = p.iter().zip(&curvature).map(|(p, c)| c * p * p).sum();
+            let alpha = -dot(&g, &p) / bend;
+            x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
+            let y = p.iter().zip(&curvature).map(|(p, c)| alpha * c * p).collect();
+            lbfgs.update(p.iter().map(|p| alpha * p).collect(), y);
+        }
+        assert!(norm(&gradient(&x)) < 1e-8, "{x:?}");
+    }
+
+    #[test]
+    fn pairs_without_positive_curvature_are_left_out() {
+        let mut lbfgs = Lbfgs::default();
+        lbfgs.update(vec![1.0, 0.0], vec![-1.0, 0.0]);
+        lbfgs.update(vec![1.0, 0.0], vec![0.0, 1.0]);
+        lbfgs.update(vec![0.0, 0.0], vec![0.0, 0.0]);
+        lbfgs.update(vec![1.0, 0.0], vec![f64::NAN, 0.0]);
+        assert!(lbfgs.is_empty());
+        assert_eq!(direction(&lbfgs, &[3.0, -2.0]), vec![-3.0, 2.0]);
+    }
+
     /// One iteration with halving until Rosenbrock's function falls enough.
     fn iterate(lbfgs: &mut Lbfgs, x: &[f64]) -> Vec<f64> {
         let g = rosenbrock_gradient(x);
@@ -147,37 +179,5 @@ mod tests {
             assert!(iterations < 60);
         }
         assert!((x[0] - 1.0).abs() < 1e-8 && (x[1] - 1.0).abs() < 1e-8);
-    }
-
-    /// With exact line searches the directions are conjugate, so that a
-    /// quadratic of n variables is minimised in n steps.
-    #[test]
-    fn a_quadratic_takes_as_many_steps_as_it_has_variables() {
-        let curvature = [1.0, 3.0, 10.0, 40.0, 200.0];
-        let gradient = |x: &[f64]| -> Vec<f64> {
-            x.iter().zip(&curvature).map(|(x, c)| c * (x - 1.0)).collect()
-        };
-        let (mut lbfgs, mut x) = (Lbfgs::default(), vec![0.0; 5]);
-        for _ in 0..5 {
-            let g = gradient(&x);
-            let p = direction(&lbfgs, &g);
-            let bend: f64 = p.iter().zip(&curvature).map(|(p, c)| c * p * p).sum();
-            let alpha = -dot(&g, &p) / bend;
-            x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
-            let y = p.iter().zip(&curvature).map(|(p, c)| alpha * c * p).collect();
-            lbfgs.update(p.iter().map(|p| alpha * p).collect(), y);
-        }
-        assert!(norm(&gradient(&x)) < 1e-8, "{x:?}");
-    }
-
-    #[test]
-    fn pairs_without_positive_curvature_are_left_out() {
-        let mut lbfgs = Lbfgs::default();
-        lbfgs.update(vec![1.0, 0.0], vec![-1.0, 0.0]);
-        lbfgs.update(vec![1.0, 0.0], vec![0.0, 1.0]);
-        lbfgs.update(vec![0.0, 0.0], vec![0.0, 0.0]);
-        lbfgs.update(vec![1.0, 0.0], vec![f64::NAN, 0.0]);
-        assert!(lbfgs.is_empty());
-        assert_eq!(direction(&lbfgs, &[3.0, -2.0]), vec![-3.0, 2.0]);
     }
 }

@@ -24,8 +24,6 @@ use super::scenario::{Near, Rejected, Run, Scenario};
 use super::vectors::along;
 use super::{shares, validity};
 use crate::variables::DesignMap;
-use reports::Crossing;
-use run::report::failure::Diagnosis;
 
 /// A design with its runs and objective.
 #[derive(Clone)]
@@ -47,22 +45,18 @@ pub struct Evaluation {
     pub forward_s: f64,
 }
 
-impl Evaluation {
-    /// Gives up the tangents of its runs, so that there is memory for those of others.
-    pub fn forget_tangents(&mut self) {
-        self.runs.iter_mut().for_each(|run| run.tangents = Arc::default());
-    }
-}
-
 /// A design problem with a fixed mesh topology and fixed variables.
 pub struct Level {
     /// The body at θ = 0.
     pub body: Body,
-    pub(super) map: DesignMap,
+    /// From variables to rest shape and loads.
+    pub map: DesignMap,
     /// The surface on the way to another shape.
     pub(super) path: RestPath,
-    pub(super) scenarios: Vec<Scenario>,
+    /// The scenarios; the scene itself where the design has none.
+    pub scenarios: Vec<Scenario>,
     pub(super) robust: Robust,
+    /// What the rest shape keeps to.
     pub(super) constraints: Vec<Constraint>,
 }
 
@@ -76,7 +70,7 @@ impl Level {
         level: &LevelConfig,
     ) -> Result<Self> {
         let map = DesignMap::new(scene, design, level, &body)?;
-        let edge = map.mean_edge();
+        let edge = map.mean_edge;
         let configs = design.scenarios();
         let scenarios = configs.iter().map(|config| {
             let scenario = Scenario::new(config, scene, &body, edge, objectives, design, level);
@@ -88,7 +82,7 @@ impl Level {
         let scenarios: Vec<Scenario> = scenarios.collect::<Result<_>>()?;
         check_memory(&scenarios)?;
         let (vertices, moving) = (body.mesh.vertices.len(), map.moving());
-        let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge());
+        let path = RestPath::new(vertices, body.boundary(), moving, map.mean_edge);
         let constraints = design.constraint.iter().map(|kept| kept.build(&body));
         let constraints: Vec<Option<Constraint>> = constraints.collect::<Result<_>>()?;
         let constraints = constraints.into_iter().flatten().collect();
@@ -101,39 +95,14 @@ impl Level {
         self.map.variables()
     }
 
-    /// What the rest shape keeps to.
-    pub fn constraints(&self) -> &[Constraint] {
-        &self.constraints
-    }
-
-    /// From variables to rest shape and loads.
-    pub fn map(&self) -> &DesignMap {
-        &self.map
-    }
-
-    /// The scenarios; the scene itself where the design has none.
-    pub fn scenarios(&self) -> &[Scenario] {
-        &self.scenarios
-    }
-
     /// The first of them.
     fn first(&self) -> &Scenario {
         &self.scenarios[0]
     }
 
-    /// Number of degrees of freedom of an equilibrium.
-    pub fn dofs(&self) -> usize {
-        self.first().problem().dofs()
-    }
-
     /// Whether the scene goes through time.
     pub fn is_transient(&self) -> bool {
         self.first().is_transient()
-    }
-
-    /// Number of time steps.
-    pub fn steps(&self) -> usize {
-        self.first().times().len()
     }
 
     /// Names of the terms, in the order of the design file, and of [`EXCESS`], if there is one.
@@ -173,7 +142,8 @@ impl Level {
         displacements: impl Iterator<Item = Result<Vec<f64>, E>>,
     ) -> Result<Evaluation> {
         let (rest, loads) = (self.map.shape(theta), self.map.load_variables(theta));
-        let times: Vec<f64> = self.scenarios.iter().flat_map(Scenario::times).copied().collect();
+        let times: Vec<f64> =
+            self.scenarios.iter().flat_map(|scenario| &scenario.times).copied().collect();
         let states = self.states(theta, &times, displacements)?;
         let recall =
             |(i, states): (usize, Trajectory)| Ok(self.scenarios[i].recall(loads, &rest, states)?);
@@ -199,7 +169,7 @@ impl Level {
             return Ok(at);
         }
         let mut means = vec![0.0; wanted.len()];
-        let parts = self.robust.weights().to_vec();
+        let parts = self.robust.weights.clone();
         let all = self.each(|i, own| Ok(own.values(&at.runs[i], |_| true)))?;
         for (values, part) in all.into_iter().zip(parts) {
             means.iter_mut().zip(values).for_each(|(mean, value)| *mean += part * value);
@@ -214,7 +184,7 @@ impl Level {
         let objectives: Vec<f64> = runs.iter().map(|run| run.objective).collect();
         let mut objective = self.robust.value(&objectives);
         let mut terms = BTreeMap::new();
-        for (run, weight) in runs.iter().zip(self.robust.weights()) {
+        for (run, weight) in runs.iter().zip(&self.robust.weights) {
             for (name, value) in &run.terms {
                 *terms.entry(name.clone()).or_insert(0.0) += weight * value;
             }
@@ -231,18 +201,9 @@ impl Level {
         Evaluation { theta, rest, runs, objective, terms, newton_iterations, forward_s: 0.0 }
     }
 
-    /// Where the runs of a changed scene are looked for: at the equilibria of an evaluation, or along its runs through time.
+    /// Where the runs of a changed scene are looked for: next to those of an evaluation.
     pub fn near(&self, at: &Evaluation) -> Vec<Near> {
-        let one = |run: &Run| match self.is_transient() {
-            true => run.near(),
-            false => Near::Displacement(run.states.last().into_owned()),
-        };
-        at.runs.iter().map(one).collect()
-    }
-
-    /// Explains why the body at θ = 0 was rejected, if it has no equilibrium.
-    pub fn diagnose(&self, rejected: &Rejected) -> Option<Diagnosis> {
-        rejected.diagnose(&self.scenarios)
+        at.runs.iter().map(Run::near).collect()
     }
 
     /// Makes an evaluation ready for [`Self::gradient`], predictions and trials at or
@@ -277,7 +238,7 @@ impl Level {
             let carried = scenario.carry(run, &at.rest, body, degree);
             run.states.times[1..].iter().copied().zip(carried).collect::<Vec<_>>()
         };
-        self.scenarios.iter().zip(&at.runs).flat_map(one).collect()
+        self.runs(at).flat_map(one).collect()
     }
 
     /// Runs with the shape at θ that have been carried over to the mesh of this level
@@ -338,7 +299,7 @@ impl Level {
         of: Option<&str>,
     ) -> Result<Vec<Gradient>, Rejected> {
         let objectives: Vec<f64> = at.runs.iter().map(|run| run.objective).collect();
-        let (by, means) = (self.robust.derivatives(&objectives), self.robust.weights());
+        let (by, means) = (self.robust.derivatives(&objectives), &self.robust.weights);
         self.each(|i, scenario| {
             let (of, factor) = match of {
                 None => (None, by[i]),
@@ -359,16 +320,12 @@ impl Level {
         gradient
     }
 
-    /// Mean displacement of each tag over its rest area in each scenario [m].
-    pub fn mean_displacements(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
-        let pairs = self.scenarios.iter().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.mean_displacements(run)).collect()
-    }
-
-    /// The probes of the scene in each scenario, in the units of their kinds.
-    pub fn measured(&self, at: &Evaluation) -> Result<Vec<BTreeMap<String, f64>>> {
-        let pairs = self.scenarios.iter().zip(&at.runs);
-        pairs.map(|(scenario, run)| scenario.measured(run)).collect()
+    /// The scenarios with the runs of an evaluation.
+    pub fn runs<'a>(
+        &'a self,
+        at: &'a Evaluation,
+    ) -> impl Iterator<Item = (&'a Scenario, &'a Run)> + Clone {
+        self.scenarios.iter().zip(&at.runs)
     }
 
     /// The fraction of the step from θ to θ + d on which the boundary of the rest shape
@@ -393,12 +350,6 @@ impl Level {
         let least = validity::smallest_of_trials(&self.body.mesh.vertices, tets);
         let found = validity::check_volumes(&self.map.shape(theta), tets, least);
         found.map_err(Rejected::new)
-    }
-
-    /// Surfaces that have passed through each other at the end of a scenario.
-    pub fn crossing(&self, at: &Evaluation) -> Option<Crossing> {
-        let mut all = self.scenarios.iter().zip(&at.runs);
-        all.find_map(|(scenario, run)| scenario.crossing(run))
     }
 }
 

@@ -28,7 +28,7 @@ impl Parameter {
     /// designed are among the loads.
     pub fn of(Problem { scene, design, .. }: &Problem, level: &Level) -> Vec<Self> {
         let mut all = Vec::new();
-        let shape = level.map().shape_variables();
+        let shape = level.map.shape_variables();
         all.extend((shape > 0).then_some(Self::Shape));
         all.extend((level.variables() > shape).then_some(Self::Loads));
         let designed = |number: &Number| {
@@ -67,7 +67,7 @@ impl Parameter {
 
     /// Number of its numbers.
     pub fn count(&self, level: &Level) -> usize {
-        let shape = level.map().shape_variables();
+        let shape = level.map.shape_variables();
         match self {
             Self::Shape => shape,
             Self::Loads => level.variables() - shape,
@@ -77,7 +77,7 @@ impl Parameter {
 
     /// dJ by its numbers, from the sweeps of all scenarios at θ = 0.
     pub fn gradient(&self, scene: &Scene, level: &Level, swept: &[Gradient]) -> Vec<f64> {
-        let shape = level.map().shape_variables();
+        let shape = level.map.shape_variables();
         let by_variables = || level.vjp(&vec![0.0; level.variables()], swept);
         match self {
             Self::Shape => by_variables()[..shape].to_vec(),
@@ -85,9 +85,15 @@ impl Parameter {
             Self::Numbers(numbers) => {
                 let one = |(scenario, by): (&Scenario, &Gradient)| -> Vec<f64> {
                     let swept = scenario.swept(by);
-                    numbers.iter().map(|number| by_part(number, scene, scenario, &swept)).collect()
+                    // by the part of it that it is changed by in the scene of the design
+                    let by_part = |number: &Number| {
+                        let part = number.scale(scene);
+                        let part = part.unwrap_or_else(|| number.value(&scenario.scene));
+                        part * by_number(number, scenario, &swept)
+                    };
+                    numbers.iter().map(by_part).collect()
                 };
-                sum(level.scenarios().iter().zip(swept).map(one))
+                sum(level.scenarios.iter().zip(swept).map(one))
             }
         }
     }
@@ -118,15 +124,14 @@ impl Derivative {
                 Parameter::Shape => {}
                 Parameter::Loads => {
                     let by = parameter.gradient(&problem.scene, level, swept);
-                    let named = level.map().named_load_variables().iter().zip(by);
+                    let named = level.map.named_load_variables().iter().zip(by);
                     all.extend(
                         named.map(|(own, by)| one(own.path.clone(), by / own.per_metre, own.unit)),
                     );
                 }
                 Parameter::Numbers(numbers) => all.extend(numbers.iter().map(|number| {
-                    let by = sum_over_scenarios(level, swept, |scenario, swept| {
-                        by_number(number, scenario, swept)
-                    });
+                    let each = level.scenarios.iter().zip(swept);
+                    let by = each.map(|(own, by)| by_number(number, own, &own.swept(by))).sum();
                     one(number.path.clone(), by, number.unit)
                 })),
             }
@@ -135,29 +140,9 @@ impl Derivative {
     }
 }
 
-/// Sum of derivatives of all scenarios.
-fn sum_over_scenarios(
-    level: &Level,
-    swept: &[Gradient],
-    by: impl Fn(&Scenario, &Swept) -> f64,
-) -> f64 {
-    level
-        .scenarios()
-        .iter()
-        .zip(swept)
-        .map(|(scenario, own)| by(scenario, &scenario.swept(own)))
-        .sum()
-}
-
 /// dJ of a scenario by a number; zero where it has a value of its own there.
 fn by_number(number: &Number, scenario: &Scenario, swept: &Swept) -> f64 {
     if scenario.config.numbers.contains_key(&number.path) { 0.0 } else { number.derivative(swept) }
-}
-
-/// dJ of a scenario by the part of a number that it is changed by in the scene of the design.
-fn by_part(number: &Number, scene: &Scene, scenario: &Scenario, swept: &Swept) -> f64 {
-    let part = number.scale(scene).unwrap_or_else(|| number.value(&scenario.scene));
-    part * by_number(number, scenario, swept)
 }
 
 /// Evaluates a design problem with changed parameters.

@@ -129,8 +129,10 @@ impl Model {
 pub struct Row {
     /// Variables with their parts of a.
     pub a: Vec<(usize, f64)>,
-    /// c, not negative.
+    /// c, not negative in a problem.
     pub c: f64,
+    /// Index of the constraint of a design that it is of, those of runs after those of the rest shape.
+    pub of: Option<usize>,
 }
 
 impl Row {
@@ -282,7 +284,7 @@ impl<'a> Problem<'a> {
         let equalities = b.len();
         let sizes: Vec<f64> = taken.iter().map(|&k| self.rows[k].size()).collect();
         for (&k, length) in taken.iter().zip(&sizes) {
-            let Row { a, c } = &self.rows[k];
+            let Row { a, c, .. } = &self.rows[k];
             match &model.basis {
                 None => entries.extend(a.iter().map(|(i, a)| (b.len(), *i, -a / length))),
                 Some(basis) => {
@@ -356,7 +358,7 @@ mod tests {
     fn rows(n: usize, count: usize, random: &mut Random) -> Vec<Row> {
         let one = |_| {
             let a = random.numbers(n).into_iter().enumerate().collect();
-            Row { a, c: random.numbers(1)[0].abs() }
+            Row { a, c: random.numbers(1)[0].abs(), of: None }
         };
         (0..count).map(one).collect()
     }

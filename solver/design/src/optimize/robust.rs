@@ -16,8 +16,8 @@ use scene::config::{RobustConfig, ScenarioConfig};
 /// How the objectives of scenarios become one.
 #[derive(Clone, Debug)]
 pub struct Robust {
-    /// w.
-    weights: Vec<f64>,
+    /// w, whose sum is 1.
+    pub weights: Vec<f64>,
     measure: Measure,
 }
 
@@ -40,11 +40,6 @@ impl Robust {
             None => Measure::Deviations(deviations.unwrap_or(0.0)),
         };
         Self { weights, measure }
-    }
-
-    /// Weights, whose sum is 1.
-    pub fn weights(&self) -> &[f64] {
-        &self.weights
     }
 
     /// Whether it is the mean, of terms as of their sum.

@@ -102,12 +102,6 @@ mod tests {
     }
 
     #[test]
-    fn a_term_that_is_zero_has_no_share() {
-        let error = weights(&[("wall", Weight::Share(1.0))], &[0.0]).unwrap_err().to_string();
-        assert!(error.contains("\"wall\": share = 1: the term is 0"), "{error}");
-    }
-
-    #[test]
     fn a_large_term_that_stays_is_named() {
         let terms = |tip: f64, smooth: f64| {
             BTreeMap::from([("tip".to_owned(), tip), ("smooth".to_owned(), smooth)])

@@ -207,6 +207,19 @@ mod tests {
         assert!(found.apart < 1e-12 && (found.motion / 0.4 - 1.0).abs() < 0.2, "{found:?}");
     }
 
+    #[test]
+    fn what_does_not_belong_together_is_refused() {
+        let own = body(3);
+        let message = |result: Result<Carried>| format!("{:#}", result.expect_err("refused"));
+        let other = carry(&own, &body(4).mesh, &own);
+        assert!(message(other).contains("re-meshed or is of another body"));
+        let bare = Body::new(own.mesh.clone(), Tags::default());
+        assert!(message(carry(&own, &designed(&own), &bare)).contains("no tag \"floor\""));
+        let mut far = own.clone();
+        far.mesh.vertices.iter_mut().for_each(|x| *x += Vec3::repeat(2.0));
+        assert!(message(carry(&own, &designed(&own), &far)).contains("same body"));
+    }
+
     /// Where elements were poor, the interior has other tetrahedra than at the start.
     #[test]
     fn an_interior_that_was_re_meshed_does_not_matter() {
@@ -239,18 +252,5 @@ mod tests {
         };
         let [coarse, finer] = [3, 6].map(error);
         assert!(finer < 0.4 * coarse && finer < 0.01, "{coarse:e} {finer:e}");
-    }
-
-    #[test]
-    fn what_does_not_belong_together_is_refused() {
-        let own = body(3);
-        let message = |result: Result<Carried>| format!("{:#}", result.expect_err("refused"));
-        let other = carry(&own, &body(4).mesh, &own);
-        assert!(message(other).contains("re-meshed or is of another body"));
-        let bare = Body::new(own.mesh.clone(), Tags::default());
-        assert!(message(carry(&own, &designed(&own), &bare)).contains("no tag \"floor\""));
-        let mut far = own.clone();
-        far.mesh.vertices.iter_mut().for_each(|x| *x += Vec3::repeat(2.0));
-        assert!(message(carry(&own, &designed(&own), &far)).contains("same body"));
     }
 }

@@ -29,7 +29,8 @@ pub struct DesignMap {
     /// None where nothing moves.
     extension: Option<Extension>,
     loads: LoadMap,
-    mean_edge: f64,
+    /// Mean edge length of the moving surface, of the whole boundary if none moves [m].
+    pub mean_edge: f64,
 }
 
 /// A patch with the index of its first variable.
@@ -155,8 +156,7 @@ impl DesignMap {
         let edges = if moving.is_empty() { body.boundary() } else { moving };
         let mean_edge = mesh::measure::mean_edge(&rest, edges);
         let extension = if moving.is_empty() { None } else { Some(Extension::new(body)?) };
-        let (chambers, parameters) = (&design.chamber, &design.parameter);
-        let loads = LoadMap::new(scene, chambers, parameters, mean_edge)?;
+        let loads = LoadMap::new(scene, design, mean_edge)?;
         Ok(Self { rest, patches, extension, loads, mean_edge })
     }
 
@@ -173,12 +173,6 @@ impl DesignMap {
     /// Facets that move.
     pub fn moving(&self) -> &[[usize; 3]] {
         &self.patches.moving
-    }
-
-    /// Mean edge length of the moving surface, of the whole boundary if none moves
-    /// [m].
-    pub fn mean_edge(&self) -> f64 {
-        self.mean_edge
     }
 
     /// Each patch with the index of its first variable, and its variables.
@@ -278,6 +272,17 @@ impl DesignMap {
         let from = self.shape_variables();
         let loads = a[from..].iter().zip(&b[from..]).map(|(a, b)| (a - b).abs());
         loads.fold(largest, f64::max)
+    }
+
+    /// [`Self::motion`] from θ along a short step, for each unit of it, and the largest component of that [m].
+    pub fn motion_along(&self, theta: &[f64], step: &[f64]) -> (f64, f64) {
+        let largest = step.iter().fold(0.0_f64, |largest, d| largest.max(d.abs()));
+        if largest == 0.0 {
+            return (0.0, 0.0);
+        }
+        let small = 1e-3 * self.mean_edge / largest;
+        let there: Vec<f64> = theta.iter().zip(step).map(|(theta, d)| theta + small * d).collect();
+        (self.motion(theta, &there) / small, largest)
     }
 
     /// dJ by the variables of the shape from dJ/dX, three components per vertex.

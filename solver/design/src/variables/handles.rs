@@ -47,10 +47,59 @@ use scene::config::HandleMotion;
 use super::biharmonic::bounded_biharmonic;
 use super::held::{Held, off};
 use super::isometry::Isometry;
-use super::motion::{Motion, NUMBERS};
 use super::sampling::spread_points;
 
 type Mat3 = nalgebra::Matrix3<f64>;
+
+/// Numbers of a motion: three rotations, three translations, an offset.
+const NUMBERS: usize = 7;
+
+/// A rigid motion about a handle's center.
+struct Motion {
+    /// Angles about x, y, z [rad].
+    angles: [f64; 3],
+    /// Translation [m].
+    translation: Vec3,
+    /// o [m].
+    offset: f64,
+    /// Q: rotation and translation are the images of these.
+    frame: Mat3,
+}
+
+impl Motion {
+    /// Q R_z R_y R_x Qᵀ.
+    fn rotation(&self) -> Mat3 {
+        let [x, y, z] = self.axes();
+        self.image(z.0 * y.0 * x.0)
+    }
+
+    /// The derivatives of the rotation by α₁, α₂, α₃.
+    fn rotation_slopes(&self) -> [Mat3; 3] {
+        let [x, y, z] = self.axes();
+        let slopes = [z.0 * y.0 * x.1, z.0 * y.1 * x.0, z.1 * y.0 * x.0];
+        slopes.map(|slope| self.image(slope))
+    }
+
+    fn image(&self, rotation: Mat3) -> Mat3 {
+        self.frame * rotation * self.frame.transpose()
+    }
+
+    /// Rotation about each axis with its derivative.
+    fn axes(&self) -> [(Mat3, Mat3); 3] {
+        let mut axes = [(Mat3::identity(), Mat3::zeros()); 3];
+        for (k, (rotation, slope)) in axes.iter_mut().enumerate() {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (sin, cos) = self.angles[k].sin_cos();
+            for (matrix, on, off) in [(rotation, cos, sin), (slope, -sin, cos)] {
+                matrix[(i, i)] = on;
+                matrix[(j, j)] = on;
+                matrix[(i, j)] = -off;
+                matrix[(j, i)] = off;
+            }
+        }
+        axes
+    }
+}
 
 /// Where a handle is, and whose motion it has.
 #[derive(Clone, Debug)]
@@ -107,7 +156,7 @@ pub fn sample_handles(
     rest: &[Vec3],
     patch: &[[usize; 3]],
     held: Held,
-    count: usize,
+    (count, motion): (usize, HandleMotion),
     own: &[Isometry],
 ) -> Result<Handles> {
     let site = Site::new(rest, patch, held);
@@ -131,7 +180,7 @@ pub fn sample_handles(
         seats.extend(images.into_iter().zip(own).map(image));
         free.push(if alone { kept(own) } else { [true; NUMBERS] });
     }
-    site.handles(seats, free, None)
+    site.handles(seats, free, motion, None)
 }
 
 /// The numbers of a motion that is its own image by all these isometries.
@@ -174,6 +223,7 @@ impl<'a> Site<'a> {
         self,
         seats: Vec<Seat>,
         free: Vec<[bool; NUMBERS]>,
+        motion: HandleMotion,
         radii: Option<Vec<f64>>,
     ) -> Result<Handles> {
         let points: Vec<usize> = seats.iter().map(|seat| seat.vertex).collect();
@@ -204,7 +254,6 @@ impl<'a> Site<'a> {
             radius(&surface.vertices, &seats[i].center, &weights[i]).max(edge)
         };
         let radii = radii.unwrap_or_else(|| (0..free.len()).map(of_seat).collect());
-        let motion = HandleMotion::default();
         Ok(Handles { vertices, seats, radii, free, weights, across, in_planes, normals, motion })
     }
 }
@@ -233,11 +282,6 @@ fn radius(vertices: &[Vec3], center: &Vec3, weights: &[f64]) -> f64 {
 }
 
 impl Handles {
-    /// These handles with another motion.
-    pub fn with(self, motion: HandleMotion) -> Self {
-        Self { motion, ..self }
-    }
-
     /// The handles of the image of the patch by an isometry, with the same variables; `rest`, `patch` and `held` are those of
     /// the image.
     pub fn image(
@@ -255,8 +299,7 @@ impl Handles {
         };
         let seats: Option<Vec<Seat>> = self.seats.iter().map(image).collect();
         let seats = seats.context("the image of the tag has no vertex off its rim")?;
-        let (free, radii) = (self.free.clone(), Some(self.radii.clone()));
-        Ok(site.handles(seats, free, radii)?.with(self.motion))
+        site.handles(seats, self.free.clone(), self.motion, Some(self.radii.clone()))
     }
 
     /// Number of design variables.
@@ -363,35 +406,38 @@ impl Handles {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use mechanics::math::random::Random;
-    use mechanics::testing::{cap, sphere};
+    use mechanics::testing::sphere;
 
     use super::*;
-    use crate::variables::sampling::rim;
-
-    #[test]
-    fn zero_is_the_rest_shape_and_the_rim_never_moves() {
-        let surface = cap(3);
-        let handles =
-            sample_handles(&surface.vertices, &surface.triangles, Held::default(), 5, &[]).unwrap();
-        let x = &surface.vertices;
-        assert_eq!(&handles.apply(&vec![0.0; handles.variables()], x), x);
-        let moved = handles.apply(&Random::new(31).numbers(handles.variables()), x);
-        assert!(rim(&surface, |_| false).iter().all(|&v| moved[v] == x[v]));
-        let farthest = moved.iter().zip(x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        assert!(farthest > 0.1);
-    }
 
     #[test]
     fn one_handle_on_a_closed_surface_is_a_rigid_motion() {
         let ball = sphere(2);
-        let handles =
-            sample_handles(&ball.vertices, &ball.triangles, Held::default(), 1, &[]).unwrap();
+        let handles = sample_handles(
+            &ball.vertices,
+            &ball.triangles,
+            Held::default(),
+            (1, HandleMotion::Rigid),
+            &[],
+        )
+        .unwrap();
         let moved = handles.apply(&[0.3, -0.8, 0.5, 1.0, 2.0, 3.0], &ball.vertices);
         let distances = |x: &[Vec3]| -> Vec<f64> { x.iter().map(|v| (v - x[7]).norm()).collect() };
         for (a, b) in distances(&moved).iter().zip(distances(&ball.vertices)) {
             // weights are one to 1e-8
             assert!((a - b).abs() < 1e-7, "{a} {b}");
         }
+    }
+
+    /// A quarter turn about x, then y, then z: e_z → −e_y → −e_y → e_x.
+    #[test]
+    fn rotations_are_about_x_then_y_then_z() {
+        let motion = Motion {
+            angles: [std::f64::consts::FRAC_PI_2; 3],
+            translation: Vec3::zeros(),
+            offset: 0.0,
+            frame: Mat3::identity(),
+        };
+        assert!((motion.rotation() * Vec3::z() - Vec3::x()).norm() < 1e-15);
     }
 }

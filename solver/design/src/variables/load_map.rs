@@ -22,7 +22,7 @@ use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use program::{KeyPath, misfit};
 use scene::Scene;
-use scene::config::{ChamberConfig, ChamberDesign, GasConfig, ParameterDesign};
+use scene::config::{ChamberConfig, ChamberDesign, DesignConfig, GasConfig, ParameterDesign};
 
 use super::pressure_curve::PressureCurve;
 use scene::number::{Number, Swept};
@@ -97,12 +97,7 @@ impl LoadVariable {
 impl LoadMap {
     /// The map to the chambers of a scene, with a body whose moving surface has edges of about
     /// `edge` [m].
-    pub fn new(
-        scene: &Scene,
-        pressures: &[ChamberDesign],
-        parameters: &[ParameterDesign],
-        edge: f64,
-    ) -> Result<Self> {
+    pub fn new(scene: &Scene, design: &DesignConfig, edge: f64) -> Result<Self> {
         let times: Vec<f64> = [0.0].into_iter().chain(scene.times()).collect();
         let mut map = Self {
             times,
@@ -112,16 +107,13 @@ impl LoadMap {
             named: Vec::new(),
             parameters: scene.config.parameters.clone(),
         };
-        if pressures.is_empty() && parameters.is_empty() {
-            return Ok(map);
+        for pressure in &design.chamber {
+            map.add_curve(pressure, scene, edge)?;
         }
-        for design in pressures {
-            map.add_curve(design, scene, edge)?;
-        }
-        for design in parameters {
-            match design.name.contains('.') {
-                true => map.add_path(design, scene, edge)?,
-                false => map.add_parameter(design, scene, edge)?,
+        for number in &design.parameter {
+            match number.name.contains('.') {
+                true => map.add_path(number, scene, edge)?,
+                false => map.add_parameter(number, scene, edge)?,
             }
         }
         for (i, chamber) in scene.config.chamber.iter().enumerate() {
@@ -165,11 +157,10 @@ impl LoadMap {
         let curve = PressureCurve::new(times, &values, scale, edge);
         let variable = |(step, &slope): (usize, &f64)| {
             let path = format!("chamber.{on}.pressure.slope.{}", step + 1);
-            let value = (slope, curve.slope_per_metre());
+            let value = (slope, curve.unit);
             LoadVariable::new((path, "Pa/s"), value, design.slope, design.change)
         };
-        let variables: Vec<LoadVariable> =
-            curve.slopes().iter().enumerate().map(variable).collect();
+        let variables: Vec<LoadVariable> = curve.slopes.iter().enumerate().map(variable).collect();
         for (n, LoadVariable { bounds: [low, high], .. }) in variables.iter().enumerate() {
             ensure!(
                 *low <= 1e-9 * (high - low) && *high >= -1e-9 * (high - low),
@@ -277,7 +268,7 @@ impl LoadMap {
     }
 
     fn curve_variables(&self) -> usize {
-        self.curves.iter().map(|c| c.curve.variables()).sum()
+        self.curves.iter().map(|c| c.curve.slopes.len()).sum()
     }
 
     /// Each curve with its variables.
@@ -287,7 +278,7 @@ impl LoadMap {
     ) -> impl Iterator<Item = (&'a Curve, &'a [f64])> + 'a {
         let mut rest = theta;
         self.curves.iter().map(move |curve| {
-            let (own, others) = rest.split_at(curve.curve.variables());
+            let (own, others) = rest.split_at(curve.curve.slopes.len());
             rest = others;
             (curve, own)
         })

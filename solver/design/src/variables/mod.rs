@@ -9,13 +9,10 @@ mod geodesic;
 mod handles;
 mod held;
 mod isometry;
-mod laplacian;
 mod load_map;
-mod motion;
 mod patch;
 mod pressure_curve;
 mod sampling;
-mod swelling;
 
 pub use carry::{carry, check_same_body};
 pub use design_map::DesignMap;

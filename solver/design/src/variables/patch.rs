@@ -1,13 +1,25 @@
-//! A part of the boundary that a design moves.
+//! A part of the boundary that a design moves: by handles, or in proportion to variables.
+//!
+//! every vertex   v' = v + Σ θ_k d_k         d_k   the axes, but none across planes in which v lies
+//! offset         v' = v + θ r(v) d(v)       one number, how far it moves along its normals
+//!
+//! d(v)   move of a vertex per distance, so that the facets at it move by that ([`shifts`]), out of the silicone
+//! r(v)   rises from 0 at the rim to 1 within a few edges of it, along the surface [1]
 
 use anyhow::{Result, ensure};
+use mechanics::symmetry::OFF_PLANE;
+use mesh::measure::mean_edge;
+use mesh::offset::shifts;
 use mesh::{Vec3, topology};
 use scene::config::Moves;
 
+use super::geodesic::Geodesics;
 use super::handles::{Handles, sample_handles};
-use super::held::Held;
+use super::held::{Held, off};
 use super::isometry::Isometry;
-use super::swelling;
+
+/// Width of the rise at the rim, in mean edges.
+const RISE: f64 = 2.0;
 
 /// Design variables of one patch, all in metres; zero is the shape as it is.
 #[derive(Clone, Debug)]
@@ -46,8 +58,21 @@ impl Linear {
 
     /// How far all of it moves along its normals.
     fn offset(rest: &[Vec3], facets: &[[usize; 3]], held: Held) -> Self {
-        let (vertices, moves): (Vec<usize>, Vec<Vec3>) =
-            swelling::moves(rest, facets, held).unzip();
+        let (surface, ids) = topology::submesh(rest, facets);
+        let rim = held.rim(&surface, &ids);
+        let width = RISE * mean_edge(&surface.vertices, &surface.triangles);
+        let rises: Vec<f64> = match rim.is_empty() {
+            true => vec![1.0; ids.len()],
+            false => Geodesics::new(&surface)
+                .distances(&rim)
+                .iter()
+                .map(|d| (d / width).min(1.0))
+                .collect(),
+        };
+        let moves = shifts(rest, facets);
+        let off_rim = ids.into_iter().zip(rises).filter(|(_, rise)| *rise > OFF_PLANE);
+        let way = |(v, rise): (usize, f64)| (v, rise * off(&held.directions(v).0, &moves[&v]));
+        let (vertices, moves): (Vec<usize>, Vec<Vec3>) = off_rim.map(way).unzip();
         let ways = moves.into_iter().enumerate().map(|(i, d)| (i, 0, d)).collect();
         Self { vertices, variables: 1, ways, is_offset: true }
     }
@@ -64,7 +89,7 @@ impl Patch {
     ) -> Result<Self> {
         Ok(match moves {
             Moves::Handles(count, motion) => {
-                Self::Handles(sample_handles(rest, facets, held, count, own)?.with(motion))
+                Self::Handles(sample_handles(rest, facets, held, (count, motion), own)?)
             }
             Moves::Offset => Self::Linear(Linear::offset(rest, facets, held)),
             Moves::Vertices => Self::Linear(Linear::free(rest, facets, held)),
@@ -141,7 +166,6 @@ mod tests {
     use scene::config::{HandleMotion, SymmetricConfig};
 
     use super::*;
-    use crate::variables::geodesic::Geodesics;
     use crate::variables::sampling::rim;
 
     #[test]
@@ -160,6 +184,8 @@ mod tests {
             let facets = &surface.triangles;
             let held = Held { margin, ..Held::default() };
             let patch = Patch::new(x, facets, held, moves, &[]).unwrap();
+            let at_rest = patch.apply(&vec![0.0; patch.variables()], x);
+            assert!(patch.vertices().iter().zip(at_rest).all(|(&v, m)| m == x[v]), "{moves:?}");
             let theta = Random::new(5).numbers(patch.variables());
             let moved = patch.apply(&theta, x);
             let way: Vec<f64> =

@@ -20,10 +20,10 @@ pub struct PressureCurve {
     /// t_0 = 0, t_1, …, t_N [s].
     times: Vec<f64>,
     start: f64,
-    /// s⁰ [Pa/s].
-    slopes: Vec<f64>,
-    /// r [Pa/s/m].
-    unit: f64,
+    /// s⁰, one for each design variable [Pa/s].
+    pub slopes: Vec<f64>,
+    /// Change of a slope by a metre of its variable, r [Pa/s/m].
+    pub unit: f64,
 }
 
 impl PressureCurve {
@@ -35,11 +35,6 @@ impl PressureCurve {
             .collect();
         let unit = SHARE * scale / (times[times.len() - 1] * edge);
         Self { times: times.to_vec(), start: values[0], slopes, unit }
-    }
-
-    /// Number of design variables: one per time step.
-    pub fn variables(&self) -> usize {
-        self.slopes.len()
     }
 
     /// P_0, …, P_N [Pa].
@@ -64,16 +59,6 @@ impl PressureCurve {
             .collect();
         by.reverse();
         by
-    }
-
-    /// s⁰ [Pa/s].
-    pub fn slopes(&self) -> &[f64] {
-        &self.slopes
-    }
-
-    /// Change of a slope by a metre of its variable, r [Pa/s/m].
-    pub fn slope_per_metre(&self) -> f64 {
-        self.unit
     }
 
     /// What P_1, …, P_N are above the low and below the high one [Pa], each with its derivatives by the variables.

@@ -155,13 +155,6 @@ mod tests {
         Vec::new()
     }
 
-    #[test]
-    fn one_point_lies_in_the_middle_of_a_disk() {
-        let plane = square(20, 0.0);
-        let points = spread_points(&plane, &rim(&plane, |_| false), 1, &alone).unwrap();
-        assert!((plane.vertices[points[0]] - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9);
-    }
-
     /// No vertex is much farther from the points than these are from each
     /// other: the two radii that an even sampling balances.
     #[test]

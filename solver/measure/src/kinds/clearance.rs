@@ -17,15 +17,11 @@
 //!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, applied to the rest shape.
 
-use mechanics::contact::candidates::close_within;
 use mechanics::contact::density::{Density, Repulsion};
-use mechanics::contact::images::Mirrored;
-use mechanics::contact::pairs::{Features, Pair};
-use mechanics::contact::rest_potential;
-use mechanics::symmetry::Plane;
 
+use super::wall_thickness::Barrier;
 use super::*;
-use crate::quantity::RestTerm;
+use crate::quantity::ClosePairs;
 
 pub(super) const KIND: Kind = Kind {
     key: "clearance",
@@ -45,60 +41,15 @@ program::table! {
 
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let boundary = site.body.boundary();
-        Ok(Arc::new(Clearance::new(&site.body.planes, boundary, self.activation)))
+        let close = ClosePairs::within(&site.body.planes, site.body.boundary());
+        Ok(Arc::new(barrier(close, self.activation)))
     }
 }
 
-/// Barrier between parts of one surface.
-pub struct Clearance {
-    whole: Mirrored,
-    surface: Features,
-    repulsion: Repulsion,
-}
-
-impl Clearance {
-    /// The term of a set of facets, usually the whole boundary, that acts below
-    /// `activation` [m].
-    pub fn new(planes: &[Plane], facets: &[[usize; 3]], activation: f64) -> Self {
-        let repulsion = Repulsion { density: Density::Log, minimum: 0.0, activation };
-        let (whole, sets) = Mirrored::new(planes, &[facets.to_vec()]);
-        Self { whole, surface: Features::new(&sets[0]), repulsion }
-    }
-
-    /// Pairs at positions of the whole.
-    fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
-        close_within(&self.surface, x, self.repulsion.range())
-    }
-}
-
-impl RestTerm for Clearance {
-    fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
-        let x = self.whole.positions(rest);
-        let pairs = self.pairs(&x);
-        let touches = |p: &&Pair| self.repulsion.is_violated(p.closest(&p.gather(&x)).d2);
-        let Some(first) = pairs.iter().find(touches) else { return Ok(()) };
-        let p = x[first.corners()[0]];
-        Err(format!(
-            "{} pairs of the rest surface touch, the first at ({:.5}, {:.5}, {:.5}) m",
-            pairs.iter().filter(touches).count(),
-            p.x,
-            p.y,
-            p.z
-        ))
-    }
-
-    fn value_at(&self, rest: &[Vec3]) -> f64 {
-        let x = self.whole.positions(rest);
-        self.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.repulsion)
-    }
-
-    fn add_gradient_at(&self, rest: &[Vec3], weight: f64, out: &mut [f64]) {
-        let x = self.whole.positions(rest);
-        let (weight, mut by_x) = (weight * self.whole.share(), vec![0.0; 3 * x.len()]);
-        rest_potential::add_gradient(&self.pairs(&x), &x, &self.repulsion, weight, &mut by_x);
-        self.whole.add_to_vertices(&by_x, out);
-    }
+/// The barrier that acts below `activation` [m].
+pub(super) fn barrier(close: ClosePairs, activation: f64) -> Barrier {
+    let limits = Repulsion { density: Density::Log, minimum: 0.0, activation };
+    Barrier { close, limits, measure: Measure::Rest }
 }
 
 #[cfg(test)]
@@ -110,7 +61,7 @@ mod tests {
     #[test]
     fn a_flat_sheet_costs_nothing_and_touching_is_infinite() {
         let sheet = square(6, 0.0);
-        let term = Clearance::new(&[], &sheet.triangles, 0.05);
+        let term = barrier(ClosePairs::within(&[], &sheet.triangles), 0.05);
         assert!(term.value_at(&sheet.vertices) == 0.0);
         let mut folded = sheet.vertices;
         let (first, last) = (0, folded.len() - 1);

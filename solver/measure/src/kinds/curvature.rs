@@ -45,9 +45,7 @@ impl Specification for Keys {
     }
 
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let tags: Vec<_> =
-            self.on.iter().map(|tag| site.body.facets(tag)).collect::<Result<_, _>>()?;
-        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(curvature))))
+        of_means(site, &self.on, curvature)
     }
 }
 

@@ -26,9 +26,7 @@ program::table! {
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let a = self.axis.unit();
-        let along = move |m: &[Means]| (a.dot(&m[0].u), vec![Means { u: a, ..Means::ZERO }]);
-        let tags = [site.body.facets(&self.on)?];
-        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(along))))
+        of_means(site, [&self.on], move |m| (a.dot(&m[0].u), vec![Means { u: a, ..Means::ZERO }]))
     }
 }
 
@@ -50,8 +48,7 @@ program::table! {
 
 impl Specification for MagnitudeKeys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let length = |m: &[Means]| (m[0].length, vec![Means { length: 1.0, ..Means::ZERO }]);
-        let tags = [site.body.facets(&self.on)?];
-        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(length))))
+        let one = Means { length: 1.0, ..Means::ZERO };
+        of_means(site, [&self.on], move |m| (m[0].length, vec![one]))
     }
 }

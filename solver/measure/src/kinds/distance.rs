@@ -24,13 +24,10 @@ program::table! {
 
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let tags = [site.body.facets(&self.on)?, site.body.facets(&self.to)?];
-        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(distance))))
+        of_means(site, [&self.on, &self.to], |m| {
+            let apart = m[0].x() - m[1].x();
+            let by = apart.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+            (apart.norm(), vec![Means::by_x(by), Means::by_x(-by)])
+        })
     }
-}
-
-fn distance(m: &[Means]) -> (f64, Vec<Means>) {
-    let apart = m[0].x() - m[1].x();
-    let by = apart.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-    (apart.norm(), vec![Means::by_x(by), Means::by_x(-by)])
 }

@@ -5,12 +5,14 @@
 //! on flat triangles between the nodes, as in contact ([`Surface`]). The derivative is that of
 //! the closest pair (envelope theorem); it jumps where another pair becomes the closest one.
 
+use anyhow::Context as _;
 use mechanics::contact::candidates::closest_between;
 use mechanics::contact::pairs::Features;
 use mechanics::contact::surface::Surface;
 use mechanics::element::FunctionSpace;
 
 use super::*;
+use crate::quantity::PartsTouch;
 
 pub(super) const KIND: Kind = Kind {
     key: "gap",
@@ -33,15 +35,8 @@ program::table! {
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let sides = [site.body.facets(&self.on)?, site.body.facets(&self.to)?];
-        let [first, second] = sides.each_ref().map(|facets| Features::new(facets).vertices);
-        let shared = first.iter().filter(|v| second.binary_search(v).is_ok()).count();
-        ensure!(
-            shared == 0,
-            "tags \"{}\" and \"{}\" share {shared} vertices, so that their gap is always 0; name \
-             two tags that do not meet",
-            self.on,
-            self.to
-        );
+        PartsTouch::check(&sides)
+            .with_context(|| format!("tags \"{}\" and \"{}\"", self.on, self.to))?;
         Ok(Arc::new(Gap::new(site.space, &sides)))
     }
 }

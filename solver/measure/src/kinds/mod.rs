@@ -36,11 +36,9 @@ use serde::{Deserialize, Serialize};
 
 // what nearly every kind is made with, which has it by `super::*`
 use crate::quantity::{
-    Axis, Equilibrium, Kind, List, Means, Measure, OfMeans, Partials, Patch, Quantity, Site,
-    Specification, solid_integral,
+    Axis, Equilibrium, Kind, List, Means, Measure, Partials, Patch, Quantity, Site, Specification,
+    of_means, solid_integral,
 };
-
-pub use contact_proxy::PartsTouch;
 
 /// All kinds, in the order in which they are listed.
 pub const KINDS: &[Kind] = &[

@@ -53,12 +53,10 @@ impl Specification for Keys {
             let nodes = weights(site.space, rest, point).with_context(|| self.outside(rest))?;
             return Ok(Arc::new(Inside { nodes, axis }));
         };
-        let tags = [site.body.facets(tag)?];
-        let carried = move |m: &[Means]| {
+        of_means(site, [tag], move |m| {
             let (value, by) = carried(&m[0], point, axis);
             (value, vec![by])
-        };
-        Ok(Arc::new(OfMeans::new(site.space, &tags, Box::new(carried))))
+        })
     }
 }
 

@@ -22,7 +22,6 @@ use mesh::topology;
 use program::Names;
 
 use super::*;
-use crate::quantity::RestTerm;
 
 pub(super) const KIND: Kind = Kind {
     key: "smoothness",
@@ -116,14 +115,7 @@ impl Smoothness {
         };
         (sum.component_mul(&star.along), length)
     }
-}
 
-/// Direction of an edge; zero for an edge without length.
-fn unit(edge: &Vec3) -> Vec3 {
-    edge.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
-}
-
-impl RestTerm for Smoothness {
     fn value_at(&self, rest: &[Vec3]) -> f64 {
         let one = |star: &Star| {
             let (sum, length) = self.neighbour_vector(rest, star);
@@ -139,7 +131,9 @@ impl RestTerm for Smoothness {
             for &(w, images) in &star.neighbours {
                 // ∂ℓ/∂X_v of one edge; the plain form divides by a constant
                 let unit = match self.form {
-                    SmoothnessForm::ScaleInvariant => unit(&(rest[v] - rest[w])),
+                    SmoothnessForm::ScaleInvariant => {
+                        (rest[v] - rest[w]).try_normalize(0.0).unwrap_or_default()
+                    }
                     SmoothnessForm::Plain => Vec3::zeros(),
                 };
                 let scale = star.share * images * (2.0 * weight / length);
@@ -151,6 +145,16 @@ impl RestTerm for Smoothness {
                 }
             }
         }
+    }
+}
+
+impl Quantity for Smoothness {
+    fn value(&self, at: &Equilibrium) -> f64 {
+        self.value_at(at.rest)
+    }
+
+    fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
+        self.add_gradient_at(at.rest, weight, out.rest);
     }
 }
 

@@ -38,25 +38,19 @@ program::table! {
 
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let parts = site.parts(self.on.as_deref())?.into_iter();
-        let elements = parts.map(|(_, elements)| elements).collect();
-        Ok(Arc::new(StrainLimit::new(elements, [self.smallest, self.largest])))
+        let (elements, Self { smallest, largest, .. }) = (site.elements(self.on.as_deref())?, self);
+        Ok(Arc::new(StrainLimit { elements, smallest: *smallest, largest: *largest }))
     }
 }
 
 /// Penalty on large and small stretches.
-pub struct StrainLimit {
+struct StrainLimit {
     elements: Vec<Range<usize>>,
     smallest: f64,
     largest: f64,
 }
 
 impl StrainLimit {
-    /// The penalty in some elements, beyond a `smallest` and a `largest` stretch.
-    pub fn new(elements: Vec<Range<usize>>, [smallest, largest]: [f64; 2]) -> Self {
-        Self { elements, smallest, largest }
-    }
-
     fn density(&self, grad_u: &Mat3) -> (f64, Mat3) {
         over_stretches(grad_u, |stretch| {
             let beyond = (stretch - self.largest).max(0.0) - (self.smallest - stretch).max(0.0);
@@ -106,7 +100,7 @@ mod tests {
     #[test]
     fn stretches_count_from_their_limits_on() {
         let q = nalgebra::Rotation3::from_euler_angles(0.3, -1.1, 2.0).into_inner();
-        let term = StrainLimit::new(vec![], [0.8, 2.0]);
+        let term = StrainLimit { elements: vec![], smallest: 0.8, largest: 2.0 };
         let value = |stretches: [f64; 3]| {
             let f = q * Mat3::from_diagonal(&Vec3::from(stretches)) * q * q;
             term.density(&(f - Mat3::identity())).0

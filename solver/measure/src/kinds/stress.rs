@@ -38,34 +38,26 @@ program::table! {
 
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let parts = site.parts(self.on.as_deref())?;
-        let place = |own: &Range<usize>| site.laws.iter().position(|law| law.elements == *own);
-        let places = parts.iter().filter_map(|(_, elements)| place(elements)).collect();
-        let parts = parts.into_iter().map(|(law, elements)| (law.build(), elements)).collect();
-        Ok(Arc::new(Stress { places, ..Stress::new(parts, self.power) }))
+        let part = |(law, elements): (&mechanics::material::Specification, Range<usize>)| {
+            let place = site.laws.iter().position(|law| law.elements == elements)?;
+            Some((place, law.build(), elements))
+        };
+        let parts = site.parts(self.on.as_deref())?.into_iter().filter_map(part).collect();
+        Ok(Arc::new(Stress { parts, power: self.power }))
     }
 }
 
+/// A law, its place among all, and the elements that have it.
+type Part = (usize, Box<dyn Material>, Range<usize>);
+
 /// A norm of the stress in bodies.
-pub struct Stress {
-    /// Laws with the elements that have them.
-    parts: Vec<(Box<dyn Material>, Range<usize>)>,
-    /// Places of these laws among all.
-    places: Vec<usize>,
+struct Stress {
+    parts: Vec<Part>,
+    /// q ≥ 2, so that J is smooth where the stress vanishes.
     power: f64,
 }
 
 impl Stress {
-    /// The norm over elements with their laws; the power q is 2 or more, so that
-    /// J is smooth where the stress vanishes.
-    ///
-    /// # Panics
-    /// When the power is less than 2.
-    pub fn new(parts: Vec<(Box<dyn Material>, Range<usize>)>, power: f64) -> Self {
-        assert!(power >= 2.0, "power {power} of the stress: 2 or more is needed");
-        Self { places: (0..parts.len()).collect(), parts, power }
-    }
-
     fn density(&self, material: &dyn Material, grad_u: &Mat3) -> (f64, Mat3) {
         let k = Kinematics::new(grad_u);
         let stress = material.first_piola(&k);
@@ -88,27 +80,27 @@ impl Stress {
 
 impl Quantity for Stress {
     fn value(&self, at: &Equilibrium) -> f64 {
-        let one = |(law, elements): &(Box<dyn Material>, Range<usize>)| {
+        let one = |(_, law, elements): &Part| {
             solid_integral::value(at, elements, &|h| self.density(&**law, h))
         };
         self.parts.iter().map(one).sum()
     }
 
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
-        for (law, elements) in &self.parts {
+        for (_, law, elements) in &self.parts {
             solid_integral::add_partials(at, elements, &|h| self.density(&**law, h), weight, out);
         }
     }
 
     fn by_parameters(&self, at: &Equilibrium, weight: f64) -> Vec<(Owner, Vec<f64>)> {
-        let by = |((law, elements), place): (&(Box<dyn Material>, Range<usize>), &usize)| {
+        let by = |(place, law, elements): &Part| {
             let one = |i: usize| {
                 let density = |h: &Mat3| (self.density_by_parameters(&**law, h)[i], Mat3::zeros());
                 weight * solid_integral::value(at, elements, &density)
             };
             (Elastic::owner(*place), (0..law.parameter_count()).map(one).collect())
         };
-        self.parts.iter().zip(&self.places).map(by).collect()
+        self.parts.iter().map(by).collect()
     }
 }
 
@@ -130,7 +122,7 @@ mod tests {
         case.u.iter_mut().for_each(|u| *u *= 0.2);
         let term = |c1: f64, c2: f64| {
             let law = Box::new(MooneyRivlin { c1, c2, c3: 0.05, d1: 2.0 });
-            Stress::new(vec![(soft(), 0..20), (law, 20..48)], 3.0)
+            Stress { parts: vec![(0, soft(), 0..20), (1, law, 20..48)], power: 3.0 }
         };
         let by = term(0.8, 0.1).by_parameters(&case.at(), 2.0);
         assert_eq!([by[0].0, by[1].0], [0, 1].map(Elastic::owner));
@@ -155,8 +147,9 @@ mod tests {
         }
         let k = Kinematics::new(&Mat3::from_diagonal(&Vec3::new(0.5, 0.0, 0.0)));
         let stress = soft().first_piola(&k).norm();
-        let value =
-            |power, elements| Stress::new(vec![(soft(), elements)], power).value(&case.at());
+        let value = |power, elements| {
+            Stress { parts: vec![(0, soft(), elements)], power }.value(&case.at())
+        };
         assert!((value(3.0, 0..48) / (8.0 * stress.powi(3)) - 1.0).abs() < 1e-12);
         let volume = |tet: &[usize; 4]| {
             let [a, b, c, d] = tet.map(|v| case.rest[v]);

@@ -30,9 +30,7 @@ program::table! {
 
 impl Specification for Keys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let parts = site.parts(self.on.as_deref())?.into_iter();
-        let elements = parts.map(|(_, elements)| elements).collect();
-        Ok(Arc::new(Stretch { elements, power: self.power }))
+        Ok(Arc::new(Stretch { elements: site.elements(self.on.as_deref())?, power: self.power }))
     }
 }
 

@@ -31,7 +31,7 @@ impl Specification for ChamberKeys {
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
         let facets = site.body.facets(&self.on)?;
         let wall = Wall::cut_by(&site.body.planes, site.space, &facets);
-        Ok(Arc::new(Volume::behind(wall, Measure::Deformed, None)))
+        Ok(Arc::new(Volume { wall, sign: 1.0, measure: Measure::Deformed, wanted: None }))
     }
 }
 
@@ -62,12 +62,12 @@ impl Specification for Keys {
     }
 
     fn build(&self, site: &Site) -> Result<Arc<dyn Quantity>> {
-        let wall = |facets: &[_]| Wall::cut_by(&site.body.planes, site.space, facets);
-        let Self { measure, volume, .. } = *self;
-        Ok(Arc::new(match self.on.as_ref().filter(|name| !site.is_body(name)) {
-            Some(tag) => Volume::behind(wall(&site.body.facets(tag)?), measure, volume),
-            None => Volume::within(wall(&site.boundary(self.on.as_deref())?), measure, volume),
-        }))
+        let (facets, sign) = match self.on.as_ref().filter(|name| !site.is_body(name)) {
+            Some(tag) => (site.body.facets(tag)?, 1.0),
+            None => (site.boundary(self.on.as_deref())?, -1.0),
+        };
+        let wall = Wall::cut_by(&site.body.planes, site.space, &facets);
+        Ok(Arc::new(Volume { wall, sign, measure: self.measure, wanted: self.volume }))
     }
 }
 
@@ -81,16 +81,6 @@ struct Volume {
 }
 
 impl Volume {
-    /// The chamber behind a wall.
-    fn behind(wall: Wall, measure: Measure, wanted: Option<f64>) -> Self {
-        Self { wall, sign: 1.0, measure, wanted }
-    }
-
-    /// The bodies of which this is the whole boundary.
-    fn within(boundary: Wall, measure: Measure, wanted: Option<f64>) -> Self {
-        Self { sign: -1.0, ..Self::behind(boundary, measure, wanted) }
-    }
-
     fn volume(&self, at: &Equilibrium) -> f64 {
         let x = at.nodes(self.measure);
         self.sign * self.wall.volume(at.space, |n| x[n])
@@ -129,18 +119,17 @@ mod tests {
             for (n, x) in nodes.iter().enumerate() {
                 case.u[3 * n..3 * n + 3].copy_from_slice(&[x.x, 2.0 * x.y, 4.0 * x.z]);
             }
-            let value = |measure, wanted| {
-                let (all, space) = (&case.facets, &case.space);
-                Volume::within(Wall::new(space, all), measure, wanted).value(&case.at())
+            let value = |facets: &[_], sign, measure, wanted| {
+                let wall = Wall::new(&case.space, facets);
+                Volume { wall, sign, measure, wanted }.value(&case.at())
             };
-            assert!((value(Measure::Rest, None) - 1.0).abs() < 1e-13);
-            assert!((value(Measure::Deformed, None) - 30.0).abs() < 1e-12);
-            assert!((value(Measure::Deformed, Some(32.0)) - 4.0).abs() < 1e-10);
+            let within = |measure, wanted| value(&case.facets, -1.0, measure, wanted);
+            assert!((within(Measure::Rest, None) - 1.0).abs() < 1e-13);
+            assert!((within(Measure::Deformed, None) - 30.0).abs() < 1e-12);
+            assert!((within(Measure::Deformed, Some(32.0)) - 4.0).abs() < 1e-10);
             // five sides of it, and the cap that closes them
             let open = case.facets_where(|x| x.z < 0.99);
-            let space = &case.space;
-            let behind = Volume::behind(Wall::new(space, &open), Measure::Deformed, None);
-            assert!((behind.value(&case.at()) + 30.0).abs() < 1e-12);
+            assert!((value(&open, 1.0, Measure::Deformed, None) + 30.0).abs() < 1e-12);
         }
     }
 }

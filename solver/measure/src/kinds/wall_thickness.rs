@@ -27,14 +27,11 @@
 //! the rest shape.
 
 use mechanics::contact::density::{Density, Repulsion};
-use mechanics::contact::pairs::Pair;
 use mechanics::contact::rest_potential;
-use mechanics::element::at;
-use mechanics::symmetry::Plane;
 use program::Names;
 
 use super::*;
-use crate::quantity::{SidesTouch, Walls};
+use crate::quantity::ClosePairs;
 use crate::written::DensitySchema;
 
 pub(super) const KIND: Kind = Kind {
@@ -90,78 +87,63 @@ impl Specification for Keys {
         } else {
             vec![site.facets(&self.on)?, site.facets(&Names::Several(self.against.clone()))?]
         };
-        Ok(Arc::new(WallThickness::new(&site.body.planes, &parts, limits, measure)?))
+        let close = ClosePairs::between(&site.body.planes, &parts)?;
+        Ok(Arc::new(Barrier { close, limits, measure }))
     }
 }
 
-/// Penalty on thin walls.
-pub struct WallThickness {
-    /// How thin walls may be: β with d₀ and d̂.
-    limits: Repulsion,
-    measure: Measure,
-    walls: Walls,
+/// Penalty on what is close.
+pub(super) struct Barrier {
+    /// What counts.
+    pub close: ClosePairs,
+    /// How close it may be: β with d₀ and d̂.
+    pub limits: Repulsion,
+    /// The shape of which distances are.
+    pub measure: Measure,
 }
 
-impl WallThickness {
-    /// The term between each two of several sets of facets.
-    pub fn new(
-        planes: &[Plane],
-        parts: &[Vec<[usize; 3]>],
-        limits: Repulsion,
-        measure: Measure,
-    ) -> Result<Self, SidesTouch> {
-        Ok(Self { limits, measure, walls: Walls::new(planes, parts)? })
-    }
-
+impl Barrier {
     /// J at positions of the vertices.
     pub fn value_at(&self, x: &[Vec3]) -> f64 {
-        let x = self.walls.whole.positions(x);
-        self.walls.whole.share() * rest_potential::value(&self.pairs(&x), &x, &self.limits)
-    }
-
-    /// Adds `weight` ∂J/∂x, three components per vertex; J must be finite.
-    pub fn add_gradient_at(&self, x: &[Vec3], weight: f64, out: &mut [f64]) {
-        let x = self.walls.whole.positions(x);
-        let (weight, mut by_x) = (weight * self.walls.whole.share(), vec![0.0; 3 * x.len()]);
-        rest_potential::add_gradient(&self.pairs(&x), &x, &self.limits, weight, &mut by_x);
-        self.walls.whole.add_to_vertices(&by_x, out);
-    }
-
-    /// Pairs at positions of the whole.
-    fn pairs(&self, x: &[Vec3]) -> Vec<Pair> {
-        self.walls.pairs(x, self.limits.range())
-    }
-
-    /// Positions of the vertices in the shape that is measured [m].
-    fn vertices(&self, equilibrium: &Equilibrium) -> Vec<Vec3> {
-        match self.measure {
-            Measure::Rest => equilibrium.rest.to_vec(),
-            Measure::Deformed => {
-                equilibrium.rest.iter().enumerate().map(|(v, x)| x + at(equilibrium.u, v)).collect()
-            }
-        }
+        let (pairs, x) = self.close.at(x, self.limits.range());
+        self.close.whole.share() * rest_potential::value(&pairs, &x, &self.limits)
     }
 }
 
-impl Quantity for WallThickness {
+impl Quantity for Barrier {
     fn admit(&self, rest: &[Vec3]) -> Result<(), String> {
         if !self.limits.density.is_barrier() || self.measure == Measure::Deformed {
             return Ok(());
         }
-        let (found, minimum) = (self.walls.min_distance(rest), self.limits.minimum);
-        if found > minimum {
-            return Ok(());
-        }
-        Err(format!("the wall is {found:.3e} m thin, and must be thicker than {minimum:.3e} m"))
+        let (pairs, x) = self.close.at(rest, self.limits.range());
+        let mut all: Vec<(f64, Vec3)> = pairs
+            .iter()
+            .map(|pair| (pair.closest(&pair.gather(&x)).d2, x[pair.corners()[0]]))
+            .collect();
+        all.retain(|(d2, _)| self.limits.is_violated(*d2));
+        let Some((d2, at)) = all.iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
+        Err(format!(
+            "{} pairs of features are too close, the closest {:.3e} m apart at ({:.5}, {:.5}, {:.5}) m; expected more \
+             than {:.3e} m",
+            all.len(),
+            d2.sqrt(),
+            at.x,
+            at.y,
+            at.z,
+            self.limits.minimum
+        ))
     }
 
     fn value(&self, at: &Equilibrium) -> f64 {
-        self.value_at(&self.vertices(at))
+        self.value_at(&at.vertices(self.measure))
     }
 
     fn add_partials(&self, at: &Equilibrium, weight: f64, out: &mut Partials) {
-        let mut by = vec![0.0; 3 * at.rest.len()];
-        self.add_gradient_at(&self.vertices(at), weight, &mut by);
+        let (pairs, x) = self.close.at(&at.vertices(self.measure), self.limits.range());
+        let weight = weight * self.close.whole.share();
+        let (mut by_x, mut by) = (vec![0.0; 3 * x.len()], vec![0.0; 3 * at.rest.len()]);
+        rest_potential::add_gradient(&pairs, &x, &self.limits, weight, &mut by_x);
+        self.close.whole.add_to_vertices(&by_x, &mut by);
         let add = |out: &mut [f64]| out.iter_mut().zip(&by).for_each(|(o, g)| *o += g);
         add(out.rest);
         if self.measure == Measure::Deformed {
@@ -174,9 +156,10 @@ impl Quantity for WallThickness {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use mechanics::testing::{sphere, square};
+    use mechanics::testing::square;
 
     use super::*;
+    use crate::quantity::PartsTouch;
 
     /// Two bumpy squares at a distance of about `gap`.
     fn plates(gap: f64) -> (Vec<Vec3>, Vec<[usize; 3]>, Vec<[usize; 3]>) {
@@ -192,13 +175,9 @@ mod tests {
     const QUADRATIC: Repulsion =
         Repulsion { density: Density::Quadratic, minimum: 0.0, activation: 0.16 };
 
-    fn rest(
-        inner: &[[usize; 3]],
-        outer: &[[usize; 3]],
-        limits: Repulsion,
-    ) -> Result<WallThickness, SidesTouch> {
-        let parts = [inner.to_vec(), outer.to_vec()];
-        WallThickness::new(&[], &parts, limits, Measure::Rest)
+    fn between(parts: &[Vec<[usize; 3]>], limits: Repulsion) -> Result<Barrier, PartsTouch> {
+        let close = ClosePairs::between(&[], parts)?;
+        Ok(Barrier { close, limits, measure: Measure::Rest })
     }
 
     /// One vertex 0.1 above the inside of one triangle, and nothing else in
@@ -216,7 +195,7 @@ mod tests {
         .map(Vec3::from);
         let value = |density, minimum, activation| {
             let limits = Repulsion { density, minimum, activation };
-            rest(&[[0, 1, 2]], &[[3, 4, 5]], limits).unwrap().value_at(&x)
+            between(&[vec![[0, 1, 2]], vec![[3, 4, 5]]], limits).unwrap().value_at(&x)
         };
         let quadratic = value(Density::Quadratic, 0.0, 0.12);
         assert!((quadratic - (0.0144_f64 - 0.01).powi(2)).abs() < 1e-16);
@@ -229,38 +208,25 @@ mod tests {
     }
 
     #[test]
-    fn minimum_distance_is_the_gap_of_nested_spheres() {
-        let ball = sphere(3);
-        let offset = ball.vertices.len();
-        let mut x: Vec<Vec3> = ball.vertices.iter().map(|v| v * 0.7).collect();
-        x.extend(&ball.vertices);
-        let outer: Vec<_> = ball.triangles.iter().map(|t| t.map(|v| v + offset)).collect();
-        let wall = rest(&ball.triangles, &outer, QUADRATIC).unwrap();
-        // facets of the outer sphere sag by h²/8 at most, h < 0.22
-        let gap = wall.walls.min_distance(&x);
-        assert!(gap < 0.3 && gap > 0.3 - 0.22_f64.powi(2) / 8.0 * 1.4, "{gap}");
-    }
-
-    #[test]
     fn sides_that_touch_are_refused() {
         let surface = square(2, 0.0);
         let (inner, outer) = surface.triangles.split_at(2);
-        let error = rest(inner, outer, QUADRATIC).err().unwrap();
-        assert_eq!(error, SidesTouch { count: 3, first: 1 });
+        let error = between(&[inner.to_vec(), outer.to_vec()], QUADRATIC).err().unwrap();
+        assert_eq!(error, PartsTouch { parts: [1, 2], count: 3, vertex: 1 });
     }
 
     #[test]
     fn each_two_of_several_parts_are_compared() {
         let (x, inner, outer) = plates(0.15);
         let n = x.len();
-        let third: Vec<[usize; 3]> = outer.iter().map(|t| t.map(|v| v + n)).collect();
+        let third = outer.iter().map(|t| t.map(|v| v + n)).collect();
         let mut all = x.clone();
         all.extend(x.iter().map(|v| v + 0.12 * Vec3::z()));
-        let value = |wall: Result<WallThickness, _>| wall.unwrap().value_at(&all);
-        let parts = [inner.clone(), outer.clone(), third.clone()];
-        let among = value(WallThickness::new(&[], &parts, QUADRATIC, Measure::Rest));
-        let pairs = [(&inner, &outer), (&inner, &third), (&outer, &third)];
-        let sum: f64 = pairs.map(|(a, b)| value(rest(a, b, QUADRATIC))).iter().sum();
+        let value = |parts: &[_]| between(parts, QUADRATIC).unwrap().value_at(&all);
+        let parts = [inner, outer, third];
+        let among = value(&parts);
+        let pairs = [[0, 1], [0, 2], [1, 2]].map(|pair| pair.map(|i: usize| parts[i].clone()));
+        let sum: f64 = pairs.map(|pair| value(&pair)).iter().sum();
         assert!(among > 0.0 && (among - sum).abs() < 1e-12 * sum);
     }
 }

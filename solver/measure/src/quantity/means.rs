@@ -8,12 +8,14 @@
 //!
 //! Where a point does not move, |u| has no derivative; zero is taken, the least of its subgradients.
 
-use mechanics::element::FunctionSpace;
+use std::sync::Arc;
+
+use anyhow::Result;
 use mechanics::math::tensor::Mat3;
 use mesh::Vec3;
 
 use super::surface_integral::{Density, Patch, Place};
-use super::{Equilibrium, Measure, Partials, Quantity};
+use super::{Equilibrium, Measure, Partials, Quantity, Site};
 
 /// Means over a tag; as a derivative, the partial derivatives by them.
 #[derive(Clone, Copy, Debug)]
@@ -85,22 +87,27 @@ impl Means {
     }
 }
 
-/// q and m̄ of each tag, of the means over the tags.
-pub type Function = Box<dyn Fn(&[Means]) -> (f64, Vec<Means>) + Send + Sync>;
-
-/// A function of means over tags.
-pub struct OfMeans {
+/// A function of means over tags: q and m̄ of each tag.
+struct OfMeans<F> {
     patches: Vec<Patch>,
-    function: Function,
+    function: F,
 }
 
-impl OfMeans {
-    /// A function of the means over facets (vertex ids) of each tag.
-    pub fn new(space: &FunctionSpace, tags: &[Vec<[usize; 3]>], function: Function) -> Self {
-        let patch = |facets: &Vec<[usize; 3]>| Patch::new(space, facets, Measure::Rest);
-        Self { patches: tags.iter().map(patch).collect(), function }
-    }
+/// The quantity that a function of the means over tags is, which has q and m̄ of each tag.
+pub fn of_means<'a, F>(
+    site: &Site,
+    tags: impl IntoIterator<Item = &'a String>,
+    function: F,
+) -> Result<Arc<dyn Quantity>>
+where
+    F: Fn(&[Means]) -> (f64, Vec<Means>) + Send + Sync + 'static,
+{
+    let patch = |tag: &String| Ok(Patch::new(site.space, &site.body.facets(tag)?, Measure::Rest));
+    let patches = tags.into_iter().map(patch).collect::<Result<_>>()?;
+    Ok(Arc::new(OfMeans { patches, function }))
+}
 
+impl<F> OfMeans<F> {
     /// Area [m²] and means of each tag.
     fn means(&self, at: &Equilibrium) -> Vec<(f64, Means)> {
         let of_tag = |patch: &Patch| {
@@ -114,7 +121,10 @@ impl OfMeans {
     }
 }
 
-impl Quantity for OfMeans {
+impl<F> Quantity for OfMeans<F>
+where
+    F: Fn(&[Means]) -> (f64, Vec<Means>) + Send + Sync,
+{
     fn value(&self, at: &Equilibrium) -> f64 {
         let means: Vec<Means> = self.means(at).into_iter().map(|(_, means)| means).collect();
         (self.function)(&means).0

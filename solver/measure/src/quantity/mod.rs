@@ -3,19 +3,16 @@
 //! A probe is a quantity that is measured at every reported step. An objective is a quantity that is
 //! minimised: it has a weight, and a sum over time.
 
-mod axis;
+mod close_pairs;
 mod distance_field;
 mod kind;
 mod means;
 mod normal;
-mod rest_term;
 mod site;
 pub mod solid_integral;
 pub mod surface_integral;
-mod targets;
 #[cfg(test)]
 pub(crate) mod tests;
-mod walls;
 
 use mesh::Vec3;
 use schemars::JsonSchema;
@@ -25,16 +22,36 @@ use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::{Energies, Iterate, Owner};
 use mechanics::forward::Problem;
 
-pub use axis::Axis;
-pub use distance_field::{DistanceField, DistanceKind};
+pub use close_pairs::{ClosePairs, PartsTouch};
+pub use distance_field::{DistanceField, DistanceKind, Targets};
 pub use kind::{Kind, List, Read, Specification};
-pub use means::{Means, OfMeans};
+pub use means::{Means, of_means};
 pub use normal::Normal;
-pub use rest_term::RestTerm;
 pub use site::{Law, Site};
 pub use surface_integral::Patch;
-pub use targets::Targets;
-pub use walls::{Cores, SidesTouch, Walls};
+
+/// A direction as it is written: of any length but 0 [1].
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "[f64; 3]")]
+pub struct Axis([f64; 3]);
+
+impl TryFrom<[f64; 3]> for Axis {
+    type Error = String;
+
+    fn try_from(axis: [f64; 3]) -> Result<Self, String> {
+        match axis.iter().all(|x| x.is_finite()) && axis.iter().any(|x| *x != 0.0) {
+            true => Ok(Self(axis)),
+            false => Err(format!("{axis:?}: must be a direction, finite and not zero")),
+        }
+    }
+}
+
+impl Axis {
+    /// The unit vector along it.
+    pub fn unit(&self) -> Vec3 {
+        Vec3::from(self.0).normalize()
+    }
+}
 
 /// Which shape areas, volumes and distances are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -82,6 +99,15 @@ impl<'a> Equilibrium<'a> {
         let &Iterate { space, rest, u, time, .. } = at;
         let Forces { contact, reaction } = forces;
         Self { space, rest, u, time, contact, reaction, energies: &problem.energies }
+    }
+
+    /// Positions of the vertices in one of the shapes [m].
+    pub fn vertices(&self, measure: Measure) -> Vec<Vec3> {
+        let mut vertices = self.rest.to_vec();
+        if measure == Measure::Deformed {
+            vertices.iter_mut().enumerate().for_each(|(v, x)| *x += at(self.u, v));
+        }
+        vertices
     }
 
     /// Positions of the nodes [m].

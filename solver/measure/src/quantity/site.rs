@@ -94,6 +94,11 @@ impl Site<'_> {
         Ok(found)
     }
 
+    /// Elements of one body or volume, or of all.
+    pub fn elements(&self, name: Option<&str>) -> Result<Vec<Range<usize>>> {
+        Ok(self.parts(name)?.into_iter().map(|(_, elements)| elements).collect())
+    }
+
     /// The values of what is wanted, which has to be defined on all facets at all times that count.
     pub fn wanted(&self, key: &str, wanted: &WrittenField, facets: &[[usize; 3]]) -> Result<Field> {
         let [x, y, z] = wanted.0.each_ref().map(|component| values(key, component));

@@ -257,17 +257,15 @@ impl Case<'_> {
     /// The longest ε.
     fn longest(&self, q: &[f64], motion: Option<f64>) -> f64 {
         let largest = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
-        let map = self.level.map();
+        let map = &self.level.map;
         match self.parameter {
             Parameter::Shape => {
-                let zero = vec![0.0; self.level.variables()];
-                let small = 1e-3 * map.mean_edge() / largest;
-                let mut moved = zero.clone();
-                moved.iter_mut().zip(q).for_each(|(m, q)| *m = small * q);
-                let per_unit = map.motion(&zero, &moved) / small;
-                motion.unwrap_or(0.1 * map.mean_edge()) / per_unit
+                let mut step = vec![0.0; self.level.variables()];
+                step[..q.len()].copy_from_slice(q);
+                let (per_unit, _) = map.motion_along(&vec![0.0; step.len()], &step);
+                motion.unwrap_or(0.1 * map.mean_edge) / per_unit
             }
-            Parameter::Loads => motion.unwrap_or(0.1 * map.mean_edge()) / largest,
+            Parameter::Loads => motion.unwrap_or(0.1 * map.mean_edge) / largest,
             _ => 1e-2 / largest,
         }
     }

@@ -1,14 +1,14 @@
-//! What follows from an accepted step: the memory of the optimiser, the end of the level, and what is written.
+//! What follows from an accepted step: the memory of the optimiser, the end of the level, and what is written and said.
 
 use anyhow::Result;
+use mechanics::forward::about;
 use mechanics::math::linear::norm;
 use reports::{Castable, Ended, Iteration, numbers};
-use scene::config::OptimizerConfig;
+use scene::config::{LevelConfig, OptimizerConfig};
 
-use super::say::{time_left, variables};
 use super::step::promise;
 use super::{CASTABLE, Cascade, LATEST, Step, Taken};
-use crate::optimize::history::{handles, probes, scenarios, spread};
+use crate::optimize::history::{handles, scenarios, spread};
 use crate::optimize::meshes::write_bodies;
 use crate::optimize::vectors::difference;
 use crate::optimize::{Checkpoint, Evaluation, Level, molding, shares};
@@ -61,7 +61,7 @@ impl Cascade<'_> {
         checkpoint.last_fall = fall;
         checkpoint.rejections.merge(step.rejections.clone());
         let mut ended = None;
-        let near = NEAR * level.map().mean_edge();
+        let near = NEAR * level.map.mean_edge;
         let (steepest, hoped) = promise(level, &step, &checkpoint.penalties, near);
         if checkpoint.quiet >= QUIET {
             // neither the model nor the gradient promises more, or nothing stood in the way
@@ -103,8 +103,7 @@ impl Cascade<'_> {
         let Step { taken, motion, trials, .. } = step;
         let Taken { evaluation, gradient, bounds, mold, .. } = taken;
         let gradient_norm = norm(&gradient);
-        let moved = level.mean_displacements(&evaluation)?;
-        let measured = level.measured(&evaluation)?;
+        let runs = scenarios(level, &evaluation)?;
         let several = !self.design.scenario.is_empty();
         let line = Iteration {
             level: checkpoint.level + 1,
@@ -121,13 +120,13 @@ impl Cascade<'_> {
             gradient_s: taken.gradient_s,
             mold_s: mold.as_ref().map(|_| taken.mold_s),
             time_s: checkpoint.total_s,
-            dofs: level.dofs(),
-            time_steps: level.steps(),
-            parameters: numbers(&level.map().parameters(&evaluation.theta)),
-            mean_displacement: numbers(&moved[0]),
-            probes: probes(&measured[0]),
-            scenarios: several.then(|| scenarios(level, &evaluation, &moved, &measured)),
-            spread: several.then(|| spread(&moved)),
+            dofs: level.scenarios[0].problem.dofs(),
+            time_steps: level.scenarios[0].times.len(),
+            parameters: numbers(&level.map.parameters(&evaluation.theta)),
+            mean_displacement: runs[0].1.mean_displacement.clone(),
+            probes: runs[0].1.probes.clone(),
+            spread: several.then(|| spread(&runs)),
+            scenarios: several.then(|| runs.into_iter().collect()),
             mold: mold.clone(),
         };
         log::info!(
@@ -155,7 +154,7 @@ impl Cascade<'_> {
                 log::info!("level {} begins with {shares}", checkpoint.level + 1);
             }
         }
-        if !level.map().moving().is_empty() {
+        if !level.map.moving().is_empty() {
             let shape = level.shape(&evaluation);
             write_bodies(&self.folder, LATEST, self.scene, &shape)?;
             if let Some(verdict) = &mold {
@@ -177,5 +176,61 @@ impl Cascade<'_> {
         checkpoint.lines = self.history().sha256()?;
         checkpoint.write_with_runs(&self.folder, &evaluation.runs)?;
         Ok(evaluation)
+    }
+}
+
+/// Time for the iterations that are left, if they take as long as in this level.
+fn time_left(levels: &[LevelConfig], checkpoint: &Checkpoint) -> String {
+    if checkpoint.iteration == 0 {
+        return String::new();
+    }
+    let all: usize = levels[checkpoint.level..].iter().map(|l| l.iterations).sum();
+    let left = all.saturating_sub(checkpoint.iteration) as f64;
+    let seconds = left * checkpoint.spent_s / (checkpoint.iteration + 1) as f64;
+    format!("  about {} left", about(seconds))
+}
+
+/// Says what a level has gained, and whether one term has hidden the others.
+pub(super) fn say_gain(checkpoint: &Checkpoint) {
+    let level = checkpoint.level + 1;
+    let first = checkpoint.merit_of_level;
+    let gain = (first - checkpoint.merit) / first.abs();
+    let costs = if checkpoint.bounds.is_empty() { "" } else { " with what violations cost" };
+    log::info!("level {level} has lowered the objective{costs} by {:.2} %", 100.0 * gain);
+    if let Some(hint) = shares::drowns(&checkpoint.first_terms, &checkpoint.terms) {
+        log::warn!("level {level}: {hint}");
+    }
+}
+
+/// Names the variables of loads that are held back by their bounds.
+pub(super) fn say_bounds(level: &Level, checkpoint: &Checkpoint) {
+    let Some((low, high)) = level.map.bounds(&checkpoint.theta) else { return };
+    let first = level.map.shape_variables();
+    let named = level.map.named_load_variables().iter().enumerate();
+    let held: Vec<&str> = named
+        .filter(|(k, _)| {
+            let i = first + k;
+            let (own, slope) = (checkpoint.theta[i], checkpoint.gradient[i]);
+            let near = 1e-6 * (high[i] - low[i]);
+            own - low[i] <= near && slope > 0.0 || high[i] - own <= near && slope < 0.0
+        })
+        .map(|(_, variable)| variable.path.as_str())
+        .collect();
+    if let [first, others @ ..] = &held[..] {
+        let more = match others.len() {
+            0 => String::new(),
+            count => format!(" and {count} more"),
+        };
+        log::info!(
+            "{first}{more}: at the bounds of the design, beyond which the objective would fall"
+        );
+    }
+}
+
+/// What changes in a level, for the log.
+fn variables(level: &Level, settings: &LevelConfig) -> String {
+    match settings.describe() {
+        said if said.is_empty() => format!("{} variables of loads", level.variables()),
+        said => said,
     }
 }

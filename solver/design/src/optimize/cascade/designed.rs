@@ -8,7 +8,10 @@ use anyhow::Result;
 use measure::constraint::Constraint;
 use mesh::io::vtu;
 use program::Unusable;
-use reports::{Castable, Designed, DesignedProbe, Ended, Iteration, Kept, LevelEnd, Optimization};
+use reports::{
+    Castable, Designed, DesignedProbe, Ended, Iteration, Kept, LevelEnd, Optimization, Remeshed,
+    numbers,
+};
 use run::report::crossing;
 use run::report::{results, summary};
 use scene::config::{ObjectiveConfig, ProbeConfig};
@@ -16,11 +19,15 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::{CASTABLE, Cascade, Finished, LATEST};
+use crate::optimize::Level;
 use crate::optimize::folder::forget_start;
-use crate::optimize::meshes::{mesh_file, write_bodies};
+use crate::optimize::meshes::{mesh_file, tidied, write_bodies};
 
 /// A smaller fall of the objective is hardly a design [1].
 const LITTLE: f64 = 0.01;
+/// A larger difference of the objective between two meshes of the design, over what was gained, says that its elements are
+/// poor [1].
+const OFF: f64 = 0.1;
 
 impl Cascade<'_> {
     /// Designs to the end, from the start or from where the folder's checkpoint says; writes and says what that came to.
@@ -33,7 +40,7 @@ impl Cascade<'_> {
         let lines = self.history().read()?;
         self.write(&finished, &lines)?;
         let Finished { level, at, .. } = &finished;
-        let crossing = level.crossing(at);
+        let crossing = level.runs(at).find_map(|(scenario, run)| scenario.crossing(run));
         let mut designed = self.designed(&finished, &lines, since)?;
         designed.crossing.clone_from(&crossing);
         designed.remeshed = self.remeshed(&finished, &designed);
@@ -81,11 +88,11 @@ impl Cascade<'_> {
         vtu::write_vtu(&folder.join("result.vtu"), &at.runs[0].grid())?;
         let times = &at.runs[0].states.times;
         let one = |(on, values): (String, Vec<f64>)| json!({ "on": on, "pressure": { "t": times, "value": values } });
-        let chambers: Vec<_> = level.map().pressures(&at.theta).into_iter().map(one).collect();
+        let chambers: Vec<_> = level.map.pressures(&at.theta).into_iter().map(one).collect();
         let tables = [("chamber", chambers)].into_iter().filter(|(_, table)| !table.is_empty());
         write_toml(&folder.join("pressures.toml"), tables.collect())?;
         let (numbers, parameters): (BTreeMap<_, _>, BTreeMap<_, _>) =
-            level.map().parameters(&at.theta).into_iter().partition(|(name, _)| name.contains('.'));
+            level.map.parameters(&at.theta).into_iter().partition(|(name, _)| name.contains('.'));
         let tables = [("parameters", parameters), ("numbers", numbers)].into_iter();
         write_toml(
             &folder.join("parameters.toml"),
@@ -196,6 +203,50 @@ impl Cascade<'_> {
         // to keep its bounds a design may have to give away some of its objective
         fall > 0.0 || finished.checkpoint.began_outside
     }
+
+    /// What the design comes to with a re-meshed interior; none where no shape moves, or no equilibrium is found. Flat
+    /// elements that a design came to are stiff, and what it gained by them is no gain of the body.
+    fn remeshed(&self, finished: &Finished, designed: &Designed) -> Option<Remeshed> {
+        if finished.level.map.moving().is_empty() {
+            return None;
+        }
+        let again = self.again(finished);
+        let unknown = |why: anyhow::Error| {
+            log::warn!("with a re-meshed interior the design was not simulated: {why:#}")
+        };
+        let (other, again) = again.map_err(unknown).ok()?;
+        let own = finished.at.objective;
+        let gain = (designed.objective_before.unwrap_or(f64::NAN) - own).abs();
+        let probes = designed.probes.iter().flatten().filter_map(|(name, probe)| {
+            let value = (*again.probes.get(name)?)?;
+            Some(format!(", {name} {}", summary::quantity(value, &probe.unit)))
+        });
+        let said = format!(
+            "with a re-meshed interior the objective is {other:.4e} in place of {own:.4e}{}",
+            probes.collect::<String>()
+        );
+        match (other - own).abs() > OFF * gain {
+            true => log::warn!("{said}: elements of the design are poor; a finer mesh tells more"),
+            false => log::info!("{said}"),
+        }
+        Some(again)
+    }
+
+    fn again(&self, finished: &Finished) -> Result<(f64, Remeshed)> {
+        let Finished { level: before, at, checkpoint, .. } = finished;
+        let settings = &self.design.levels()[checkpoint.level];
+        let scene = self.scene.with_fidelity(settings)?;
+        let body = tidied(&before.shape(at), before.map.moving())?;
+        let mut level = Level::new(&scene, &self.objectives, body, self.design, settings)?;
+        level.set_weights(&before.weights());
+        let theta = level.map.start(&before.map.loads(&at.theta));
+        let carried = before.carry(at, &level.body, scene.config.degree);
+        let (times, states): (Vec<f64>, Vec<Vec<f64>>) = carried.into_iter().unzip();
+        let near = level.carried(&theta, &times, states.into_iter().map(anyhow::Ok))?;
+        let found = level.evaluate(&theta, &near).or_else(|_| level.evaluate(&theta, &[]))?;
+        let probes = numbers(&level.scenarios[0].measured(&found.runs[0])?);
+        Ok((found.objective, Remeshed { objective: Some(found.objective), probes }))
+    }
 }
 
 /// What a design keeps, with what its constraints are worth.
@@ -203,14 +254,14 @@ fn kept(finished: &Finished) -> BTreeMap<String, Kept> {
     let Finished { level, at, checkpoint, .. } = finished;
     let worth = checkpoint.multipliers.iter().copied().chain(std::iter::repeat(0.0));
     let one = |(kept, worth): (&Constraint, f64)| {
-        let near = kept.near(&at.rest, level.map().mean_edge()).into_iter();
+        let near = kept.near(&at.rest, level.map.mean_edge).into_iter();
         let least = near.map(|c| c.value).reduce(f64::min);
-        let found = least.map(|value| kept.least() + value);
-        let (unit, least) = (kept.unit.to_owned(), Some(kept.least()));
+        let found = least.map(|value| kept.least + value);
+        let (unit, least) = (kept.unit.to_owned(), Some(kept.least));
         (kept.name.clone(), Kept { unit, least, most: None, found, worth })
     };
-    let of_shape = level.constraints().iter().zip(worth.clone()).map(one);
-    let of_runs = level.bounds().iter().enumerate().zip(worth.skip(level.constraints().len()));
+    let of_shape = level.constraints.iter().zip(worth.clone()).map(one);
+    let of_runs = level.bounds().iter().enumerate().zip(worth.skip(level.constraints.len()));
     let of_runs = of_runs.map(|((k, bound), worth)| {
         let worst = at.runs.iter().map(|run| run.kept[k]).reduce(f64::min);
         let kept = Kept {

@@ -4,11 +4,8 @@
 //! Source: Gjoka et al. 2024, section 4.5.
 
 mod accept;
-mod again;
 mod begin;
 mod designed;
-mod say;
-mod spread;
 mod step;
 
 use std::path::{Path, PathBuf};
@@ -22,7 +19,7 @@ use reports::{Castable, Ended, LevelEnd, NoStart, Optimization, Status};
 use scene::config::{DesignConfig, ObjectiveConfig, OptimizerMethod};
 use scene::{ObjectiveBuilder, Scene};
 
-use self::say::{say_bounds, say_gain};
+use self::accept::{say_bounds, say_gain};
 use super::bounds::BoundRow;
 use super::checkpoint::Checkpoint;
 use super::curvature::MOST_VARIABLES;
@@ -30,7 +27,6 @@ use super::ending::{Cause, End, Rejections, in_words};
 use super::history::History;
 use super::molding::Molding;
 use super::{Evaluation, Level, Meshes, Problem, Rejected};
-use run::report::failure::Diagnosis;
 use run::report::results;
 
 /// Fraction of the predicted decrease that a step must reach.
@@ -142,11 +138,6 @@ impl<'a> Cascade<'a> {
                 checkpoint.check_inputs(&self.folder, &self.inputs)?;
                 checkpoint.check_files(&self.folder)?;
                 checkpoint.remove_other_runs(&self.folder)?;
-                ensure!(
-                    checkpoint.level < self.design.levels().len(),
-                    "the checkpoint is of level {}, which the design does not have; start over with --restart",
-                    checkpoint.level + 1
-                );
                 log::info!(
                     "continuing at level {}, iteration {}",
                     checkpoint.level + 1,
@@ -201,7 +192,7 @@ impl<'a> Cascade<'a> {
         };
         let gradient_s = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let asked = self.molding.as_ref().filter(|_| !level.map().moving().is_empty());
+        let asked = self.molding.as_ref().filter(|_| !level.map.moving().is_empty());
         let mold = asked.map(|molding| molding.ask(&level.shape(&evaluation))).transpose()?;
         let mold_s = clock.elapsed().as_secs_f64();
         Ok(Ok(Taken { evaluation, gradient, bounds, mold, forward_s, gradient_s, mold_s }))
@@ -270,13 +261,12 @@ impl<'a> Cascade<'a> {
     /// The state to iterate from: solved at θ = 0, or read back.
     fn enter_level(&self, level: &mut Level, checkpoint: &mut Checkpoint) -> Result<Evaluation> {
         if !checkpoint.theta.is_empty() {
-            checkpoint.check_numbers(&self.folder, level)?;
             let runs = checkpoint.read_runs(&self.folder)?;
             let mut evaluation = level.recall(&checkpoint.theta, runs)?;
             level.linearize(&mut evaluation);
             return Ok(evaluation);
         }
-        let theta = level.map().start(&checkpoint.loads);
+        let theta = level.map.start(&checkpoint.loads);
         let context = || format!("level {}", checkpoint.level + 1);
         let theta = beginning(level, &theta).map_err(|rejected| -> anyhow::Error {
             let said = format!("level {}: {rejected}", checkpoint.level + 1);
@@ -338,27 +328,20 @@ impl<'a> Cascade<'a> {
     /// The error of a level whose body has no usable state. Where there is no
     /// equilibrium, report.json and the last good state say more.
     fn no_start(&self, level: &Level, index: usize, rejected: &Rejected) -> anyhow::Error {
-        let Some(diagnosis) = level.diagnose(rejected) else {
+        let Some(diagnosis) = rejected.diagnose(&level.scenarios) else {
             return Unusable(format!("level {}: {rejected}", index + 1)).into();
         };
-        let written = diagnosis
-            .write_state(&self.folder)
-            .and_then(|()| self.write_failure(index, &diagnosis));
-        if let Err(error) = written {
-            return error;
-        }
-        Unusable(format!("level {}: {}", index + 1, diagnosis.message)).into()
-    }
-
-    /// Writes the report of a level that could not begin.
-    fn write_failure(&self, index: usize, diagnosis: &Diagnosis) -> Result<()> {
         let status = match diagnosis.status {
             Status::NotEnoughSupports => Ended::NotEnoughSupports,
             _ => Ended::NoEquilibrium,
         };
         let failed = NoStart { level: index + 1, failed: diagnosis.failed.clone() };
         let report = Optimization { status, usable: false, designed: None, failed: Some(failed) };
-        results::write_report(&self.folder, &report)
+        let written = diagnosis.write_state(&self.folder);
+        match written.and_then(|()| results::write_report(&self.folder, &report)) {
+            Ok(()) => Unusable(format!("level {}: {}", index + 1, diagnosis.message)).into(),
+            Err(error) => error,
+        }
     }
 }
 
@@ -366,14 +349,14 @@ impl<'a> Cascade<'a> {
 fn beginning(level: &Level, theta: &[f64]) -> Result<Vec<f64>, Rejected> {
     level.admit(&level.body.mesh.vertices)?;
     let kept = level.restored(theta)?;
-    let motion = level.map().vertex_motion(theta, &kept);
+    let motion = level.map.vertex_motion(theta, &kept);
     if motion > 0.0 {
         log::info!(
             "the start is moved by up to {:.3} mm, to where its constraints are kept",
             1e3 * motion
         );
     }
-    level.admit(&level.map().shape(&kept)).map_err(|rejected| {
+    level.admit(&level.map.shape(&kept)).map_err(|rejected| {
         Rejected::new(format!("moved to where its constraints are kept: {rejected}"))
     })?;
     Ok(kept)

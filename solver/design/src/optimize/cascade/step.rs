@@ -4,6 +4,7 @@
 //! Every accepted shape keeps all constraints: a trial that violates one in the second order is moved back first, which
 //! costs no run.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -17,7 +18,6 @@ use crate::optimize::bounds::raise;
 use crate::optimize::checkpoint::Checkpoint;
 use crate::optimize::curvature::Curvature;
 use crate::optimize::ending::{Cause, End, Refused, Rejections};
-use crate::optimize::kept::KeptRow;
 use crate::optimize::quadratic::{Model, Problem, Row};
 use crate::optimize::scenario::Near;
 use crate::optimize::trust_region::{TrustRegion, step_within};
@@ -69,7 +69,7 @@ impl Cascade<'_> {
             return Ok(Err(End::converged("the gradient is zero")));
         }
         let clock = Instant::now();
-        let edge = level.map().mean_edge();
+        let edge = level.map.mean_edge;
         let mut region = checkpoint.region.clone();
         let Known { model, curvature, from_terms } =
             match self.known(level, checkpoint, &mut region, current, optimizer) {
@@ -88,7 +88,7 @@ impl Cascade<'_> {
                 let why = "no shape next to this one is valid and keeps the constraints";
                 return Ok(Err(End::jammed(why.to_owned(), rejections)));
             };
-            raise(&mut checkpoint.penalties, &multipliers[level.constraints().len()..]);
+            raise(&mut checkpoint.penalties, &multipliers[level.constraints.len()..]);
             checkpoint.multipliers = multipliers;
             let before = level.merit(current, &checkpoint.penalties);
             // less is rounding, of the objective at the start of the level as well
@@ -103,7 +103,8 @@ impl Cascade<'_> {
             forward_s += clock.elapsed().as_secs_f64();
             let outcome = match outcome {
                 Ok(evaluation) => {
-                    current.forget_tangents();
+                    // there is memory for those of others
+                    current.runs.iter_mut().for_each(|run| run.tangents = Arc::default());
                     self.take(level, evaluation)?.map_err(Refused::from)
                 }
                 Err(refused) => Err(refused),
@@ -121,7 +122,7 @@ impl Cascade<'_> {
                     let blind = !from_terms && checkpoint.lbfgs.is_empty();
                     // the length of a step of which nothing was known says nothing
                     region.judge(if blind { 1.0 } else { agreement }, motion);
-                    if level.map().shape_variables() > 0 {
+                    if level.map.shape_variables() > 0 {
                         // variables of loads have bounds of their own
                         region.radius = region.radius.min(optimizer.largest_step * edge);
                     }
@@ -129,7 +130,7 @@ impl Cascade<'_> {
                         region.update(&d, &difference(&taken.gradient, &gradient));
                     }
                     checkpoint.region = region;
-                    let motion = level.map().motion(&theta, &there);
+                    let motion = level.map.motion(&theta, &there);
                     // a step as long as the first of a level is not held back
                     let short = motion < optimizer.first_step * edge;
                     return Ok(Ok(Step {
@@ -164,7 +165,7 @@ impl Cascade<'_> {
         current: &Evaluation,
         optimizer: &OptimizerConfig,
     ) -> Result<Known, Rejected> {
-        let first = optimizer.first_step * level.map().mean_edge();
+        let first = optimizer.first_step * level.map.mean_edge;
         let wants_terms = match optimizer.method {
             Some(method) => method == OptimizerMethod::GaussNewton,
             None => level.is_small() && self.design.is_of_squares(),
@@ -235,22 +236,22 @@ fn propose(
     level: &Level,
     model: &Model,
     radius: f64,
-    (theta, gradient, bounded): (&[f64], &[f64], &[KeptRow]),
+    (theta, gradient, bounded): (&[f64], &[f64], &[Row]),
     rejections: &mut Rejections,
 ) -> Option<Proposal> {
     let mut metric = match model.is_full() {
         true => level.metric(theta),
         false => DMatrix::zeros(0, 0),
     };
-    let mut kept = level.kept_rows(theta, radius);
-    kept.extend(level.open_rows(theta, radius));
-    kept.extend(bounded.iter().cloned());
-    let rows = rows(level, theta, &kept);
-    let shape = level.map().shape_variables();
+    let mut rows = level.kept_rows(theta, radius);
+    rows.extend(level.open_rows(theta, radius));
+    rows.extend(bounded.iter().cloned());
+    let rows = with_bounds(level, theta, rows);
+    let shape = level.map.shape_variables();
     // how many times shorter than the region the motion of the shape is
     let mut shorter = 1.0;
     for _ in 0..RADII {
-        let motion = |d: &[f64]| level.map().scaled_motion(theta, &along(theta, d, 1.0), shorter);
+        let motion = |d: &[f64]| level.map.scaled_motion(theta, &along(theta, d, 1.0), shorter);
         let problem = Problem::new(model, gradient, &metric, &rows, radius);
         let found = step_within(&problem, radius, motion)?;
         let trial = level.restored(&within_bounds(level, theta, &found.d)).and_then(|there| {
@@ -259,14 +260,14 @@ fn propose(
                 return Err(Rejected::new("the surface would pass through itself"));
             }
             level.check_flat(&there)?;
-            level.admit(&level.map().shape(&there))?;
+            level.admit(&level.map.shape(&there))?;
             Ok(d)
         });
         match trial {
             Ok(d) => {
-                let mut multipliers = vec![0.0; level.constraints().len() + level.bounds().len()];
+                let mut multipliers = vec![0.0; level.constraints.len() + level.bounds().len()];
                 for (k, multiplier) in &found.multipliers {
-                    if let Some(index) = kept.get(*k).and_then(|kept| kept.constraint) {
+                    if let Some(index) = rows[*k].of {
                         multipliers[index] += multiplier;
                     }
                 }
@@ -291,16 +292,15 @@ fn propose(
 }
 
 /// The inequalities of a step: those of the constraints, then the bounds of variables.
-fn rows(level: &Level, theta: &[f64], kept: &[KeptRow]) -> Vec<Row> {
-    let mut rows: Vec<Row> =
-        kept.iter().map(|kept| Row { a: kept.row.a.clone(), c: kept.row.c.max(0.0) }).collect();
-    let pressures = level.map().pressures_within(theta).into_iter();
-    rows.extend(pressures.map(|(left, a)| Row { a, c: left.max(0.0) }));
-    if let Some((low, high)) = level.map().bounds(theta) {
+fn with_bounds(level: &Level, theta: &[f64], mut rows: Vec<Row>) -> Vec<Row> {
+    rows.iter_mut().for_each(|row| row.c = row.c.max(0.0));
+    let pressures = level.map.pressures_within(theta).into_iter();
+    rows.extend(pressures.map(|(left, a)| Row { a, c: left.max(0.0), of: None }));
+    if let Some((low, high)) = level.map.bounds(theta) {
         for (i, value) in theta.iter().enumerate() {
             for (sign, left) in [(1.0, value - low[i]), (-1.0, high[i] - value)] {
                 if left.is_finite() {
-                    rows.push(Row { a: vec![(i, sign)], c: left.max(0.0) });
+                    rows.push(Row { a: vec![(i, sign)], c: left.max(0.0), of: None });
                 }
             }
         }
@@ -311,7 +311,7 @@ fn rows(level: &Level, theta: &[f64], kept: &[KeptRow]) -> Vec<Row> {
 /// θ + d without what rounding has left beyond the bounds.
 fn within_bounds(level: &Level, theta: &[f64], d: &[f64]) -> Vec<f64> {
     let mut there = along(theta, d, 1.0);
-    if let Some((low, high)) = level.map().bounds(theta) {
+    if let Some((low, high)) = level.map.bounds(theta) {
         there.iter_mut().enumerate().for_each(|(i, value)| *value = value.clamp(low[i], high[i]));
     }
     there
@@ -322,10 +322,10 @@ fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
     let (theta, mut gradient) = (&step.taken.evaluation.theta, step.taken.gradient.clone());
     let mut kept = level.kept_rows(theta, 0.0);
     kept.extend(level.bounded(&step.taken.bounds, penalties, &mut gradient));
-    kept.retain(|kept| kept.row.c <= level.tolerance(kept));
+    kept.retain(|row| row.c <= level.tolerance(row));
+    kept.iter_mut().for_each(|row| row.c = 0.0);
     let length = norm(&gradient);
-    let mut all = rows(level, theta, &kept);
-    all.iter_mut().take(kept.len()).for_each(|row| row.c = 0.0);
+    let all = with_bounds(level, theta, kept);
     let (model, metric) = (Model::round(gradient.len(), 1.0), DMatrix::zeros(0, 0));
     let problem = Problem::new(&model, &gradient, &metric, &all, length);
     problem.minimum(0.0).map_or(gradient, |found| found.d)
@@ -334,13 +334,9 @@ fn downhill(level: &Level, step: &Step, penalties: &[f64]) -> Vec<f64> {
 /// The largest component of that step, and by how much the merit would fall along it over a motion [m], to first order.
 pub(super) fn promise(level: &Level, step: &Step, penalties: &[f64], motion: f64) -> (f64, f64) {
     let d = downhill(level, step, penalties);
-    let largest = d.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+    let (per_unit, largest) = level.map.motion_along(&step.taken.evaluation.theta, &d);
     if largest == 0.0 {
         return (0.0, 0.0);
     }
-    let small = 1e-3 * level.map().mean_edge() / largest;
-    let theta = &step.taken.evaluation.theta;
-    let there = along(theta, &d, small);
-    let per_unit = level.map().motion(theta, &there) / small;
     (largest, dot(&d, &d) / per_unit * motion)
 }

@@ -6,11 +6,8 @@
 
 mod bound;
 mod changes;
-mod curvature;
-mod gradient;
-mod outcome;
+mod runs;
 mod slope;
-mod solve;
 mod terms;
 
 use std::collections::BTreeMap;
@@ -28,8 +25,7 @@ use scene::{ObjectiveBuilder, Scene, Weighted};
 
 pub use self::bound::Bound;
 pub use self::changes::scene_of;
-pub use self::outcome::Run;
-pub use self::solve::Near;
+pub use self::runs::{Near, Run};
 use super::validity;
 use crate::variables::LoadMap;
 use run::report::failure::Diagnosis;
@@ -102,17 +98,17 @@ pub struct Scenario {
     /// The body at the beginning of the level.
     body: Body,
     /// With the scene's own loads.
-    problem: Problem,
+    pub problem: Problem,
     stepping: Stepping,
     /// The state at t = 0 and the time integration.
     start: Integrator,
     /// Ends of the time steps [s].
-    times: Vec<f64>,
+    pub times: Vec<f64>,
     /// Memory for the states of a run [B].
     state_memory: f64,
     terms: Vec<Weighted>,
-    /// What its end keeps.
-    bounds: Vec<Bound>,
+    /// What the end of each run keeps.
+    pub bounds: Vec<Bound>,
     workspaces: Mutex<Workspaces>,
 }
 
@@ -140,8 +136,7 @@ impl Scenario {
             scene.config.check_slope(&kept.title())?;
         }
         let bounds = Bound::all(design, &scene, body, &problem)?;
-        let (chambers, parameters) = (&design.chamber, &design.parameter);
-        let loads = LoadMap::new(&scene, chambers, parameters, edge)?;
+        let loads = LoadMap::new(&scene, design, edge)?;
         Ok(Self {
             walls: changes::walls(config, &scene, body)?,
             loads,
@@ -164,11 +159,6 @@ impl Scenario {
         self.workspaces.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The discrete problem.
-    pub fn problem(&self) -> &Problem {
-        &self.problem
-    }
-
     /// What its solves need; those of a slope have a factor of their own.
     pub fn memory(&self) -> Need {
         let one = self.workspaces().equilibrium.memory();
@@ -180,19 +170,9 @@ impl Scenario {
         self.scene.config.time.is_some()
     }
 
-    /// Ends of the time steps [s].
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
     /// Names of the terms, in the order of the design file.
     pub fn term_names(&self) -> impl Iterator<Item = &str> {
         self.terms.iter().map(|term| term.name.as_str())
-    }
-
-    /// What the end of each run keeps.
-    pub fn bounds(&self) -> &[Bound] {
-        &self.bounds
     }
 
     /// What messages begin with.

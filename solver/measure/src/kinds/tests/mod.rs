@@ -215,6 +215,9 @@ fn a_rigid_motion_has_its_known_numbers() {
             value(&format!("kind = 'displacement'\non = 'right'\n{a}")),
             axis.dot(&moved(Vec3::new(1.0, 0.5, 0.5))),
         );
+        let twist = "kind = 'twist'\non = 'top'\naxis = [1, 2, -1]";
+        near(value(twist), 0.7_f64.to_degrees());
+        near(self::value(degree, twist, |x| 1.3 * (turn * x) + shift - x), 0.7_f64.to_degrees());
         near(value("kind = 'angle'\non = 'top'\nto = 'left'"), 90.0);
         near(value("kind = 'angle'\non = 'top'\nto = 'bottom'"), 180.0);
         near(value("kind = 'distance'\non = 'top'\nto = 'left'"), 0.5_f64.sqrt());

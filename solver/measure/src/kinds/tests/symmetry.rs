@@ -5,11 +5,11 @@ use mechanics::element::at;
 use mechanics::symmetry::Plane;
 use mechanics::testing::{half, whole};
 
-use crate::kinds::clearance::Clearance;
+use crate::kinds::clearance;
 use crate::kinds::contact_proxy::ContactProxy;
-use crate::kinds::wall_thickness::WallThickness;
+use crate::kinds::wall_thickness::Barrier;
 use crate::quantity::tests::Case;
-use crate::quantity::{Measure, Quantity};
+use crate::quantity::{ClosePairs, Measure, Quantity};
 
 const RANGE: f64 = 0.15;
 
@@ -20,15 +20,17 @@ fn terms() -> Vec<Box<Make>> {
     let limits = Repulsion { density: Density::Log, minimum: 0.01, activation: RANGE };
     let wall = move |measure| -> Box<Make> {
         Box::new(move |case, planes| {
-            let wall = WallThickness::new(planes, &sides(case), limits, measure);
-            Box::new(wall.expect("sides are apart"))
+            let close = ClosePairs::between(planes, &sides(case)).expect("sides are apart");
+            Box::new(Barrier { close, limits, measure })
         })
     };
     let open = |case: &Case| case.facets_where(|x| x.x != 0.0);
     vec![
         wall(Measure::Rest),
         wall(Measure::Deformed),
-        Box::new(move |case, planes| Box::new(Clearance::new(planes, &open(case), RANGE))),
+        Box::new(move |case, planes| {
+            Box::new(clearance::barrier(ClosePairs::within(planes, &open(case)), RANGE))
+        }),
         Box::new(|case, planes| {
             let limits = Repulsion { density: Density::Log, minimum: 0.0, activation: RANGE };
             let term = ContactProxy::new(planes, &case.space, &sides(case), limits);
@@ -84,21 +86,13 @@ fn a_part_has_its_share_of_the_value_and_the_derivatives() {
 }
 
 #[test]
-fn derivatives_of_a_part_belong_to_the_value() {
-    let (own, _, plane) = cases();
-    for make in terms() {
-        own.check_near(&*make(&own, std::slice::from_ref(&plane)), 1e-5);
-    }
-}
-
-#[test]
 fn facets_in_a_plane_count_once() {
     let (own, _, plane) = cases();
     let limits = Repulsion { density: Density::Quadratic, minimum: 0.0, activation: 0.3 };
     let parts = [own.facets_where(|x| x.y > 1.0 + 1e-9), own.facets_where(|x| x.x == 0.0)];
     let value = |planes: &[Plane]| {
-        let wall = WallThickness::new(planes, &parts, limits, Measure::Rest).expect("apart");
-        wall.value(&own.at())
+        let close = ClosePairs::between(planes, &parts).expect("apart");
+        Barrier { close, limits, measure: Measure::Rest }.value(&own.at())
     };
     let (with, without) = (value(std::slice::from_ref(&plane)), value(&[]));
     assert!(without > 0.0 && (with / without - 1.0).abs() < 1e-12, "{with} {without}");

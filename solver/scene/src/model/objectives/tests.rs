@@ -198,11 +198,7 @@ fn what_is_missing_is_named() {
                 .to_owned(),
             "displacement: ",
         ),
-        (
-            CONTACT,
-            TERMS.replace("'upper.bottom'", "'lower'"),
-            "parts 1 and 2 of the list share vertex",
-        ),
+        (CONTACT, TERMS.replace("'upper.bottom'", "'lower'"), "parts 1 and 2 share"),
     ] {
         let error = error(contact, &terms);
         assert!(error.contains(words), "{words}: {error}");
