@@ -1,7 +1,6 @@
 //! The report of a simulation, and the judgement of it: one for the program, which ends with exit code 1 where the
 //! result must not be used, and for the Python package, which raises an exception there.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
@@ -66,7 +65,7 @@ fn materials(scene: &Scene) -> Result<Vec<Material>> {
             parameters: serde_json::from_value(json!(parameters))?,
             moduli: Moduli { shear: moduli.shear, bulk: moduli.bulk },
             silicone: silicone.map(serde_json::from_value).transpose()?,
-            on: law.volume.is_some().then(|| scene.law_name(law)),
+            on: law.volume.is_some().then(|| law.name.clone()),
         })
     };
     scene.laws.iter().map(one).collect()
@@ -181,6 +180,7 @@ pub fn end(
     verdict: Verdict,
 ) -> Result<End> {
     let energies = results::stored_energies(&problem.energies, end);
+    let elastic = results::elastic_energy(&problem.energies, &energies);
     let kinetic =
         spent.velocity.map(|v| results::kinetic_energy(&problem.energies, end.space, end.rest, v));
     let measured = || results::probes(probes, problem, end);
@@ -188,7 +188,7 @@ pub fn end(
     Ok(End {
         tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
         newton_iterations: spent.newton_iterations,
-        energy_balance: balance(recorder, &energies, kinetic),
+        energy_balance: balance(recorder, elastic, kinetic),
         energies,
         force_balance: results::balance(problem, end),
         tags: results::tags(scene, &scene.body, problem, end)?,
@@ -211,15 +211,8 @@ pub fn end(
 }
 
 /// Work of the loads beside stored and kinetic energy [J].
-fn balance(
-    recorder: &Recorder,
-    energies: &BTreeMap<String, f64>,
-    kinetic: Option<f64>,
-) -> EnergyBalance {
+fn balance(recorder: &Recorder, elastic: f64, kinetic: Option<f64>) -> EnergyBalance {
     let work_of_loads = recorder.work().total;
-    let beside = ["membrane", "fibre", "winding", "mullins"];
-    let beside = beside.map(|name| energies.get(name).unwrap_or(&0.0));
-    let elastic = energies["elastic"] + beside.into_iter().sum::<f64>();
     let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
     let relative_gap = kinetic.is_none().then_some(gap);
     let largest_gain = recorder.largest_gain();
@@ -231,7 +224,7 @@ fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
     let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits(&scene.body));
     found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
     let one = |(of, law): (&Strained, &SceneLaw)| MaterialRange {
-        on: (scene.laws.len() > 1).then(|| scene.law_name(law)),
+        on: (scene.laws.len() > 1).then(|| law.name.clone()),
         tested: of.limits.tested,
         modes: of.limits.modes.iter().map(|mode| mode.state().to_owned()).collect(),
         smallest: of.smallest.stretch,

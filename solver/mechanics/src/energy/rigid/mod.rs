@@ -126,7 +126,7 @@ impl Energy for Rigid {
     }
 
     fn nature(&self) -> Nature {
-        Nature::Elastic
+        Nature::Rigid
     }
 
     fn value(&self, at: &Iterate) -> f64 {
