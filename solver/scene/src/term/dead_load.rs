@@ -155,9 +155,13 @@ impl Room for Vec<TractionConfig> {
     }
 }
 
-/// A force on all of a body, if it is defined there and does not point across a plane of symmetry.
+/// A force on all of a body, if it is defined there and does not point across a plane of symmetry; with other numbers as
+/// it is.
 fn everywhere(key: &KeyPath, written: &WrittenField, ground: &Ground) -> Result<Field> {
-    let Ground { around: Around { values, .. }, body, space, .. } = ground;
+    let Ground { around: Around { values, .. }, body, space, last, .. } = ground;
+    if last.is_some() {
+        return Ok(values.field(written));
+    }
     let nodes = space.node_positions(&body.mesh.vertices);
     let field = values.defined(key, written, &nodes)?;
     // the full load first, for the message
