@@ -1,5 +1,4 @@
-//! From config and files to objects: the only place where names become
-//! meshes, energies and objectives.
+//! From config and files to objects: bodies, problems, probes and objectives. The terms of a problem are those of rooms.
 
 mod assembly;
 mod afloat;
