@@ -33,7 +33,8 @@ fn workdir(more: &str) -> Workdir {
     let dir = chamber::workdir();
     let sim = chamber::SIM.replace("degree = 2", "degree = 1\ngravity = [0, 0, -9.81]");
     let sim = sim.replace("d1 = 1e6", "d1 = 1e6\ndensity = 1070");
-    let rooms: String = SimConfig::default().rooms().iter().map(|room| room.example()).collect();
+    let rooms: String =
+        SimConfig::default().rooms().iter().map(|room| room.about().example).collect();
     dir.write("sim.toml", &(sim + chamber::PROBES + &rooms + MORE + more));
     dir
 }
@@ -60,7 +61,7 @@ fn every_number_has_its_derivative() {
     let softened = moved(SOFTENING, &[8e-3, 3e-3, 6e-3]);
     let mut words = with_derivatives(&workdir("").path("sim.toml"));
     words.extend(with_derivatives(&softened.path("p1.toml")));
-    let known: BTreeSet<&str> = KINDS.iter().map(|kind| kind.word()).collect();
+    let known: BTreeSet<&str> = KINDS.iter().map(|kind| kind.word).collect();
     // rigid parts, which no tag of these bodies can be, and friction have their tests in `features`
     assert_eq!(known.difference(&words).collect::<Vec<_>>(), [&"contact", &"rigid"]);
 }

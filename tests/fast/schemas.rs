@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use jsonschema::Validator;
 use program::schema::Format;
-use scene::config::{MaterialConfig, SimConfig};
+use scene::config::SimConfig;
+use scene::term::material::MaterialConfig;
 use tests::workdir::repository;
 use toml::Value;
 

@@ -58,6 +58,7 @@ impl Outcome<'_> {
         let verdict = Verdict::new(scene, problem, end, on_path, recorder.largest_gain());
         let (status, refusal) = (verdict.status(), verdict.refusal());
         let energies = results::stored_energies(terms, end);
+        let elastic = results::elastic_energy(terms, &energies);
         let kinetic = self.velocity.map(|v| results::kinetic_energy(terms, end.space, end.rest, v));
         let locking = locking::estimate(scene, (problem, probes), end);
         let known = stability::at_end(scene, (problem, workspace), end, self.last);
@@ -75,7 +76,7 @@ impl Outcome<'_> {
         let found = End {
             tolerance_met: recorder.lines.iter().all(|line| line.rounding_floor.is_none()),
             newton_iterations: self.newton_iterations,
-            energy_balance: simulation::balance(recorder, &energies, kinetic),
+            energy_balance: simulation::balance(recorder, elastic, kinetic),
             energies,
             force_balance: results::balance(problem, end),
             tags: results::tags(scene, &scene.body, problem, end)?,

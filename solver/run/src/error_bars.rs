@@ -28,7 +28,7 @@ use mechanics::forward::{Problem, Trajectory, Workspace};
 use program::KeyPath;
 use reports::{ErrorBar, ErrorBars};
 use scene::Scene;
-use scene::config::{Modulus, UncertaintyConfig, is_pressure};
+use scene::config::{Modulus, UncertaintyConfig};
 
 use super::limit::{Edges, configuration, growing};
 use super::sensitivity::sensitivities;
@@ -192,7 +192,7 @@ fn numbers(scene: &Scene, config: &UncertaintyConfig) -> Result<Vec<Off>> {
     }
     all.extend(["creep", "mullins"].into_iter().flat_map(|of| softening(scene, of)));
     if let Some(off) = config.pressure {
-        let chambers = scene.config.chamber.iter().filter(|c| is_pressure(c.gas.key()));
+        let chambers = scene.config.chamber.iter().filter(|c| c.gas.is_pressure());
         let each = chambers.map(|c| (c.name.clone(), Group::pressure(scene, Some(&c.name))));
         let (whole, each) = (Group::pressure(scene, None), if_several(each.collect()));
         all.extend(Off::each("pressure", both(off), whole, each));
@@ -231,7 +231,7 @@ fn if_several(parts: Vec<(String, Group)>) -> Vec<(String, Group)> {
 fn by_volume(scene: &Scene) -> Vec<(String, Group)> {
     let several = scene.laws.iter().any(|law| law.volume.is_some());
     let laws = scene.laws.iter().enumerate().filter(|_| several);
-    laws.map(|(i, law)| (scene.law_name(law), Group::modulus_of(scene, i))).collect()
+    laws.map(|(i, law)| (law.name.clone(), Group::modulus_of(scene, i))).collect()
 }
 
 /// What materials are softer by than their laws: all that are, by the most of them, and, where
@@ -242,10 +242,11 @@ fn softening(scene: &Scene, of: &str) -> Vec<Off> {
     for (i, law) in scene.laws.iter().enumerate() {
         let mut changes = law.material.softening.changes();
         let Some((_, off)) = changes.find(|(known, _)| *known == of) else { continue };
+        let config = &scene.config;
         let simulated = if of == "creep" {
-            !scene.branches(law).is_empty()
+            config.relaxation.iter().any(|table| law.is_of(table.on.as_deref()))
         } else {
-            scene.mullins(law).is_some()
+            config.mullins.iter().any(|table| law.is_of(table.on.as_deref()))
         };
         if simulated {
             continue;
@@ -254,7 +255,7 @@ fn softening(scene: &Scene, of: &str) -> Vec<Off> {
         let group = Group::modulus_of(scene, i);
         whole.extend(group.numbers.iter().cloned());
         if law.volume.is_some() {
-            parts.push(Off::new(of, Some(scene.law_name(law)), [off, 0.0], group));
+            parts.push(Off::new(of, Some(law.name.clone()), [off, 0.0], group));
         }
     }
     if whole.is_empty() {

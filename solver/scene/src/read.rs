@@ -24,47 +24,40 @@ impl Scene {
         changes: &[Change],
     ) -> Result<Self> {
         let file = SimConfig::settings(path, changes)?;
-        file.checked(|file| {
-            let (config, bodies) = config_of(file, path)?;
-            let meshes = meshes_of(&bodies, path, others)?;
-            let scene = Self::assembled(file, path, config, bodies.into_iter().zip(meshes))?;
-            scene.numbered()
-        })
+        Self::made(&file, path, |bodies| meshes_of(bodies, path, others))
     }
 
     /// A scene of values that a program gives, with the file that it would be, from which its paths begin. Its bodies
     /// have these meshes and not those of files.
     pub fn of_values(values: toml::Table, path: &Path, meshes: Vec<MshFile>) -> Result<Self> {
-        let file = SimConfig::settings_of(values)?;
-        file.checked(|file| {
-            let (config, bodies) = config_of(file, path)?;
+        Self::made(&SimConfig::settings_of(values)?, path, |bodies| {
             ensure!(
                 bodies.len() == meshes.len(),
                 "the scene has {} bodies, but there are {} meshes",
                 bodies.len(),
                 meshes.len()
             );
-            let meshes = meshes.into_iter().map(|mesh| (path.to_path_buf(), mesh));
-            let scene = Self::assembled(file, path, config, bodies.into_iter().zip(meshes))?;
-            scene.numbered()
+            Ok(meshes.into_iter().map(|mesh| (path.to_path_buf(), mesh)).collect())
         })
     }
 
-    /// This scene with the values of its `[numbers]`.
-    fn numbered(mut self) -> Result<Self> {
-        let values = std::mem::take(&mut self.config.numbers);
-        let set = number::set(&mut self, &values);
-        set.with_context(|| format!("{}: [numbers]", self.path.display()))?;
-        Ok(self)
+    /// The scene of a file and the meshes of its bodies, with the values of its `[numbers]`.
+    fn made(
+        file: &Settings,
+        path: &Path,
+        meshes: impl FnOnce(&[BodyConfig]) -> Result<Vec<(PathBuf, MshFile)>>,
+    ) -> Result<Self> {
+        file.checked(|file| {
+            let config = SimConfig::of(file)?;
+            let bodies = config.bodies().with_context(|| path.display().to_string())?;
+            let meshes = meshes(&bodies)?;
+            let mut scene = Self::assembled(file, path, config, bodies.into_iter().zip(meshes))?;
+            let values = std::mem::take(&mut scene.config.numbers);
+            let set = number::set(&mut scene, &values);
+            set.with_context(|| format!("{}: [numbers]", path.display()))?;
+            Ok(scene)
+        })
     }
-}
-
-/// The settings of a scene and of its bodies.
-fn config_of(file: &Settings, path: &Path) -> Result<(SimConfig, Vec<BodyConfig>)> {
-    let context = || path.display().to_string();
-    let config = SimConfig::of(file)?;
-    let bodies = config.bodies().with_context(context)?;
-    Ok((config, bodies))
 }
 
 /// The meshes of the bodies with their files, some of which others stand for.

@@ -183,7 +183,7 @@ fn no_law<T>(volume: &Volume, program: &str, why: &str) -> Result<T> {
 
 fn volumes(scene: &Scene) -> Vec<Volume> {
     let volume = |law: &scene::SceneLaw| Volume {
-        name: scene.law_name(law),
+        name: law.name.clone(),
         elements: law.elements(&scene.body),
         material: law.material.clone(),
     };

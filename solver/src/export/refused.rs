@@ -8,6 +8,9 @@ use scene::config::Dilatation;
 /// The highest degree of elements that other programs have.
 const HIGHEST_DEGREE: usize = 2;
 
+/// Rooms of terms that other programs have, too.
+const IN_DECKS: [&str; 4] = ["chamber", "gravity", "body_force", "traction"];
+
 /// Refuses a scene with anything that would be missing in a deck.
 pub fn check(scene: &Scene) -> Result<()> {
     let config = &scene.config;
@@ -34,8 +37,10 @@ pub fn check(scene: &Scene) -> Result<()> {
         (config.contact().is_some(), KeyPath::table("contact")),
         (!config.obstacle.is_empty(), KeyPath::list("obstacle")),
     ];
-    let rooms =
-        config.rooms().into_iter().map(|room| (!room.is_empty(), KeyPath::list(room.list())));
+    let written = toml::Table::try_from(config)?;
+    let rooms = config.rooms().into_iter().map(|room| room.about().list);
+    let rooms = rooms.filter(|list| !IN_DECKS.contains(list) && *list != "contact");
+    let rooms = rooms.map(|list| (written.contains_key(list), KeyPath::list(list)));
     if let Some((_, path)) = lists.into_iter().chain(rooms).find(|(has, _)| *has) {
         bail!(misfit!(path, ": has no part in a deck; export a scene without it"));
     }

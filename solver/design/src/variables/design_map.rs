@@ -14,6 +14,7 @@ use mesh::Vec3;
 use program::{KeyPath, misfit};
 use scene::Scene;
 use scene::config::{DesignConfig, LevelConfig, ShapeConfig, SymmetricConfig};
+use scene::term::rigid;
 
 use super::held::{Flat, Held};
 use super::isometry::Isometry;
@@ -151,7 +152,7 @@ impl DesignMap {
             patches = Patches::new(shape, level, body)?;
         }
         check_apart(&patches.all)?;
-        check_not_rigid(&patches.all, &scene.rigid_vertices(body)?)?;
+        check_not_rigid(&patches.all, &rigid::vertices(&scene.config.rigid, body)?)?;
         let moving = &patches.moving;
         let edges = if moving.is_empty() { body.boundary() } else { moving };
         let mean_edge = mesh::measure::mean_edge(&rest, edges);

@@ -22,7 +22,8 @@ use mechanics::forward::Problem;
 use mechanics::schedule::Schedule;
 use program::{KeyPath, misfit};
 use scene::Scene;
-use scene::config::{ChamberConfig, ChamberDesign, DesignConfig, GasConfig, ParameterDesign};
+use scene::config::{ChamberDesign, DesignConfig, ParameterDesign};
+use scene::term::chamber::{ChamberConfig, GasConfig};
 
 use super::pressure_curve::PressureCurve;
 use scene::number::{Number, Swept};
@@ -244,21 +245,18 @@ impl LoadMap {
             ));
         };
         let config = &scene.config;
-        let chambers = config.chamber.len();
-        let (mut found, mut elsewhere) = (false, None);
-        for (i, (what, _, written)) in config.schedules().into_iter().enumerate() {
-            if written.uses(name) {
-                found = true;
-                elsewhere = elsewhere.or((i >= chambers).then_some(what));
-            }
-        }
-        if let Some(what) = elsewhere {
+        let uses = config.schedules().into_iter().filter(|(_, _, written)| written.uses(name));
+        let in_chamber =
+            |written| config.chamber.iter().any(|c| std::ptr::eq(&c.gas.value, written));
+        let (inside, outside): (Vec<_>, Vec<_>) =
+            uses.partition(|(_, _, written)| in_chamber(*written));
+        if let Some((what, ..)) = outside.first() {
             bail!(misfit!(
                 title,
                 " occurs in {what}, by which there is no gradient; it may occur in [[chamber]]"
             ));
         }
-        ensure!(found, misfit!(title, " occurs in no [[chamber]]"));
+        ensure!(!inside.is_empty(), misfit!(title, " occurs in no [[chamber]]"));
         self.add(design, None, start, edge)
     }
 

@@ -214,6 +214,8 @@ pub enum Nature {
     Elastic,
     /// The same, of which nothing is stored, such as an overstress.
     Dissipative,
+    /// The same of what keeps a part rigid, whose strain is none to speak of.
+    Rigid,
     /// Its forces are given and do not depend on the displacement.
     DeadLoad,
     /// Its forces are given, and turn or give way with the displacement.
@@ -238,7 +240,7 @@ impl Nature {
 
     /// Whether its forces are internal ones.
     pub fn is_elastic(self) -> bool {
-        matches!(self, Self::Elastic | Self::Dissipative)
+        matches!(self, Self::Elastic | Self::Dissipative | Self::Rigid)
     }
 
     /// Whether energy is stored in it. Elastic energy and softening together are the work done on a body, of which the

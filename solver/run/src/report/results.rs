@@ -274,6 +274,18 @@ pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f6
     stored.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
+/// Elastic energy of a state, of bodies and of what is beside their laws, by its stored energies [J].
+pub fn elastic_energy(energies: &Energies, stored: &BTreeMap<String, f64>) -> f64 {
+    let elastic = energies.iter().filter(|energy| energy.nature() == Nature::Elastic);
+    let mut names: Vec<&str> = Vec::new();
+    for name in elastic.map(|energy| energy.name()).filter(|name| *name != "elastic") {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    stored["elastic"] + names.into_iter().map(|name| stored[name]).sum::<f64>()
+}
+
 /// Energy of a state that is stored in bodies, sheets and contacts, not in loads [J].
 pub fn internal_energy(energies: &Energies, at: &Iterate) -> f64 {
     let internal =

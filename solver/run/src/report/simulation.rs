@@ -1,7 +1,6 @@
 //! The report of a simulation, and the judgement of it: one for the program, which ends with exit code 1 where the
 //! result must not be used, and for the Python package, which raises an exception there.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
@@ -64,7 +63,7 @@ fn materials(scene: &Scene) -> Result<Vec<Material>> {
             parameters: serde_json::from_value(json!(parameters))?,
             moduli: Moduli { shear: moduli.shear, bulk: moduli.bulk },
             silicone: silicone.map(serde_json::from_value).transpose()?,
-            on: law.volume.is_some().then(|| scene.law_name(law)),
+            on: law.volume.is_some().then(|| law.name.clone()),
         })
     };
     scene.laws.iter().map(one).collect()
@@ -150,15 +149,8 @@ impl Verdict {
 }
 
 /// Work of the loads beside stored and kinetic energy [J].
-pub fn balance(
-    recorder: &Recorder,
-    energies: &BTreeMap<String, f64>,
-    kinetic: Option<f64>,
-) -> EnergyBalance {
+pub fn balance(recorder: &Recorder, elastic: f64, kinetic: Option<f64>) -> EnergyBalance {
     let work_of_loads = recorder.work().total;
-    let beside = ["membrane", "fibre", "winding", "mullins"];
-    let beside = beside.map(|name| energies.get(name).unwrap_or(&0.0));
-    let elastic = energies["elastic"] + beside.into_iter().sum::<f64>();
     let gap = (work_of_loads - elastic) / elastic.max(f64::MIN_POSITIVE);
     let relative_gap = kinetic.is_none().then_some(gap);
     let largest_gain = recorder.largest_gain();
@@ -170,7 +162,7 @@ fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
     let found = Stretches::of(end.space, end.rest, end.u, scene.stretch_limits(&scene.body));
     found.warnings().iter().for_each(|warning| log::warn!("{warning}"));
     let one = |(of, law): (&Strained, &SceneLaw)| MaterialRange {
-        on: (scene.laws.len() > 1).then(|| scene.law_name(law)),
+        on: (scene.laws.len() > 1).then(|| law.name.clone()),
         tested: of.limits.tested,
         modes: of.limits.modes.iter().map(|mode| mode.state().to_owned()).collect(),
         smallest: of.smallest.stretch,

@@ -1,6 +1,6 @@
 //! `[limit]`: how much more pressure than its loads a body bears.
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use program::table::Range;
 use program::{KeyPath, misfit};
 
@@ -49,7 +49,7 @@ impl SimConfig {
         ];
         if let Some((_, what)) = history.iter().find(|(found, _)| *found) {
             let said = "which a state at a held load cannot have; leave one of both away";
-            return Err(misfit!(place.clone(), " does not go with {what}, {said}").into());
+            bail!(misfit!(place.clone(), " does not go with {what}, {said}"));
         }
         let pressures: Vec<&str> = self
             .chamber

@@ -2,14 +2,10 @@
 //!
 //! Everything is SI. Paths are relative to the file that names them.
 
-mod chamber;
 mod check;
-mod contact;
 mod design;
-mod gas;
 mod level;
 mod limit;
-mod material;
 mod parameter;
 mod scenario;
 mod solver;
@@ -25,15 +21,11 @@ use anyhow::{Result, bail, ensure};
 use program::table::{Range, Rule, each, named, nested};
 use program::{Change, KeyPath, Keys, Misfit, Settings, misfit};
 
-pub use chamber::{ChamberConfig, ChamberDesign};
-pub use contact::{ContactChoice, ContactConfig};
-pub use gas::GasConfig;
 pub use limit::LimitConfig;
-pub use material::{MaterialConfig, VolumeMaterial};
 pub use measure::constraint::ConstraintConfig;
 pub use measure::objective::{ObjectiveConfig, Weight};
 pub use measure::probe::ProbeConfig;
-pub use parameter::ParameterDesign;
+pub use parameter::{ChamberDesign, ParameterDesign};
 pub use scenario::{ByName, EXCESS, RobustConfig, ScenarioConfig};
 pub use solver::{Dilatation, Follow, InsideOut, Locking, SolverConfig};
 pub use symmetric::{MirrorConfig, SymmetricConfig, TurnConfig};
@@ -47,11 +39,15 @@ pub use mechanics::contact::barrier::Form as ContactForm;
 use mechanics::element::HIGHEST_DEGREE;
 use mechanics::forward::{Method, Steps};
 use mechanics::schedule::{WrittenField, axes, is_free_name};
-pub use uncertainty::{Modulus, UncertaintyConfig, is_pressure};
+pub use uncertainty::{Modulus, UncertaintyConfig};
 
 use crate::meaning::meaning;
 use crate::term::Room;
+use crate::term::chamber::ChamberConfig;
+use crate::term::contact::{ContactChoice, ContactConfig, ObstacleConfig};
+use crate::term::dead_load::{BodyForceConfig, TractionConfig};
 use crate::term::fibre::FibreConfig;
+use crate::term::material::MaterialConfig;
 use crate::term::membrane::MembraneConfig;
 use crate::term::mullins::MullinsConfig;
 use crate::term::relaxation::RelaxationConfig;
@@ -163,21 +159,24 @@ impl SimConfig {
         Ok(changed)
     }
 
-    /// The rooms of terms, in the order in which their energies are added.
+    /// The rooms of terms, in the order in which their numbers are listed and, within a stage, their energies are added.
     pub fn rooms(&self) -> Vec<&dyn Room> {
         let Self { relaxation, mullins, membrane, fibre, winding, rigid, .. } = self;
-        vec![relaxation, mullins, membrane, fibre, winding, rigid]
+        let Self { chamber, contact, gravity, body_force, traction, .. } = self;
+        vec![
+            relaxation, mullins, membrane, fibre, winding, rigid, chamber, contact, gravity,
+            body_force, traction,
+        ]
     }
 
     /// The same, to be changed.
     pub fn rooms_mut(&mut self) -> Vec<&mut dyn Room> {
         let Self { relaxation, mullins, membrane, fibre, winding, rigid, .. } = self;
-        vec![relaxation, mullins, membrane, fibre, winding, rigid]
-    }
-
-    /// The room of a list of `sim.toml`, if it is one.
-    pub fn room(&self, list: &str) -> Option<&dyn Room> {
-        self.rooms().into_iter().find(|room| room.list() == list)
+        let Self { chamber, contact, gravity, body_force, traction, .. } = self;
+        vec![
+            relaxation, mullins, membrane, fibre, winding, rigid, chamber, contact, gravity,
+            body_force, traction,
+        ]
     }
 
     /// All bodies; the one without a name of its own is called [`BODY`].
@@ -295,20 +294,6 @@ impl BodyConfig {
 }
 
 program::table! {
-    /// A rigid surface, open or closed.
-    #[derive(Clone, Debug)]
-    pub struct ObstacleConfig {
-        /// What reports call it.
-        name: String;
-        /// Triangle surface, a file in metres.
-        surface: PathBuf;
-        /// How far it has moved [m].
-        #[schemars(with = "FieldSchema")]
-        displacement: WrittenField = WrittenField::default();
-    }
-}
-
-program::table! {
     /// Time steps: `end` and `steps`, or `at`. Displacements are zero at t = 0.
     #[derive(Clone, Debug)]
     pub struct TimeConfig {
@@ -361,28 +346,6 @@ impl Fixed {
             );
         }
         Ok(())
-    }
-}
-
-program::table! {
-    /// A force per rest volume.
-    #[derive(Clone, Debug)]
-    pub struct BodyForceConfig {
-        /// Force per volume, for gravity density times acceleration [N/m³].
-        #[schemars(with = "FieldSchema")]
-        force: WrittenField;
-    }
-}
-
-program::table! {
-    /// A force per rest area.
-    #[derive(Clone, Debug)]
-    pub struct TractionConfig {
-        /// Tag name.
-        on: String;
-        /// Force per area [Pa].
-        #[schemars(with = "FieldSchema")]
-        traction: WrittenField;
     }
 }
 

@@ -1,4 +1,4 @@
-//! `[[parameter]]` of a design: a number of the scene that may change.
+//! `[[parameter]]` and `[[chamber]]` of a design: numbers of the scene that may change, and pressures over time.
 
 use program::table::{Numbers, Range};
 use program::{KeyPath, Misfit, misfit};
@@ -21,7 +21,7 @@ program::table! {
 }
 
 /// The rule of two bounds in a unit, if they are given: the smaller comes first.
-pub(super) fn rising<T: Numbers>(unit: &str) -> impl Fn(&KeyPath, &T) -> Result<(), Misfit> {
+fn rising<T: Numbers>(unit: &str) -> impl Fn(&KeyPath, &T) -> Result<(), Misfit> {
     move |at, bounds| match bounds.numbers()[..] {
         [low, high] if !(low < high && low.is_finite() && high.is_finite()) => Err(misfit!(
             at.clone(),
@@ -41,5 +41,28 @@ impl ParameterDesign {
     /// What messages call it.
     pub fn title(&self) -> KeyPath {
         KeyPath::list("parameter").named(&self.name)
+    }
+}
+
+program::table! {
+    /// A chamber of a design: its pressure in the scene follows slopes over time, one for each
+    /// time step.
+    #[derive(Clone, Debug)]
+    pub struct ChamberDesign {
+        /// Name of the chamber in the scene, or the tag of its wall if it has none. The scene prescribes its pressure.
+        on: String;
+        /// Smallest and largest slope [Pa/s].
+        slope: [f64; 2], rising::<[f64; 2]>(" Pa/s");
+        /// Smallest and largest pressure at the ends of time steps [Pa].
+        bounds: Option<[f64; 2]> = None, rising::<Option<[f64; 2]>>(" Pa");
+        /// Largest change of a slope in one iteration [Pa/s].
+        change: Option<f64> = None, Range::POSITIVE.unit("Pa/s");
+    }
+}
+
+impl ChamberDesign {
+    /// What messages call it.
+    pub fn title(&self) -> KeyPath {
+        KeyPath::list("chamber").on(&self.on)
     }
 }

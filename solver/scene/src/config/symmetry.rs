@@ -4,7 +4,6 @@ use anyhow::{Result, ensure};
 use program::{KeyPath, Names};
 
 use super::SimConfig;
-use crate::meaning::cut;
 
 program::table! {
     /// A plane of symmetry.
@@ -21,7 +20,7 @@ impl SimConfig {
         self.symmetry.iter().map(|plane| plane.on.all().to_vec()).collect()
     }
 
-    /// No surface of the whole is where a part is cut.
+    /// Each plane has tags of its own.
     pub(super) fn check_symmetry(&self) -> Result<()> {
         let cuts = self.cuts();
         for (i, tags) in cuts.iter().enumerate() {
@@ -36,15 +35,6 @@ impl SimConfig {
                         .number(i + 1)
                         .told(format!("two [[symmetry]] are on \"{tag}\": keep one"))
                 );
-                let chamber = self.chamber.iter().any(|c| c.is_on(tag)).then_some("[[chamber]]");
-                let traction = self.traction.iter().any(|t| t.on == *tag).then_some("[[traction]]");
-                if let Some(load) = chamber.or(traction) {
-                    anyhow::bail!(cut(tags).told(format!(
-                        "{}: {load} is on the same tag, but there is no surface where the whole body \
-                         is cut; expected a tag of its own for each",
-                        mechanics::symmetry::title(tags)
-                    )));
-                }
             }
         }
         Ok(())

@@ -87,28 +87,17 @@ impl UncertaintyConfig {
             !scene.probe.is_empty() || scene.limit.is_some(),
             "there is no [[probe]] and no [limit]: error bars are of these; add a probe for each number that counts"
         );
-        ensure!(
-            pressure.is_none() || scene.chamber.iter().any(|c| is_pressure(c.gas.key())),
-            misfit!(KeyPath::of("pressure"), ": no [[chamber]] has a pressure or fill")
-        );
+        let has_pressure = scene.chamber.iter().any(|chamber| chamber.gas.is_pressure());
         let weighs = scene.method().has_inertia() || !scene.gravity.is_zero();
-        ensure!(
-            density.is_none() || weighs,
-            misfit!(KeyPath::of("density"), ": the scene has no gravity and no inertia")
-        );
-        ensure!(
-            membrane.is_none() || !scene.membrane.is_empty(),
-            misfit!(KeyPath::of("membrane"), ": the scene has no [[membrane]]")
-        );
-        ensure!(
-            friction.is_none() || scene.contact().is_some_and(|c| c.friction > 0.0),
-            misfit!(KeyPath::of("friction"), ": there is none in [contact]")
-        );
+        let rubs = scene.contact().is_some_and(|contact| contact.friction > 0.0);
+        for (key, given, has, what) in [
+            ("pressure", pressure, has_pressure, "no [[chamber]] has a pressure or fill"),
+            ("density", density, weighs, "the scene has no gravity and no inertia"),
+            ("membrane", membrane, !scene.membrane.is_empty(), "the scene has no [[membrane]]"),
+            ("friction", friction, rubs, "there is none in [contact]"),
+        ] {
+            ensure!(given.is_none() || has, misfit!(KeyPath::of(key), ": {what}"));
+        }
         Ok(())
     }
-}
-
-/// Whether a key prescribes a pressure.
-pub fn is_pressure(key: &str) -> bool {
-    matches!(key, "pressure" | "fill")
 }

@@ -9,8 +9,9 @@ use mesh::Vec3;
 use mesh::io::MshFile;
 use program::Settings;
 
-use super::{Scene, ScenePart, laws};
+use super::{Scene, ScenePart};
 use crate::config::{BodyConfig, SimConfig};
+use crate::term::material::laws;
 
 impl Scene {
     /// A scene whose `[numbers]` have not been given their values.
@@ -27,10 +28,18 @@ impl Scene {
                 bail!("{}: {}", mesh_path.display(), finding.message);
             }
             file.mesh.vertices.iter_mut().for_each(|v| *v += Vec3::from(body.translate));
-            let own = laws::laws(parts.len(), &body, &mut file.mesh, &mut file.tags);
+            let rigid =
+                !config.body.is_empty() && config.rigid.iter().any(|own| own.on == body.name);
+            let owner = (parts.len(), &*body.name, rigid);
+            let own = laws(owner, &body.material, &mut file.mesh, &mut file.tags);
             all_laws.extend(own.with_context(context)?);
             meshes.push((body.name.clone(), file.mesh, file.tags));
             parts.push(ScenePart { config: body, mesh_path });
+        }
+        for law in all_laws.iter_mut().filter(|_| parts.len() > 1) {
+            if let Some(volume) = &law.volume {
+                law.name = format!("{}.{volume}", law.body);
+            }
         }
         let body = match meshes.pop() {
             Some((_, mesh, tags)) if meshes.is_empty() && config.body.is_empty() => {
@@ -54,8 +63,7 @@ impl Scene {
             given: BTreeMap::new(),
             certify: true,
         };
-        scene.check_beside_laws().with_context(context)?;
-        scene.check_dilatation().with_context(context)?;
+        scene.check_laws().with_context(context)?;
         Ok(scene)
     }
 }

@@ -1,42 +1,35 @@
-//! From config and files to objects: the only place where names become
-//! meshes, energies and objectives.
+//! From config and files to objects: bodies, problems, probes and objectives. The terms of a problem are those of rooms.
 
-mod apart;
 mod assembly;
 mod afloat;
-mod chambers;
-mod contact;
-mod laws;
 mod objectives;
 mod probes;
 mod progress;
-mod rigid;
-mod symmetry;
 
-pub use laws::SceneLaw;
 pub use objectives::{ObjectiveBuilder, Weighted};
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{
-    BodyForce, Chamber, Contact, Elastic, Energies, Friction, Inertia, InternalVariables, Mullins,
-    Term, Traction, Viscous,
-};
+use mechanics::energy::{Elastic, Energies, Inertia, Term};
 use mechanics::forward::{Growth, Integrator, Newton, Problem, State, Stepping, Workspace};
-use mechanics::schedule::Field;
 use mechanics::stability::ArcLength;
 use mechanics::stretch::Limits;
-use mesh::Vec3;
-use program::{KeyPath, Settings, misfit};
+use mechanics::symmetry::{AXES, Plane};
+use program::{KeyPath, Settings};
 
-use crate::config::{BodyConfig, InsideOut, LevelConfig, LevelTime, SimConfig, TimeConfig};
+use crate::config::{
+    BodyConfig, Dilatation, InsideOut, LevelConfig, LevelTime, SimConfig, TimeConfig,
+};
+use crate::meaning::cut;
 use crate::memory;
-use crate::supports::Supports;
-use crate::term::{Ground, Region};
+use crate::supports::{Support, Supports};
+use crate::term::material::{SceneLaw, largest_shear_modulus};
+use crate::term::{Ground, Stage, chamber, nodes_of, rigid};
 
 /// Strain of a whole body that is as good as none, where loads are no smaller [1].
 const NEGLIGIBLE_STRAIN: f64 = 1e-11;
@@ -94,27 +87,10 @@ impl Scene {
         Ok(Self { config: changed.with_context(context)?, ..self.clone() })
     }
 
-    /// Density of a body or volume [kg/m³].
-    fn density(&self, law: &SceneLaw) -> Result<f64> {
-        law.material.density.with_context(|| {
-            format!(
-                "{} \"{}\": inertia and gravity need the density of its material; add density \
-                 = ... [kg/m³] to its table, about 1000 to 1100 for silicone{}",
-                if law.volume.is_some() { "volume" } else { "body" },
-                self.law_name(law),
-                if self.config.method().has_inertia() {
-                    ", or neglect inertia by method = \"quasistatic\" in [time]"
-                } else {
-                    ""
-                }
-            )
-        })
-    }
-
     /// How far each material may be stretched, as far as it is known, on a body with the volumes of the scene.
     pub fn stretch_limits(&self, body: &Body) -> Vec<Limits> {
         let one = |law: &SceneLaw| Limits {
-            name: if self.laws.len() > 1 { self.law_name(law) } else { String::new() },
+            name: if self.laws.len() > 1 { law.name.clone() } else { String::new() },
             elements: law.elements(body),
             tested: law.material.tested(),
             modes: law.material.modes.clone(),
@@ -150,10 +126,10 @@ impl Scene {
         let vertices = body.mesh.vertices.len();
         let space = FunctionSpace::with_quadrature(degree, exact, vertices, body.mesh.tets.clone());
         let supports = self.supports(body, &space)?;
-        let rigid = self.rigid_sets(body, &space, &supports).with_context(context)?;
-        let mut energies = self.energies(body, &space, &supports).with_context(context)?;
-        energies.extend(self.rigid_terms(&rigid, body, &space).with_context(context)?);
-        let multipliers = self.multipliers(body, &space, &energies);
+        let ground = self.ground(body, (&space, &supports), None).with_context(context)?;
+        let energies = self.energies(&ground).with_context(context)?;
+        let multipliers = chamber::multipliers(&energies, &ground);
+        let rigid = ground.rigid;
         let mut problem =
             Problem::new(space, energies, &supports.fixed()).with_multipliers(multipliers);
         if !rigid.is_empty() {
@@ -214,13 +190,30 @@ impl Scene {
     /// The fixed degrees of freedom on a body with this scene's tags.
     pub fn supports(&self, body: &Body, space: &FunctionSpace) -> Result<Supports> {
         let supports = || {
-            let supports = Supports::new(&self.fixed(body), &self.config.moments(), body, space)?;
+            let moments = self.config.values().moments();
+            let supports = Supports::new(&self.fixed(body), &moments, body, space)?;
             if !self.config.may_float() {
                 supports.check_rigid_motions(space)?;
             }
             Ok::<_, anyhow::Error>(supports)
         };
         supports().with_context(|| self.path.display().to_string())
+    }
+
+    /// All supports of a body: those of the scene, then those in planes of symmetry, then those of terms.
+    fn fixed(&self, body: &Body) -> Vec<Support> {
+        let held = |plane: &Plane| {
+            let axes = std::array::from_fn(|axis| axis == plane.axis);
+            let still = plane.tags.iter().map(|tag| Support::still(tag, axes));
+            still.collect::<Vec<_>>()
+        };
+        let own = self.config.fixed.iter().map(|fixed| Support {
+            on: fixed.on.clone(),
+            axes: fixed.axes(),
+            displacement: self.config.field(&fixed.displacement),
+        });
+        let of_terms = self.config.rooms().into_iter().flat_map(|room| room.supports(body));
+        own.chain(body.planes.iter().flat_map(held)).chain(of_terms).collect()
     }
 
     /// The bodies at t = 0, and their time integration.
@@ -244,154 +237,126 @@ impl Scene {
         known && (falls || self.config.method().has_inertia())
     }
 
-    /// The terms of the potential energy.
-    fn energies(
-        &self,
-        body: &Body,
-        space: &FunctionSpace,
-        supports: &Supports,
-    ) -> Result<Energies> {
-        let mut energies: Energies =
-            self.terms_with_numbers(body, space, supports)?.into_iter().collect();
-        let internal = energies.internal_count(space);
-        for (name, chamber) in self.chambers(body, space, internal)? {
-            chambers::check_rim(&name, &chamber.wall, supports, space, body)?;
-            energies = energies.with_chamber(name, chamber);
+    /// What the terms stand on; `last` are those of the same scene with other numbers.
+    fn ground<'a>(
+        &'a self,
+        body: &'a Body,
+        (space, supports): (&'a FunctionSpace, &'a Supports),
+        last: Option<&'a Energies>,
+    ) -> Result<Ground<'a>> {
+        let mut ground = Ground {
+            path: &self.path,
+            around: self.config.around(),
+            rooms: self.config.rooms(),
+            obstacles: &self.config.obstacle,
+            surfaces: self.surface_names(),
+            own_shape: &self.body.mesh.vertices,
+            body,
+            space,
+            supports,
+            laws: &self.laws,
+            rigid: Vec::new(),
+            certify: self.certify,
+            last,
+        };
+        ground.rigid = rigid::sets(&self.config.rigid, &ground)?;
+        Ok(ground)
+    }
+
+    /// The terms of the potential energy: for each law its elastic energy and what stands beside it, then those of rooms.
+    fn energies(&self, ground: &Ground) -> Result<Energies> {
+        let Ground { body, space, rooms, .. } = ground;
+        let mut energies = Energies::default();
+        for (place, law) in self.laws.iter().enumerate() {
+            let elastic = self.elastic(law, law.elements(body))?;
+            energies.extend([Term::of(Elastic::owner(place), elastic)]);
+            for room in rooms {
+                let beside = room.beside(place, ground, energies.internal_count(space))?;
+                energies.extend(beside);
+            }
         }
-        if let Some(collisions) = self.collisions(body, space, &supports.fixed())? {
-            energies.extend([Term::of(Contact::OWNER, collisions.contact)]);
-            energies.extend(collisions.friction.map(|own| Term::of(Friction::OWNER, own)));
+        for stage in [Stage::Body, Stage::Load, Stage::Part] {
+            for room in rooms.iter().filter(|room| room.about().stage == stage) {
+                energies.extend(room.build(ground, energies.internal_count(space))?);
+            }
+            if stage == Stage::Body {
+                energies.extend(self.inertia(ground)?);
+            }
         }
-        self.check_apart(body, space)?;
-        self.check_symmetric(body)?;
-        let nodes = space.node_positions(&body.mesh.vertices);
-        let gravity = self.config.field(&self.config.gravity);
-        self.check_field(KeyPath::of("gravity"), &gravity, &nodes)?;
-        for load in &self.config.body_force {
-            let force = self.config.field(&load.force);
-            self.check_field(KeyPath::list("body_force").key("force"), &force, &nodes)?;
-            energies = energies.with(BodyForce::whole(force));
-        }
-        for (place, load) in self.config.traction.iter().enumerate() {
-            let facets = body.facets(&load.on)?;
-            let ids = facets.iter().flat_map(|&f| space.facet_nodes(f));
-            let places: Vec<Vec3> = ids.map(|node| nodes[node]).collect();
-            let name = KeyPath::list("traction").on(&load.on).key("traction");
-            let traction = self.config.field(&load.traction);
-            self.check_field(name, &traction, &places)?;
-            let traction = Traction::new(space, &facets, traction);
-            energies.extend([Term::of(Traction::owner(place), traction)]);
-        }
+        self.check_velocities(body)?;
         Ok(energies)
     }
 
-    /// The terms of a problem with the numbers of this scene: its materials, sheets, fibres, threads, gravity,
-    /// gas, friction, and the stiffness of the barrier that follows from them. Supports and other forces are those of the
-    /// problem.
+    /// The terms of a problem with the numbers of this scene. Supports are those of the problem.
     pub fn energies_like(&self, body: &Body, problem: &Problem) -> Result<Energies> {
         let space = &*problem.space;
-        let own = self.terms_with_numbers(body, space, &self.supports(body, space)?)?;
-        let others = problem.energies.terms().skip(own.len()).cloned();
-        let mut energies: Energies = own.iter().cloned().chain(others).collect();
-        energies.change(|place, chamber: &Chamber| Chamber {
-            gas: self.config.gas_law(&self.config.chamber[place]),
-            ..chamber.clone()
-        });
-        let coefficient = self.config.contact().map_or(0.0, |contact| contact.friction);
-        energies.change(|_, own: &Friction| own.clone().with_coefficient(coefficient));
-        if let Some(law) = self.law_of_contact() {
-            let stiffness = self.laws[law].material.moduli().shear;
-            energies.change(|_, contact: &Contact| contact.with_stiffness(stiffness));
-        }
-        self.set_rigid_numbers(&mut energies);
-        Ok(energies)
+        let supports = self.supports(body, space)?;
+        self.energies(&self.ground(body, (space, &supports), Some(&problem.energies))?)
     }
 
-    /// The terms that begin the list, whose numbers are made with them: bodies, sheets, fibres, threads, inertia.
-    fn terms_with_numbers(
-        &self,
-        body: &Body,
-        space: &FunctionSpace,
-        supports: &Supports,
-    ) -> Result<Vec<Term>> {
-        let mut terms = self.bodies(body, space)?;
-        let ground = Ground { path: &self.path, body, space, regions: self.regions(body) };
-        for room in self.config.rooms() {
-            terms.extend(room.build(&ground)?);
-        }
-        for (place, law) in self.laws.iter().enumerate() {
-            let inertia = self.inertia(law, body, space, supports)?;
-            terms.extend(inertia.map(|inertia| Term::of(Inertia::owner(place), inertia)));
-        }
-        Ok(terms)
+    /// Whether all laws can have what stands beside them, and the dilatation of the scene.
+    fn check_laws(&self) -> Result<()> {
+        self.config.rooms().into_iter().try_for_each(|room| room.check_laws(&self.laws))?;
+        self.laws.iter().try_for_each(|law| self.elastic(law, 0..0).map(drop))
     }
 
-    /// What has a law of its own on a body, in the order of laws.
-    pub(crate) fn regions(&self, body: &Body) -> Vec<Region> {
-        let region = |law: &SceneLaw| Region {
-            name: self.law_name(law),
-            body: self.parts[law.part].config.name.clone(),
-            elements: law.elements(body),
-        };
-        self.laws.iter().map(region).collect()
+    /// The elastic energy of a law on some elements.
+    fn elastic(&self, law: &SceneLaw, elements: Range<usize>) -> Result<Elastic> {
+        let mean = self.config.solver.dilatation == Dilatation::Mean;
+        law.elastic(elements, mean, rigid::shear_modulus(&self.laws))
     }
 
-    /// The terms of all bodies and volumes, but for inertia: elastic energy, overstress, softening and weight of each.
-    fn bodies(&self, body: &Body, space: &FunctionSpace) -> Result<Vec<Term>> {
-        let gravity = self.config.field(&self.config.gravity);
-        let (mut terms, mut internal) = (Vec::new(), 0);
+    /// The law whose shear modulus is the stiffness of `[contact]`, where the scene gives none: the first of the stiffest.
+    pub fn law_of_contact(&self) -> Option<usize> {
+        let largest = largest_shear_modulus(&self.laws);
+        let stiffest = || self.laws.iter().position(|law| law.shear_modulus() == largest);
+        self.config.contact().filter(|own| own.stiffness.is_none()).and_then(|_| stiffest())
+    }
+
+    /// The inertia of all laws, or the tiny mass of bodies that are loose.
+    fn inertia(&self, ground: &Ground) -> Result<Vec<Term>> {
+        let Ground { body, space, supports, .. } = ground;
+        let mut terms = Vec::new();
         for (place, law) in self.laws.iter().enumerate() {
             let tets = law.elements(body);
-            let elastic = self.elastic(law, tets.clone())?;
-            let of_law = (Elastic::owner(place), elastic.material.parameter_count());
-            terms.push(Term::of(of_law.0, elastic));
-            if let Some(own) = self.overstress(law, tets.clone(), internal) {
-                internal += InternalVariables::count(&own, space);
-                terms.push(Term::of_both(of_law, Viscous::owner(place), own));
-            }
-            if let Some(own) = self.softening(law, tets.clone(), internal) {
-                internal += InternalVariables::count(&own, space);
-                terms.push(Term::of_both(of_law, Mullins::owner(place), own));
-            }
-            if !self.config.gravity.is_zero() {
-                let weight = BodyForce::weight(gravity.clone(), self.density(law)?, tets);
-                terms.push(Term::of(BodyForce::weight_owner(place), weight));
-            }
+            let inertia = if self.config.method().has_inertia() {
+                Inertia::new(space, law.density(self.config.method())?, tets)
+            } else if supports.leave_loose(space, &body.parts[law.part].vertices) {
+                Inertia::tiny(space, law.material.density.unwrap_or(WATER), tets)
+            } else {
+                continue;
+            };
+            terms.push(Term::of(Inertia::owner(place), inertia));
         }
         Ok(terms)
     }
 
-    /// The inertia of a law on its elements, or the tiny mass of a body that is loose.
-    fn inertia(
-        &self,
-        law: &SceneLaw,
-        body: &Body,
-        space: &FunctionSpace,
-        supports: &Supports,
-    ) -> Result<Option<Inertia>> {
-        let tets = law.elements(body);
-        if self.config.method().has_inertia() {
-            return Ok(Some(Inertia::new(space, self.density(law)?, tets)));
+    /// Velocities must not point across a plane of symmetry.
+    fn check_velocities(&self, body: &Body) -> Result<()> {
+        for plane in &body.planes {
+            for (part, own) in self.parts.iter().zip(&body.parts) {
+                let is_cut = plane.vertices().iter().any(|v| own.vertices.contains(v));
+                let v = part.config.velocity[plane.axis];
+                ensure!(
+                    !is_cut || v == 0.0,
+                    cut(&plane.tags).told(format!(
+                        "{}: the velocity of \"{}\" is {v} m/s along {}, across the plane {}; its mirror \
+                         image would part from it: expected 0",
+                        plane.title(),
+                        part.config.name,
+                        AXES[plane.axis],
+                        plane.equation()
+                    ))
+                );
+            }
         }
-        let density = law.material.density.unwrap_or(WATER);
-        let is_loose = supports.leave_loose(space, &body.parts[law.part].vertices);
-        Ok(is_loose.then(|| Inertia::tiny(space, density, tets)))
+        Ok(())
     }
 
     /// Names of all surfaces that may touch: bodies, then obstacles.
     pub fn surface_names(&self) -> Vec<&str> {
         let bodies = self.parts.iter().map(|part| &part.config.name[..]);
         bodies.chain(self.config.obstacle.iter().map(|o| &o.name[..])).collect()
-    }
-
-    /// Whether a load is defined at all these positions, at the ends of all time
-    /// steps.
-    fn check_field(&self, name: KeyPath, field: &Field, positions: &[Vec3]) -> Result<()> {
-        let times: Vec<f64> = [0.0].into_iter().chain(self.times()).collect();
-        for schedule in field.0.iter().filter(|s| s.uses_position()) {
-            schedule.check(&times, positions).map_err(|what| misfit!(name.clone(), ": {what}"))?;
-        }
-        Ok(())
     }
 
     /// How to approach the full load.
@@ -426,7 +391,7 @@ impl Scene {
     /// The force that strains the bodies by [`NEGLIGIBLE_STRAIN`], whatever unit they are small in [N].
     fn negligible_force(&self) -> f64 {
         let size = mesh::measure::volume(&self.body.mesh).cbrt();
-        NEGLIGIBLE_STRAIN * self.largest_shear_modulus() * size * size
+        NEGLIGIBLE_STRAIN * largest_shear_modulus(&self.laws) * size * size
     }
 }
 
@@ -439,13 +404,4 @@ pub fn log_share(body: &Body) {
         _ => "an eighth",
     };
     log::info!("{part} of the whole: volumes, energies and forces are those of this part");
-}
-
-/// Nodes of one of the bodies, ascending.
-pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
-    let (tets, n) = (&body.parts[part].tets, space.nodes_per_element());
-    let mut nodes = space.element_nodes()[n * tets.start..n * tets.end].to_vec();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
 }

@@ -19,12 +19,12 @@ impl Scene {
         space: &'a FunctionSpace,
         targets: Targets,
     ) -> Result<Site<'a>> {
-        let (fixed, moments) = (self.fixed(body), self.config.moments());
+        let (fixed, moments) = (self.fixed(body), self.config.values().moments());
         let supports = Supports::new(&fixed, &moments, body, space)?.by_tag();
         let name = |part: usize| self.parts[part].config.name.as_str();
         let laws = self.laws.iter().map(|law| Law {
             body: name(law.part),
-            name: self.law_name(law),
+            name: law.name.clone(),
             material: &law.material,
             elements: law.elements(body),
         });

@@ -1,6 +1,5 @@
 //! Numbers that change together.
 
-use crate::config::is_pressure;
 use crate::model::Scene;
 use anyhow::Result;
 
@@ -30,16 +29,13 @@ impl Group {
     /// All parameters that are stresses, of all laws or of those of a body or volume, by one factor.
     pub fn modulus(scene: &Scene, on: Option<&str>) -> Self {
         Self::of(scene, "material", Change::Factor, |number| {
-            let law = &scene.laws[number.owner()];
-            number.is_stress() && on.is_none_or(|on| scene.is_law_of(law, on))
+            number.is_stress() && scene.laws[number.owner()].is_of(on)
         })
     }
 
     /// The density of all bodies, or of a body or volume, by one factor.
     pub fn density(scene: &Scene, on: Option<&str>) -> Self {
-        Self::of(scene, "density", Change::Factor, |number| {
-            on.is_none_or(|on| scene.is_law_of(&scene.laws[number.owner()], on))
-        })
+        Self::of(scene, "density", Change::Factor, |number| scene.laws[number.owner()].is_of(on))
     }
 
     /// The thickness of all sheets, or of those on a tag, by one factor: their forces are in
@@ -67,7 +63,7 @@ impl Group {
         let chamber = |number: &Number| &scene.config.chamber[number.owner()];
         Self::of(scene, "chamber", Change::Offset, |number| {
             let own = chamber(number);
-            is_pressure(own.gas.key()) && on.is_none_or(|on| own.name == on)
+            own.gas.is_pressure() && on.is_none_or(|on| own.name == on)
         })
     }
 
@@ -79,7 +75,7 @@ impl Group {
 
     /// Those numbers of a kind that are wanted.
     fn of(scene: &Scene, word: &str, change: Change, wanted: impl Fn(&Number) -> bool) -> Self {
-        let kinds = KINDS.iter().filter(|kind| kind.word() == word);
+        let kinds = KINDS.iter().filter(|kind| kind.word == word);
         let numbers = kinds.flat_map(|kind| kind.numbers(scene)).filter(wanted).collect();
         Self { numbers, change }
     }

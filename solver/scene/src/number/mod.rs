@@ -1,14 +1,13 @@
 //! The numbers of a scene: what may be calibrated, uncertain, other in a scenario, and checked.
 //!
-//! One entry of [`KINDS`] for each kind of number: which ones a scene has, their value, how another
-//! one is set, and the derivative of a result by it, from the adjoint sweep. Rooms of terms know their own. A number has a path,
+//! One entry of [`KINDS`] for each kind of number: which ones a scene has and where they are, and the derivative of a
+//! result by one, from the adjoint sweep. Rooms of terms know their own. A number has a path,
 //! such as `material.body.c1`, `chamber.left.pressure` or `contact.friction`. A [`Group`] has
 //! numbers that change together, as all stresses by one factor do.
 
 mod group;
 mod laws;
-mod loads;
-mod room;
+mod start;
 mod walls;
 
 use std::collections::BTreeMap;
@@ -16,89 +15,94 @@ use std::sync::LazyLock;
 
 use anyhow::{Result, bail, ensure};
 use mechanics::adjoint::Gradient;
-use mechanics::energy::{Owner, ParameterGradients, Term};
+use mechanics::body::Body;
+use mechanics::energy::ParameterGradients;
 use mechanics::forward::Problem;
-use mechanics::schedule::Written;
 use mechanics::symmetry::AXES;
 use mesh::Vec3;
 use program::{KeyPath, did_you_mean};
 
 use crate::config::SimConfig;
-use crate::model::Scene;
-use crate::term::Place;
-use laws::total;
+use crate::model::{Scene, ScenePart};
+use crate::term::material::SceneLaw;
+use crate::term::{About, Known, Place, RoomNumber};
 
 pub use group::{Change, Group};
-pub use loads::velocity_vjp;
 pub use walls::Walls;
 
-/// All kinds, in the order in which they are listed: rows, and rooms of terms.
+/// All kinds, in the order in which they are listed.
 pub static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
-    let laws = [laws::MATERIAL, laws::DENSITY].map(Kind::Row);
     let none = SimConfig::default();
-    let rooms = none.rooms().into_iter().map(|room| Kind::Room(room.list(), room.explained()));
-    let loads = [
-        loads::CHAMBER,
-        loads::FRICTION,
-        loads::GRAVITY,
-        loads::TRACTION,
-        loads::VELOCITY,
-        walls::WALL,
-    ];
-    laws.into_iter().chain(rooms).chain(loads.map(Kind::Row)).collect()
+    let rooms = none.rooms().into_iter().map(|room| room.about());
+    let rooms = rooms.filter(|about| !about.paths.is_empty());
+    let of_room = |About { list: word, paths, meaning, .. }| Kind {
+        word,
+        paths,
+        meaning,
+        numbers: in_room,
+        derivative: by_room,
+    };
+    let laws = [laws::MATERIAL, laws::DENSITY].into_iter();
+    laws.chain(rooms.map(of_room)).chain([start::VELOCITY, walls::WALL]).collect()
 });
 
 /// A kind of number.
-pub enum Kind {
-    /// By functions of its own.
-    Row(Row),
-    /// Those of a room of terms, by its list, with the paths and what they are.
-    Room(&'static str, [&'static str; 2]),
-}
-
-/// A kind of number that is of no room.
-pub struct Row {
-    /// The path; words in capitals are names of the scene.
-    path: &'static str,
-    /// What it is.
-    meaning: &'static str,
-    /// The numbers of a scene that are of this kind: rest of the path, unit and place.
-    list: fn(&Scene) -> Vec<Entry>,
-    value: fn(&Scene, Indices) -> f64,
-    set: Setting,
-    /// Whether the scene admits the value that was set.
-    check: fn(&Scene, Indices) -> Result<()>,
-    derivative: fn(&Swept, Indices) -> f64,
-    /// What changes of it are small against, where that is not its value.
-    scale: Option<fn(&Scene, Indices) -> f64>,
-}
-
-impl Row {
+pub struct Kind {
     /// The first word of the paths.
-    fn word(&self) -> &'static str {
-        self.path.split(['.', ' ']).next().unwrap_or_default()
+    pub word: &'static str,
+    /// The paths; words in capitals are names of the scene.
+    pub paths: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The numbers of a scene that are of this kind, with its word.
+    numbers: for<'a> fn(&str, Owners<'a>) -> Vec<RoomNumber<'a>>,
+    derivative: fn(&Swept, &Number) -> f64,
+}
+
+/// What the numbers of a scene are in, to be changed.
+struct Owners<'a> {
+    config: &'a mut SimConfig,
+    laws: &'a mut [SceneLaw],
+    parts: &'a mut [ScenePart],
+    body: &'a Body,
+}
+
+impl<'a> Owners<'a> {
+    fn of(scene: &'a mut Scene) -> Self {
+        let Scene { config, laws, parts, body, .. } = scene;
+        Self { config, laws, parts, body }
+    }
+
+    /// Looks at copies of them.
+    fn looked_at<T>(scene: &Scene, look: impl FnOnce(Owners) -> T) -> T {
+        let (mut laws, mut parts) = (scene.laws.clone(), scene.parts.clone());
+        let (config, body) = (&mut scene.config.clone(), &scene.body);
+        look(Owners { config, laws: &mut laws, parts: &mut parts, body })
     }
 }
 
-/// How a number is given a value.
-enum Setting {
-    /// By a function.
-    By(fn(&mut Scene, Option<&Walls>, Indices, f64) -> Result<()>),
-    /// It is added to this function of time.
-    AddedTo(fn(&mut SimConfig, Indices) -> &mut Written),
+/// The numbers in the room of a list.
+fn in_room<'a>(list: &str, Owners { config, .. }: Owners<'a>) -> Vec<RoomNumber<'a>> {
+    let mut rooms = config.rooms_mut().into_iter();
+    let room = rooms.find(|room| room.about().list == list);
+    room.map_or_else(Vec::new, |room| room.numbers())
 }
 
-/// Where a number is among those of its kind: two indices, whose meaning is that of the kind.
-type Indices = [usize; 2];
-
-/// A number in the list of its kind: what its path has after the word of the kind, SI unit, place.
-type Entry = (String, &'static str, Indices);
+/// The derivative of a result by a number of a room, in whose unit angles are degrees.
+fn by_room(swept: &Swept, number: &Number) -> f64 {
+    let mut rooms = swept.scene.config.rooms().into_iter();
+    let room = rooms.find(|room| room.about().list == number.word());
+    let by = room.map_or(0.0, |room| room.derivative(number.owner(), &number.key, &swept.known));
+    if number.unit == "°" { by.to_radians() } else { by }
+}
 
 /// The derivatives of a result by all that a run depends on.
 pub struct Swept<'a> {
     scene: &'a Scene,
     problem: &'a Problem,
     by: &'a Gradient,
+    /// By the numbers of terms.
+    known: Known<'a>,
     /// By the moves of surface vertices, where walls may move.
     by_walls: Option<(&'a Walls, Vec<Vec3>)>,
 }
@@ -112,20 +116,14 @@ impl<'a> Swept<'a> {
         by: &'a Gradient,
     ) -> Self {
         let by_walls = walls.map(|walls| (walls, walls.vjp(&by.rest)));
-        Self { scene, problem, by, by_walls }
-    }
-
-    /// The derivative by a number of an owner, by its key; 0 where no term has it.
-    fn by(&self, owner: Owner, key: &str) -> f64 {
-        let own = |term: &&Term| term.owners.last().is_some_and(|(last, _)| *last == owner);
-        let place = |term: &Term| term.energy.slots().iter().position(|slot| slot.key == key);
-        let place = self.problem.energies.terms().find(own).and_then(place);
-        place.map_or(0.0, |k| total(self, owner, k))
+        let (energies, parameters) = (&problem.energies, &by.parameters);
+        let known = Known { laws: &scene.laws, energies, parameters };
+        Self { scene, problem, by, known, by_walls }
     }
 
     /// Derivatives by the numbers that the energies are made with.
     pub fn parameters(&self) -> &ParameterGradients {
-        &self.by.parameters
+        self.known.parameters
     }
 }
 
@@ -136,49 +134,24 @@ pub struct Number {
     pub path: String,
     /// SI unit.
     pub unit: &'static str,
-    /// Its key in its table, as the last part of the path, where it is of a room; empty of others.
+    /// Its key in its table, as the last part of the path; empty where it has none.
     pub key: String,
     kind: &'static Kind,
-    place: Indices,
+    /// Which of the scene's bodies, sheets or tables it belongs to.
+    table: usize,
 }
 
 impl Kind {
-    /// The path; words in capitals are names of the scene.
-    pub fn path(&self) -> &'static str {
-        match self {
-            Self::Row(row) => row.path,
-            Self::Room(_, [paths, _]) => paths,
-        }
-    }
-
-    /// What it is.
-    pub fn meaning(&self) -> &'static str {
-        match self {
-            Self::Row(row) => row.meaning,
-            Self::Room(_, [_, meaning]) => meaning,
-        }
-    }
-
-    /// The first word of the paths.
-    pub fn word(&self) -> &'static str {
-        match self {
-            Self::Row(row) => row.word(),
-            Self::Room(list, _) => list,
-        }
-    }
-
     /// The numbers in a scene.
     pub fn numbers(&'static self, scene: &Scene) -> Vec<Number> {
-        let row = match self {
-            Self::Row(row) => row,
-            Self::Room(list, _) => return room::numbers(self, list, scene),
+        let one = |RoomNumber { table, name, slot, .. }: RoomNumber| {
+            let words = [self.word, &name, &slot.key].into_iter().filter(|word| !word.is_empty());
+            let path = words.collect::<Vec<_>>().join(".");
+            Number { path, unit: slot.unit, key: slot.key, kind: self, table }
         };
-        let number = |(name, unit, place): Entry| {
-            let path = [self.word(), &name].map(str::to_owned);
-            let path = path.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>();
-            Number { path: path.join("."), unit, key: String::new(), kind: self, place }
-        };
-        (row.list)(scene).into_iter().map(number).collect()
+        Owners::looked_at(scene, |owners| {
+            (self.numbers)(self.word, owners).into_iter().map(one).collect()
+        })
     }
 }
 
@@ -204,7 +177,7 @@ impl Number {
 
     /// Whether it is how far a wall stands off, which is added to where the wall is.
     pub fn is_wall(&self) -> bool {
-        self.word() == walls::WALL.word()
+        self.word() == walls::WALL.word
     }
 
     /// Whether it is a stress, as moduli are.
@@ -214,7 +187,7 @@ impl Number {
 
     /// Whether it is that of a chamber, by its name.
     pub fn is_of_chamber(&self, name: &str, scene: &Scene) -> bool {
-        self.word() == loads::CHAMBER.word() && scene.config.chamber[self.owner()].name == name
+        self.word() == "chamber" && scene.config.chamber[self.owner()].name == name
     }
 
     /// The vector that it is a component of, by its key, where it is one of a room.
@@ -225,50 +198,41 @@ impl Number {
 
     /// The word of its kind.
     pub fn word(&self) -> &'static str {
-        self.kind.word()
+        self.kind.word
     }
 
     /// Which of the scene's bodies, sheets or tables it belongs to.
     pub fn owner(&self) -> usize {
-        self.place[0]
+        self.table
+    }
+
+    fn is(&self, other: &RoomNumber) -> bool {
+        other.table == self.table && other.slot.key == self.key
+    }
+
+    /// Where it is.
+    fn place<'a>(&self, owners: Owners<'a>) -> Option<Place<'a>> {
+        let mut all = (self.kind.numbers)(self.kind.word, owners).into_iter();
+        all.find(|other| self.is(other)).map(|found| found.place)
     }
 
     /// The value in a scene, in its unit; of what may be a function of time, or of a position,
     /// what is added to it: 0.
     pub fn value(&self, scene: &Scene) -> f64 {
-        match self.kind {
-            Kind::Row(row) => (row.value)(scene, self.place),
-            Kind::Room(list, _) => match room::written(self, list, scene) {
-                (_, true) => 0.0,
-                (value, false) => value.number().unwrap_or_default(),
-            },
-        }
-    }
-
-    /// The function of time to which it is added.
-    fn added_to<'a>(&self, config: &'a mut SimConfig) -> Option<&'a mut Written> {
-        match self.kind {
-            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => Some(of(config, self.place)),
-            Kind::Row(_) => None,
-            Kind::Room(list, _) => match room::place(self, list, config) {
-                Place::AddedTo(written) => Some(written),
-                Place::Value(_) => None,
-            },
-        }
+        Owners::looked_at(scene, |owners| match self.place(owners) {
+            Some(Place::Value(value)) => *value,
+            _ => 0.0,
+        })
     }
 
     /// Gives it a value. Several numbers may have to change before a scene admits them:
     /// [`Self::check`] says whether it does.
     pub fn set(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
-        match self.kind {
-            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => {
-                return Ok(of(&mut scene.config, self.place).add(value)?);
-            }
-            Kind::Row(Row { set: Setting::By(set), .. }) => set(scene, walls, self.place, value)?,
-            Kind::Room(list, _) => match room::place(self, list, &mut scene.config) {
-                Place::AddedTo(written) => return Ok(written.add(value)?),
-                Place::Value(number) => *number = value,
-            },
+        match self.place(Owners::of(scene)) {
+            Some(Place::AddedTo(written)) => return Ok(written.add(value)?),
+            Some(Place::Value(number)) => *number = value,
+            Some(Place::Wall) => walls::set(scene, walls, self.table, value)?,
+            None => bail!("{} is no number of the scene any more", self.path),
         }
         let given = scene.given.entry(self.path.clone()).or_default();
         *given = if self.is_wall() { *given + value } else { value };
@@ -277,19 +241,17 @@ impl Number {
 
     /// What it is in a scene, where it is no function of time or of the position.
     pub fn constant(&self, scene: &Scene) -> Option<f64> {
-        match self.kind {
-            Kind::Row(Row { set: Setting::AddedTo(of), .. }) => {
-                of(&mut scene.config.clone(), self.place).number()
-            }
-            Kind::Row(row) => Some((row.value)(scene, self.place)),
-            Kind::Room(list, _) => room::written(self, list, scene).0.number(),
-        }
+        Owners::looked_at(scene, |owners| match self.place(owners) {
+            Some(Place::AddedTo(written)) => written.number(),
+            Some(Place::Value(value)) => Some(*value),
+            _ => Some(0.0),
+        })
     }
 
     /// Gives it a value in place of the constant that the scene has; what [`Self::set`] would add to that.
     pub fn replace(&self, scene: &mut Scene, walls: Option<&Walls>, value: f64) -> Result<()> {
         ensure!(value.is_finite(), "{} = {value}: must be finite", self.path);
-        let Some(schedule) = self.added_to(&mut scene.config) else {
+        let Some(Place::AddedTo(schedule)) = self.place(Owners::of(scene)) else {
             return self.set(scene, walls, value);
         };
         ensure!(
@@ -303,28 +265,46 @@ impl Number {
 
     /// Whether the scene admits its value.
     pub fn check(&self, scene: &Scene) -> Result<()> {
-        match self.kind {
-            Kind::Row(row) => (row.check)(scene, self.place),
-            Kind::Room(..) => scene.config.check(),
+        if self.is_wall() {
+            return Ok(());
         }
+        scene.laws.iter().try_for_each(SceneLaw::check)?;
+        scene.config.check()
     }
 
-    /// What changes of it are small against, in its unit, where that is not its value.
+    /// What changes of it are small against, in its unit, where that is not its value: of a component of a vector that
+    /// is a function of time the largest of all at the ends of time steps.
     pub fn scale(&self, scene: &Scene) -> Option<f64> {
-        match self.kind {
-            Kind::Row(row) => row.scale.map(|scale| scale(scene, self.place)),
-            Kind::Room(list, _) => room::scale(self, list, scene),
-        }
+        let vector = |key: &str| key.rsplit_once('.').map(|(vector, _)| vector.to_owned());
+        let largest = |other: &RoomNumber| {
+            let Place::AddedTo(written) = &other.place else { return 0.0 };
+            let schedule = scene.config.schedule(written);
+            scene.times().iter().map(|&t| schedule.at(t).abs()).fold(0.0, f64::max)
+        };
+        let beside = |other: &&RoomNumber| {
+            other.table == self.table && vector(&other.slot.key) == vector(&self.key)
+        };
+        Owners::looked_at(scene, |owners| {
+            let all = (self.kind.numbers)(self.kind.word, owners);
+            match (&all.iter().find(|other| self.is(other))?.place, self.unit) {
+                (Place::AddedTo(_), _) => {
+                    Some(all.iter().filter(beside).map(largest).fold(0.0, f64::max))
+                }
+                (Place::Value(_), "°") => Some(RADIAN),
+                (Place::Value(_), "m/s") => Some(1.0),
+                _ => None,
+            }
+        })
     }
 
     /// The derivative of a result by it.
     pub fn derivative(&self, swept: &Swept) -> f64 {
-        match self.kind {
-            Kind::Row(row) => (row.derivative)(swept, self.place),
-            Kind::Room(list, _) => room::derivative(self, list, swept),
-        }
+        (self.kind.derivative)(swept, self)
     }
 }
+
+/// A radian [°].
+const RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
 /// Gives numbers of a scene values by their paths.
 pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
@@ -340,13 +320,3 @@ pub fn set(scene: &mut Scene, values: &BTreeMap<String, f64>) -> Result<()> {
 
 /// The unit of stresses.
 const PA: &str = "Pa";
-
-/// Every value is admitted.
-fn any(_: &Scene, _: Indices) -> Result<()> {
-    Ok(())
-}
-
-/// What may be a function of time or of a position is changed by adding to it.
-fn nothing_added(_: &Scene, _: Indices) -> f64 {
-    0.0
-}

@@ -9,36 +9,42 @@
 use std::collections::BTreeMap;
 
 use crate::model::Scene;
+use crate::term::{Place, RoomNumber, rigid};
 use anyhow::{Result, anyhow, ensure};
 use mechanics::body::Body;
+use mechanics::energy::Slot;
 use mesh::Vec3;
 use mesh::offset::{add_shifts_vjp, shifts};
 
-use super::{Number, Row, Setting, any, nothing_added};
+use super::{Kind, Number, Owners};
 use mechanics::extension::Extension;
 
-pub(super) const WALL: Row = Row {
-    path: "wall.TAG or wall",
+pub(super) const WALL: Kind = Kind {
+    word: "wall",
+    paths: "wall.TAG or wall",
     meaning: "how far the whole boundary, or the part with a tag, stands outward along its normal; rigid parts stay where they are",
-    list: |scene| {
-        let tags = scene.body.used_tags().enumerate();
-        let tags = tags.map(|(i, tag)| (tag.clone(), "m", [i + 1, 0]));
-        [(String::new(), "m", [0, 0])].into_iter().chain(tags).collect()
+    numbers,
+    derivative: |swept, number| {
+        swept.by_walls.as_ref().map_or(0.0, |(walls, by)| walls.along(number.owner(), by))
     },
-    value: nothing_added,
-    set: Setting::By(|scene, walls, [wall, _], value| {
-        let moves = walls.map(|walls| walls.moves_of(wall)).unwrap_or_default();
-        scene.body.mesh.vertices.iter_mut().zip(moves).for_each(|(x, d)| *x += value * d);
-        let findings = mesh::check::check_tets(&scene.body.mesh);
-        ensure!(findings.is_empty(), "walls moved by {value:e} m turn an element over");
-        Ok(())
-    }),
-    check: any,
-    derivative: |swept, [wall, _]| {
-        swept.by_walls.as_ref().map_or(0.0, |(walls, by)| walls.along(wall, by))
-    },
-    scale: None,
 };
+
+fn numbers<'a>(_: &str, Owners { body, .. }: Owners<'a>) -> Vec<RoomNumber<'a>> {
+    let names = [String::new()].into_iter().chain(body.used_tags().cloned()).enumerate();
+    let slot = || Slot::new("", "m");
+    names
+        .map(|(table, name)| RoomNumber { table, name, slot: slot(), place: Place::Wall })
+        .collect()
+}
+
+/// Moves a wall of a scene outward [m].
+pub(super) fn set(scene: &mut Scene, walls: Option<&Walls>, wall: usize, by: f64) -> Result<()> {
+    let moves = walls.map(|walls| walls.moves_of(wall)).unwrap_or_default();
+    scene.body.mesh.vertices.iter_mut().zip(moves).for_each(|(x, d)| *x += by * d);
+    let findings = mesh::check::check_tets(&scene.body.mesh);
+    ensure!(findings.is_empty(), "walls moved by {by:e} m turn an element over");
+    Ok(())
+}
 
 /// The walls of a body, or of several bodies. Rigid parts stay: derivatives by their shape are not known.
 pub struct Walls {
@@ -64,7 +70,8 @@ impl Walls {
         for tag in body.used_tags() {
             facets.push((Some(tag.clone()), body.facets(tag)?));
         }
-        let (rest, rigid) = (body.mesh.vertices.clone(), scene.rigid_vertices(body)?);
+        let (rest, rigid) =
+            (body.mesh.vertices.clone(), rigid::vertices(&scene.config.rigid, body)?);
         Ok(Self { extension, rest, rigid, facets })
     }
 

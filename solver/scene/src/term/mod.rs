@@ -1,76 +1,90 @@
 //! Rooms of the terms of the energy: what people write of one in a table of `sim.toml`, its energies on a body, its
 //! numbers, and what a report says of it.
 //!
-//! A table of a room is a [`TermTable`]; [`SimConfig::rooms`](crate::config::SimConfig::rooms) lists the rooms. Formula
-//! and derivatives are those of `mechanics::energy`. Laws and loads, which one table of a scene has and others read, are
-//! not rooms: they stand in [`model`](crate::model).
+//! [`SimConfig::rooms`](crate::config::SimConfig::rooms) lists the rooms. Formula and derivatives are those of
+//! `mechanics::energy`.
 
 pub mod line; // lines in space and directions
 pub mod profile; // numbers that may change along an axis
 pub mod direction; // fields of directions
+pub mod values; // functions of time
+pub mod material; // laws of bodies
 pub mod membrane; // thin sheets on tags
 pub mod fibre; // families of fibres in bodies and volumes
 pub mod winding; // threads on tags
 pub mod relaxation; // overstress of viscoelastic bodies
 pub mod mullins; // softening after a first stretch
 pub mod rigid; // parts that keep their shape
+pub mod chamber; // gas behind tags
+pub mod contact; // what happens where surfaces meet
+pub mod dead_load; // gravity, forces on bodies and on tags
 
-use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
-use mechanics::energy::{Energies, Energy, Iterate, Owner, Slot, Term};
+use mechanics::energy::{Energies, Energy, Iterate, Owner, ParameterGradients, Slot, Term};
 use mechanics::forward::Method;
+use mechanics::material::{LAWS, Law};
+use mechanics::rigid::RigidSet;
 use mechanics::schedule::{Written, WrittenField};
-use mechanics::symmetry::Plane;
+use mechanics::symmetry::{AXES, Plane, title};
 use mesh::Vec3;
 use mesh::io::vtu::Field;
 use program::{KeyPath, misfit};
 use reports::Terms;
 
-/// What the terms of a scene stand on.
-pub struct Ground<'a> {
-    /// The file of the scene, beside which those are that it names.
-    pub path: &'a Path,
-    /// The body with its tags.
-    pub body: &'a Body,
-    /// Its elements.
-    pub space: &'a FunctionSpace,
-    /// What has a law of its own, in the order of tetrahedra.
-    pub regions: Vec<Region>,
-}
-
-/// A body or volume with a law of its own, in the order of laws.
-pub struct Region {
-    /// What messages call it.
-    pub name: String,
-    /// The body that it is, or is a volume of.
-    pub body: String,
-    /// Its tetrahedra.
-    pub elements: Range<usize>,
-}
-
-impl Region {
-    /// Whether a table is of it by the name of a body or volume, or of all without one.
-    pub fn is_of(&self, on: Option<&str>) -> bool {
-        on.is_none_or(|on| self.name == on || self.body == on)
-    }
-}
+use crate::meaning::cut;
+use crate::supports::{Support, Supports};
+use contact::ObstacleConfig;
+use material::SceneLaw;
+use values::Values;
 
 /// What a check of a room may look at besides its tables.
 pub struct Around<'a> {
+    /// What functions of time stand for.
+    pub values: Values<'a>,
     /// Tags of the cuts in planes of symmetry.
-    pub cuts: &'a [Vec<String>],
+    pub cuts: Vec<Vec<String>>,
     /// How bodies go through time.
     pub method: Method,
     /// Whether there are time steps.
     pub in_time: bool,
-    /// Whether anything has a weight.
-    pub has_gravity: bool,
+    /// Acceleration by gravity [m/s²].
+    pub gravity: &'a WrittenField,
     /// Names of the bodies, where there are several.
     pub bodies: Vec<&'a str>,
+}
+
+/// What the terms of a scene stand on.
+pub struct Ground<'a> {
+    /// The file of the scene, beside which those are that it names.
+    pub path: &'a Path,
+    /// The settings.
+    pub around: Around<'a>,
+    /// All rooms.
+    pub rooms: Vec<&'a dyn Room>,
+    /// Surfaces that bodies cannot pass.
+    pub obstacles: &'a [ObstacleConfig],
+    /// Names of all surfaces that may touch: bodies, then obstacles.
+    pub surfaces: Vec<&'a str>,
+    /// Vertices of the scene's own body [m]; a design has others.
+    pub own_shape: &'a [Vec3],
+    /// The body with its tags.
+    pub body: &'a Body,
+    /// Its elements.
+    pub space: &'a FunctionSpace,
+    /// Its fixed degrees of freedom.
+    pub supports: &'a Supports,
+    /// The laws of bodies and volumes, in the order of tetrahedra.
+    pub laws: &'a [SceneLaw],
+    /// Nodes that move together, in the order of the rigid parts.
+    pub rigid: Vec<RigidSet>,
+    /// Whether to prove of every step that no surfaces intersect.
+    pub certify: bool,
+    /// The terms of the same scene with other numbers, if there are any yet: what takes long to build is taken over.
+    pub last: Option<&'a Energies>,
 }
 
 /// A state that is reported.
@@ -84,10 +98,34 @@ pub struct State<'a> {
 
 /// The derivatives of a result, as numbers of rooms need them.
 pub struct Known<'a> {
-    /// What has a law of its own.
-    pub regions: &'a [Region],
-    /// The derivative by a number of an owner, by its key.
-    pub by: &'a dyn Fn(Owner, &str) -> f64,
+    /// The laws of bodies and volumes.
+    pub laws: &'a [SceneLaw],
+    /// All terms.
+    pub energies: &'a Energies,
+    /// The derivatives by their numbers.
+    pub parameters: &'a ParameterGradients,
+}
+
+impl Known<'_> {
+    /// The derivative by a number of an owner, by its key; 0 where no term has it.
+    pub fn by(&self, owner: Owner, key: &str) -> f64 {
+        let own = |term: &&Term| term.owners.last().is_some_and(|(last, _)| *last == owner);
+        let place = |term: &Term| term.energy.slots().iter().position(|slot| slot.key == key);
+        let place = self.energies.terms().find(own).and_then(place);
+        place.map_or(0.0, |k| self.total(owner, k))
+    }
+
+    /// The derivative by what all terms have that know a key.
+    pub fn by_all(&self, key: &str) -> f64 {
+        let has = |term: &&Term| term.energy.slots().iter().any(|slot| slot.key == key);
+        let owners = self.energies.terms().filter(has).filter_map(|term| term.owners.last());
+        owners.map(|(owner, _)| self.by(*owner, key)).sum()
+    }
+
+    /// The derivative by the k-th number of an owner; 0 where no term has it.
+    pub fn total(&self, owner: Owner, k: usize) -> f64 {
+        self.parameters.total(owner).get(k).copied().unwrap_or(0.0)
+    }
 }
 
 /// Where a number of a table is.
@@ -96,43 +134,108 @@ pub enum Place<'a> {
     Value(&'a mut f64),
     /// It is added to this function of time.
     AddedTo(&'a mut Written),
+    /// It is how far a wall of the body is off.
+    Wall,
 }
 
 /// A number of a table: the slot that it has in an energy, and where it is. Angles are degrees here.
-type TableNumber<'a> = (Slot, Place<'a>);
+pub type TableNumber<'a> = (Slot, Place<'a>);
 
-/// A table of a room.
-pub trait TermTable: Clone {
-    /// Its list in `sim.toml`, which is the first word of the paths of its numbers and owns these.
-    const LIST: &'static str;
-    /// The paths of its numbers; words in capitals are names of the scene.
-    const PATHS: &'static str;
+/// A number of a room.
+pub struct RoomNumber<'a> {
+    /// Which of its tables has it.
+    pub table: usize,
+    /// What paths call that; nothing where there is only one.
+    pub name: String,
+    /// What it is there; angles are degrees.
+    pub slot: Slot,
+    /// Where it is.
+    pub place: Place<'a>,
+}
+
+/// What is known of a room without a scene.
+#[derive(Clone, Copy)]
+pub struct About {
+    /// Its key in `sim.toml`, which is the first word of the paths of its numbers and owns these.
+    pub list: &'static str,
+    /// Where its terms stand.
+    pub stage: Stage,
+    /// The paths of its numbers; words in capitals are names of the scene. Nothing where it has no numbers.
+    pub paths: &'static str,
     /// What these numbers are.
-    const MEANING: &'static str;
+    pub meaning: &'static str,
     /// A table that tests give a cube with the tag `top`, to test the derivatives by its numbers; empty where these
     /// need another body or other loads.
-    const EXAMPLE: &'static str;
+    pub example: &'static str,
+}
 
-    /// What paths call one of all tables, counted from 0.
-    fn name(&self, place: usize) -> String;
+/// Where the terms of a room stand among those of others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Before inertia.
+    Body,
+    /// Behind it.
+    Load,
+    /// Behind all others.
+    Part,
+}
 
-    /// What people are told of it before a run.
-    fn in_words(&self) -> Option<String>;
+/// A function of time: what messages call it, whether it may depend on the position, and what is written.
+pub type Scheduled<'a> = (KeyPath, bool, &'a Written);
+
+/// The tables of a term in a scene.
+pub trait Room {
+    /// What is known of it without a scene.
+    fn about(&self) -> About;
+
+    /// What people are told of the tables before a run.
+    fn in_words(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// All values that may change with time.
+    fn schedules(&self) -> Vec<Scheduled<'_>> {
+        Vec::new()
+    }
 
     /// Refuses what no type can rule out and needs no body to be seen.
-    fn check(all: &[Self], around: &Around) -> Result<()>;
+    fn check(&self, _: &Around) -> Result<()> {
+        Ok(())
+    }
 
-    /// The terms of all tables, which own their numbers; none where they stand beside those of laws.
-    fn build(_: &[Self], _: &Ground) -> Result<Vec<Term>> {
+    /// Refuses what laws cannot have.
+    fn check_laws(&self, _: &[SceneLaw]) -> Result<()> {
+        Ok(())
+    }
+
+    /// What it fixes on a body.
+    fn supports(&self, _: &Body) -> Vec<Support> {
+        Vec::new()
+    }
+
+    /// Largest stress in a part of a size [m] that it makes [Pa].
+    fn stress(&self, _size: f64, _: &Values) -> f64 {
+        0.0
+    }
+
+    /// The term that stands beside the one of a law, by the place of that; `first` internal variables are of the terms before.
+    fn beside(&self, _law: usize, _: &Ground, _first: usize) -> Result<Option<Term>> {
+        Ok(None)
+    }
+
+    /// The terms of all tables, which own their numbers; `first` internal variables are of the terms before.
+    fn build(&self, _: &Ground, _first: usize) -> Result<Vec<Term>> {
         Ok(Vec::new())
     }
 
-    /// Its numbers.
-    fn numbers(&mut self) -> Vec<TableNumber<'_>>;
+    /// All numbers.
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        Vec::new()
+    }
 
-    /// The derivative of a result by one of its numbers.
-    fn derivative(_: &[Self], place: usize, key: &str, known: &Known) -> f64 {
-        (known.by)(Owner::new(Self::LIST, place), key)
+    /// The derivative of a result by a number of a table.
+    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64 {
+        known.by(Owner::new(self.about().list, table), key)
     }
 
     /// What a user should know of it before a run.
@@ -140,151 +243,49 @@ pub trait TermTable: Clone {
         Vec::new()
     }
 
-    /// Puts its section into a report of a state; there is one table or more.
-    fn report(_: &[Self], _: State, _: &mut Terms) {}
+    /// Puts its section into a report of a state, where there is a table or more.
+    fn report(&self, _: State, _: &mut Terms) {}
 
     /// Fields of the cells of a state, for ParaView.
-    fn fields(_: State) -> Vec<Field> {
+    fn fields(&self, _: State) -> Vec<Field> {
         Vec::new()
     }
 }
 
 /// Terms of energies, of which each owns its numbers.
-fn owned<T: TermTable>(energies: impl IntoIterator<Item = impl Energy>) -> Vec<Term> {
+fn owned(list: &'static str, energies: impl IntoIterator<Item = impl Energy>) -> Vec<Term> {
     let own = energies.into_iter().enumerate();
-    own.map(|(place, own)| Term::of(Owner::new(T::LIST, place), own)).collect()
+    own.map(|(place, own)| Term::of(Owner::new(list, place), own)).collect()
 }
 
-/// A number of a room.
-pub struct RoomNumber {
-    /// Which of its tables has it.
-    pub table: usize,
-    /// What paths call that.
-    pub name: String,
-    /// What it is there; angles are degrees.
-    pub slot: Slot,
-}
-
-/// The tables of a room in a scene.
-pub trait Room {
-    /// [`TermTable::LIST`].
-    fn list(&self) -> &'static str;
-    /// [`TermTable::PATHS`] and [`TermTable::MEANING`].
-    fn explained(&self) -> [&'static str; 2];
-    /// [`TermTable::EXAMPLE`]
-    fn example(&self) -> &'static str;
-    /// Whether the scene has none.
-    fn is_empty(&self) -> bool;
-    /// [`TermTable::in_words`] of each.
-    fn in_words(&self) -> Vec<String>;
-    /// [`TermTable::check`]
-    fn check(&self, around: &Around) -> Result<()>;
-    /// [`TermTable::build`]
-    fn build(&self, ground: &Ground) -> Result<Vec<Term>>;
-    /// All numbers.
-    fn numbers(&self) -> Vec<RoomNumber>;
-    /// What is written of a number of a table by its key, and whether numbers are added to that.
-    fn written(&self, table: usize, key: &str) -> (Written, bool);
-    /// Where that is.
-    fn number(&mut self, table: usize, key: &str) -> Place<'_>;
-    /// [`TermTable::derivative`]
-    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64;
-    /// [`TermTable::warnings`] of all.
-    fn warnings(&self, body: &Body) -> Vec<String>;
-    /// [`TermTable::report`], where there are some.
-    fn report(&self, state: State, terms: &mut Terms);
-    /// [`TermTable::fields`]
-    fn fields(&self, state: State) -> Vec<Field>;
-}
-
-impl<T: TermTable> Room for Vec<T> {
-    fn list(&self) -> &'static str {
-        T::LIST
+/// The numbers of some tables, each of which has a name in paths and these.
+pub(crate) fn each<'a, T>(
+    tables: &'a mut [T],
+    numbers: impl Fn(usize, &'a mut T) -> (String, Vec<TableNumber<'a>>),
+) -> Vec<RoomNumber<'a>> {
+    let mut all = Vec::new();
+    for (table, own) in tables.iter_mut().enumerate() {
+        let (name, numbers) = numbers(table, own);
+        let number = |(slot, place)| RoomNumber { table, name: name.clone(), slot, place };
+        all.extend(numbers.into_iter().map(number));
     }
-
-    fn explained(&self) -> [&'static str; 2] {
-        [T::PATHS, T::MEANING]
-    }
-
-    fn example(&self) -> &'static str {
-        T::EXAMPLE
-    }
-
-    fn is_empty(&self) -> bool {
-        Vec::is_empty(self)
-    }
-
-    fn in_words(&self) -> Vec<String> {
-        self.iter().filter_map(T::in_words).collect()
-    }
-
-    fn check(&self, around: &Around) -> Result<()> {
-        T::check(self, around)
-    }
-
-    fn build(&self, ground: &Ground) -> Result<Vec<Term>> {
-        T::build(self, ground)
-    }
-
-    fn numbers(&self) -> Vec<RoomNumber> {
-        let of = |(table, own): (usize, &T)| -> Vec<RoomNumber> {
-            let name = own.name(table);
-            let mut own = own.clone();
-            let slots = own.numbers().into_iter();
-            slots.map(|(slot, _)| RoomNumber { table, name: name.clone(), slot }).collect()
-        };
-        self.iter().enumerate().flat_map(of).collect()
-    }
-
-    fn written(&self, table: usize, key: &str) -> (Written, bool) {
-        match number(&mut self[table].clone(), key) {
-            Place::Value(value) => ((*value).into(), false),
-            Place::AddedTo(written) => (written.clone(), true),
-        }
-    }
-
-    fn number(&mut self, table: usize, key: &str) -> Place<'_> {
-        number(&mut self[table], key)
-    }
-
-    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64 {
-        T::derivative(self, table, key, known)
-    }
-
-    fn warnings(&self, body: &Body) -> Vec<String> {
-        self.iter().flat_map(|own| own.warnings(body)).collect()
-    }
-
-    fn report(&self, state: State, terms: &mut Terms) {
-        if !self.is_empty() {
-            T::report(self, state, terms);
-        }
-    }
-
-    fn fields(&self, state: State) -> Vec<Field> {
-        T::fields(state)
-    }
-}
-
-/// A number of a table by its key, which the table has.
-fn number<'a, T: TermTable>(table: &'a mut T, key: &str) -> Place<'a> {
-    let mut all = table.numbers().into_iter();
-    all.find(|(slot, _)| slot.key == key).expect("the key of one of its numbers").1
+    all
 }
 
 /// A number that is a value.
-fn value<'a>(key: &str, unit: &'static str, value: &'a mut f64) -> TableNumber<'a> {
+pub(crate) fn value<'a>(key: &str, unit: &'static str, value: &'a mut f64) -> TableNumber<'a> {
     (Slot::new(key, unit), Place::Value(value))
 }
 
-/// The components of a vector that are functions of time.
+/// The components of a vector that are functions of time, which may be that of a table without a key.
 fn components<'a>(
     key: &str,
     unit: &'static str,
     vector: &'a mut WrittenField,
 ) -> impl Iterator<Item = TableNumber<'a>> {
-    let slots = Slot::components(key, unit).into_iter();
-    slots.zip(&mut vector.0).map(|(slot, written)| (slot, Place::AddedTo(written)))
+    let alone = || AXES.map(|axis| Slot::new(axis, unit));
+    let slots = if key.is_empty() { alone() } else { Slot::components(key, unit) };
+    slots.into_iter().zip(&mut vector.0).map(|(slot, written)| (slot, Place::AddedTo(written)))
 }
 
 /// A number, or those of one that changes along an axis, with what they are called.
@@ -311,6 +312,59 @@ fn check_names<'a>(list: &str, names: impl Iterator<Item = &'a String>) -> Resul
         known.push(name);
     }
     Ok(())
+}
+
+/// Refuses loads on tags of a cut.
+fn check_off_cuts(list: &str, is_on: impl Fn(&str) -> bool, cuts: &[Vec<String>]) -> Result<()> {
+    for tags in cuts {
+        ensure!(
+            !tags.iter().any(|tag| is_on(tag)),
+            cut(tags).told(format!(
+                "{}: [[{list}]] is on the same tag, but there is no surface where the whole body is cut; expected a \
+                 tag of its own for each",
+                title(tags)
+            ))
+        );
+    }
+    Ok(())
+}
+
+/// The laws that a table of a list is of, by their places; all of them without a name. Refused are those that have no
+/// isochoric part.
+fn isochoric(list: &str, on: Option<&str>, laws: &[SceneLaw]) -> Result<Vec<usize>> {
+    let own: Vec<usize> = (0..laws.len()).filter(|&i| laws[i].is_of(on)).collect();
+    let names: Vec<&str> = laws.iter().map(|law| &*law.name).collect();
+    ensure!(
+        !own.is_empty(),
+        misfit!(
+            KeyPath::list(list).on(on.unwrap_or_default()),
+            ": no body or volume has this name; there are: {}",
+            names.join(", ")
+        )
+    );
+    for SceneLaw { material, name, .. } in own.iter().map(|&i| &laws[i]) {
+        let has = |law: &&Law| (law.build)(law.sample).isochoric().is_some();
+        let known = || LAWS.iter().filter(has).map(|law| law.key).collect::<Vec<_>>().join(", ");
+        ensure!(
+            material.build().isochoric().is_some(),
+            misfit!(
+                KeyPath::list(list),
+                ": the law {} of \"{name}\" has no isochoric part in Ī₁ and Ī₂; expected one of: {}",
+                material.law.key,
+                known()
+            )
+        );
+    }
+    Ok(own)
+}
+
+/// Nodes of one of the bodies, ascending.
+pub fn nodes_of(body: &Body, part: usize, space: &FunctionSpace) -> Vec<usize> {
+    let (tets, n) = (&body.parts[part].tets, space.nodes_per_element());
+    let mut nodes = space.element_nodes()[n * tets.start..n * tets.end].to_vec();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
 }
 
 /// Sine of the angle between directions that are mirror images of each other, at most, and relative difference of

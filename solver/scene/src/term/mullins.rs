@@ -6,7 +6,7 @@
 //! | `mullins_factor_at_rest` | mean of η at rest after it | 1 |
 
 use anyhow::{Result, ensure};
-use mechanics::energy::{Mullins, MullinsMean, MullinsSummary};
+use mechanics::energy::{Mullins, MullinsMean, MullinsSummary, Term};
 use mechanics::forward::Method;
 use mechanics::material::OgdenRoxburgh;
 use mesh::io::vtu::Field;
@@ -14,7 +14,8 @@ use program::table::Range;
 use program::{KeyPath, misfit};
 use reports::Terms;
 
-use super::{Around, Known, State, TableNumber, TermTable, value};
+use super::material::SceneLaw;
+use super::{About, Around, Ground, Known, Room, RoomNumber, Stage, State, each, isochoric, value};
 
 program::table! {
     /// Softening of bodies by what they were stretched before, after Ogden and Roxburgh: the isochoric stress of the
@@ -33,35 +34,31 @@ program::table! {
     }
 }
 
-impl MullinsConfig {
-    /// The law of softening.
-    pub fn law(&self) -> OgdenRoxburgh {
-        OgdenRoxburgh { r: self.r, m: self.m, beta: self.beta }
-    }
-}
-
-impl TermTable for MullinsConfig {
-    const LIST: &'static str = "mullins";
-    const PATHS: &'static str = "mullins.N.r, .m or .beta";
-    const MEANING: &'static str = "a number of the N-th [[mullins]], counted from 1";
-    const EXAMPLE: &'static str = "";
-
-    fn name(&self, place: usize) -> String {
-        (place + 1).to_string()
+impl Room for Vec<MullinsConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "mullins",
+            stage: Stage::Body,
+            paths: "mullins.N.r, .m or .beta",
+            meaning: "a number of the N-th [[mullins]], counted from 1",
+            example: "",
+        }
     }
 
-    fn in_words(&self) -> Option<String> {
-        let Self { on, r, m, beta } = self;
-        let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
-        Some(format!(
-            "softening{on} after a first stretch: by {:.1} % at most, m = {m} Pa, beta = {beta}",
-            100.0 / r
-        ))
+    fn in_words(&self) -> Vec<String> {
+        let one = |MullinsConfig { on, r, m, beta }: &MullinsConfig| {
+            let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
+            format!(
+                "softening{on} after a first stretch: by {:.1} % at most, m = {m} Pa, beta = {beta}",
+                100.0 / r
+            )
+        };
+        self.iter().map(one).collect()
     }
 
     /// States have an order in which each follows from the last.
-    fn check(all: &[Self], around: &Around) -> Result<()> {
-        for MullinsConfig { m, beta, .. } in all {
+    fn check(&self, around: &Around) -> Result<()> {
+        for MullinsConfig { m, beta, .. } in self {
             ensure!(
                 *m + *beta > 0.0,
                 misfit!(
@@ -70,7 +67,7 @@ impl TermTable for MullinsConfig {
                 )
             );
         }
-        if all.is_empty() {
+        if self.is_empty() {
             return Ok(());
         }
         ensure!(
@@ -94,18 +91,50 @@ impl TermTable for MullinsConfig {
         Ok(())
     }
 
-    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
-        let Self { r, m, beta, .. } = self;
-        vec![value("r", "1", r), value("m", "Pa", m), value("beta", "1", beta)]
+    fn check_laws(&self, laws: &[SceneLaw]) -> Result<()> {
+        let mut softened = vec![false; laws.len()];
+        for MullinsConfig { on, .. } in self {
+            for i in isochoric("mullins", on.as_deref(), laws)? {
+                let twice = std::mem::replace(&mut softened[i], true);
+                ensure!(
+                    !twice,
+                    misfit!(
+                        KeyPath::list("mullins").on(on.as_deref().unwrap_or_default()),
+                        ": \"{}\" is softened by two tables; expected one, with on where volumes differ",
+                        laws[i].name
+                    )
+                );
+            }
+        }
+        Ok(())
     }
 
-    fn derivative(all: &[Self], place: usize, key: &str, known: &Known) -> f64 {
-        let on = all[place].on.as_deref();
-        let own = known.regions.iter().enumerate().filter(|(_, region)| region.is_of(on));
-        own.map(|(law, _)| (known.by)(Mullins::owner(law), key)).sum()
+    /// The softening of a law that is not that of a rigid body.
+    fn beside(&self, law: usize, ground: &Ground, first: usize) -> Result<Option<Term>> {
+        let own_law = &ground.laws[law];
+        let own = self.iter().find(|table| own_law.is_of(table.on.as_deref()));
+        let own = own.filter(|_| !own_law.is_rigid).zip(own_law.material.build().isochoric());
+        Ok(own.map(|(&MullinsConfig { r, m, beta, .. }, isochoric)| {
+            let (softening, tets) = (OgdenRoxburgh { r, m, beta }, own_law.elements(ground.body));
+            let mullins = Mullins::new(isochoric, softening, tets, first).named(&own_law.name);
+            Term::of_both(own_law.numbers(law), Mullins::owner(law), mullins)
+        }))
     }
 
-    fn report(_: &[Self], State { energies, at }: State, terms: &mut Terms) {
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |place, MullinsConfig { r, m, beta, .. }| {
+            let numbers = vec![value("r", "1", r), value("m", "Pa", m), value("beta", "1", beta)];
+            ((place + 1).to_string(), numbers)
+        })
+    }
+
+    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64 {
+        let on = self[table].on.as_deref();
+        let own = known.laws.iter().enumerate().filter(|(_, law)| law.is_of(on));
+        own.map(|(place, _)| known.by(Mullins::owner(place), key)).sum()
+    }
+
+    fn report(&self, State { energies, at }: State, terms: &mut Terms) {
         let one = |own: &Mullins| {
             let MullinsSummary {
                 largest_energy,
@@ -124,10 +153,10 @@ impl TermTable for MullinsConfig {
                 lost,
             }
         };
-        terms.mullins = Some(energies.each().map(one).collect());
+        terms.mullins = (!self.is_empty()).then(|| energies.each().map(one).collect());
     }
 
-    fn fields(State { energies, at }: State) -> Vec<Field> {
+    fn fields(&self, State { energies, at }: State) -> Vec<Field> {
         let mut softened = energies.each::<Mullins>().peekable();
         if softened.peek().is_none() {
             return Vec::new();

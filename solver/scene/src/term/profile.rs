@@ -1,17 +1,16 @@
 //! Numbers that may change along an axis.
 
-use std::fmt;
-
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use mechanics::energy::{Axis, Profile};
 use program::table::{Numbers, Range, Table, nested};
-use program::{KeyPath, misfit};
+use program::{KeyPath, Misfit, misfit, read_table};
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, Visitor};
+use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
+use toml::Value;
 
 use super::line::AroundConfig;
+use crate::law_table::number;
 
 /// A number, or one that changes along an axis.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -116,12 +115,11 @@ impl ProfileConfig {
                 );
             }
             (None, None) => {
-                return Err(misfit!(
+                bail!(misfit!(
                     key.clone(),
                     " has no axis: add line = {{ point = [0, 0, 0], axis = [0, 0, 1] }}, along which start and end are \
                      heights"
-                )
-                .into());
+                ));
             }
         };
         let profile = Profile::new(axis, [*start, *end], values.clone());
@@ -132,26 +130,14 @@ impl ProfileConfig {
 /// By hand, so that a table that does not fit says which of its keys does not.
 impl<'de> Deserialize<'de> for Along {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Either;
-        impl<'de> Visitor<'de> for Either {
-            type Value = Along;
-            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
-                out.write_str("a number, or a table { values = [1, 2], start = 0.0, end = 0.08 }")
-            }
-            fn visit_f64<E>(self, number: f64) -> Result<Along, E> {
-                Ok(Along::Number(number))
-            }
-            fn visit_i64<E>(self, number: i64) -> Result<Along, E> {
-                Ok(Along::Number(number as f64))
-            }
-            fn visit_u64<E>(self, number: u64) -> Result<Along, E> {
-                Ok(Along::Number(number as f64))
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Along, A::Error> {
-                ProfileConfig::deserialize(MapAccessDeserializer::new(map)).map(Along::Profile)
-            }
+        match Value::deserialize(deserializer)? {
+            Value::Table(table) => read_table(&table).map(Self::Profile).map_err(Misfit::carried),
+            other => number(&other).map(Self::Number).ok_or_else(|| {
+                D::Error::custom(format!(
+                    "invalid type: {other}, expected a number, or a table {{ values = [1, 2], start = 0.0, end = 0.08 }}"
+                ))
+            }),
         }
-        deserializer.deserialize_any(Either)
     }
 }
 

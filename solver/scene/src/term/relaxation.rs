@@ -1,11 +1,12 @@
 //! `[[relaxation]]`: stress that a material has for a while beside that of its law.
 
 use anyhow::{Result, ensure};
-use mechanics::energy::Viscous;
+use mechanics::energy::{Branch, Term, Viscous};
 use program::table::Range;
 use program::{KeyPath, misfit};
 
-use super::{Around, Known, Region, TableNumber, TermTable, value};
+use super::material::SceneLaw;
+use super::{About, Around, Ground, Known, Room, RoomNumber, Stage, each, isochoric, value};
 
 program::table! {
     /// A Maxwell branch beside the laws of bodies: one term of a Prony series. The law alone is what is
@@ -21,28 +22,31 @@ program::table! {
     }
 }
 
-impl TermTable for RelaxationConfig {
-    const LIST: &'static str = "relaxation";
-    const PATHS: &'static str = "relaxation.N.overstress or .time";
-    const MEANING: &'static str = "a number of the N-th [[relaxation]], counted from 1";
-    const EXAMPLE: &'static str = "[[relaxation]]\noverstress = 0.5\ntime = 0.01\n";
-
-    fn name(&self, place: usize) -> String {
-        (place + 1).to_string()
+impl Room for Vec<RelaxationConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "relaxation",
+            stage: Stage::Body,
+            paths: "relaxation.N.overstress or .time",
+            meaning: "a number of the N-th [[relaxation]], counted from 1",
+            example: "[[relaxation]]\noverstress = 0.5\ntime = 0.01\n",
+        }
     }
 
-    fn in_words(&self) -> Option<String> {
-        let Self { on, overstress, time } = self;
-        let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
-        Some(format!(
-            "relaxation{on}: {:.1} % more isochoric stress at once, for {time} s",
-            100.0 * overstress
-        ))
+    fn in_words(&self) -> Vec<String> {
+        let one = |RelaxationConfig { on, overstress, time }: &RelaxationConfig| {
+            let on = on.as_ref().map_or_else(String::new, |on| format!(" of {on}"));
+            format!(
+                "relaxation{on}: {:.1} % more isochoric stress at once, for {time} s",
+                100.0 * overstress
+            )
+        };
+        self.iter().map(one).collect()
     }
 
-    fn check(all: &[Self], around: &Around) -> Result<()> {
+    fn check(&self, around: &Around) -> Result<()> {
         ensure!(
-            all.is_empty() || around.in_time,
+            self.is_empty() || around.in_time,
             misfit!(
                 KeyPath::list("relaxation"),
                 " without [time]: a scene without time steps has no rate; its state is that after a long \
@@ -53,19 +57,41 @@ impl TermTable for RelaxationConfig {
         Ok(())
     }
 
-    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
-        let Self { overstress, time, .. } = self;
-        vec![value("overstress", "1", overstress), value("time", "s", time)]
+    fn check_laws(&self, laws: &[SceneLaw]) -> Result<()> {
+        let own = |table: &RelaxationConfig| isochoric("relaxation", table.on.as_deref(), laws);
+        self.iter().try_for_each(|table| own(table).map(drop))
+    }
+
+    /// The branches of all tables that are of a law; none of a rigid body, which has another elastic law.
+    fn beside(&self, law: usize, ground: &Ground, first: usize) -> Result<Option<Term>> {
+        let own_law = &ground.laws[law];
+        let own = self.iter().filter(|table| own_law.is_of(table.on.as_deref()));
+        let branch = |own: &RelaxationConfig| Branch { overstress: own.overstress, time: own.time };
+        let branches: Vec<Branch> = own.map(branch).collect();
+        let has = !branches.is_empty() && !own_law.is_rigid;
+        let isochoric = own_law.material.build().isochoric().filter(|_| has);
+        Ok(isochoric.map(|isochoric| {
+            let elements = own_law.elements(ground.body);
+            let viscous = Viscous::new(isochoric, branches, elements, first);
+            Term::of_both(own_law.numbers(law), Viscous::owner(law), viscous)
+        }))
+    }
+
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |place, RelaxationConfig { overstress, time, .. }| {
+            let numbers = vec![value("overstress", "1", overstress), value("time", "s", time)];
+            ((place + 1).to_string(), numbers)
+        })
     }
 
     /// Each law has the branches of the tables that are of it, one after the other.
-    fn derivative(all: &[Self], place: usize, key: &str, known: &Known) -> f64 {
-        let of = |(law, region): (usize, &Region)| {
-            let is_own = |table: &&Self| region.is_of(table.on.as_deref());
-            let branch = all[..place].iter().filter(is_own).count() + 1;
-            let own = is_own(&&all[place]);
-            own.then(|| (known.by)(Viscous::owner(law), &format!("{branch}.{key}")))
+    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64 {
+        let of = |(place, law): (usize, &SceneLaw)| {
+            let is_own = |table: &&RelaxationConfig| law.is_of(table.on.as_deref());
+            let branch = self[..table].iter().filter(is_own).count() + 1;
+            let own = is_own(&&self[table]);
+            own.then(|| known.by(Viscous::owner(place), &format!("{branch}.{key}")))
         };
-        known.regions.iter().enumerate().filter_map(of).sum()
+        known.laws.iter().enumerate().filter_map(of).sum()
     }
 }

@@ -78,7 +78,7 @@ fn kind_text(kind: &Kind, list: List) -> String {
 }
 
 fn number_text(kind: &number::Kind) -> String {
-    format!("{}\n", kind.path()) + &wrapped("", kind.meaning())
+    format!("{}\n", kind.paths) + &wrapped("", kind.meaning)
 }
 
 /// Keys with their meanings, one under the other.

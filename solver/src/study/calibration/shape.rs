@@ -27,7 +27,7 @@ impl Shape {
             ensure!(
                 law.material.density.is_some(),
                 "the density of \"{}\" is not known; add density = ... [kg/m³] to its material",
-                scene.law_name(law)
+                law.name.clone()
             );
         }
         Ok(Self::Mass)

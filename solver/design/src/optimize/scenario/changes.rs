@@ -84,11 +84,11 @@ fn lacking(scene: &Scene, key: &str, on: Option<&str>) -> String {
         }
         _ => (),
     }
-    let known = |law: &SceneLaw| on.is_none_or(|on| scene.is_law_of(law, on));
+    let known = |law: &SceneLaw| law.is_of(on);
     if scene.laws.iter().any(known) {
         return format!("no material of {} has one", on.unwrap_or("the scene"));
     }
-    let names: Vec<String> = scene.laws.iter().map(|law| scene.law_name(law)).collect();
+    let names: Vec<String> = scene.laws.iter().map(|law| law.name.clone()).collect();
     format!(
         "no volume or body with a [material] of its own is called so; expected some of: {}",
         names.join(", ")

@@ -122,7 +122,7 @@ fn pairs(nodes: &[usize]) -> Vec<[usize; 2]> {
 
 impl Energy for Rigid {
     fn kind(&self) -> (&'static str, Nature) {
-        ("rigid", Nature::Elastic)
+        ("rigid", Nature::Rigid)
     }
 
     fn value(&self, at: &Iterate) -> f64 {

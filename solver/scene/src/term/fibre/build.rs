@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use mechanics::body::Body;
 use mechanics::element::FunctionSpace;
 use mechanics::energy::{Direction, Directions, Fibres, Profile};
@@ -37,15 +37,16 @@ pub(super) fn families(all: &[FibreConfig], ground: &Ground) -> Result<Vec<Fibre
 /// The elements that a family is in, which follow each other.
 fn elements_of(fibre: &FibreConfig, ground: &Ground) -> Result<Range<usize>> {
     let Some(on) = &fibre.on else { return Ok(0..ground.body.mesh.tets.len()) };
-    let mut own = ground.regions.iter().filter(|own| own.name == *on || own.body == *on);
+    let mut own = ground.laws.iter().filter(|law| law.is_of(Some(on)));
     let Some(first) = own.next() else {
-        let names = || ground.regions.iter().map(|region| region.name.as_str());
+        let names = || ground.laws.iter().map(|law| law.name.as_str());
         let listed = names().collect::<Vec<_>>().join(", ");
         let has = format!("there are: {listed}; a volume needs a [[material]] of its own");
         let what = unknown("unknown body or volume", on, names(), ';', &has);
-        return Err(misfit!(fibre.title().key("on"), ": {what}").into());
+        bail!(misfit!(fibre.title().key("on"), ": {what}"));
     };
-    Ok(first.elements.start..own.next_back().unwrap_or(first).elements.end)
+    let last = own.next_back().unwrap_or(first);
+    Ok(first.elements(ground.body).start..last.elements(ground.body).end)
 }
 
 /// Whether the mirror images of all fibres in a plane are fibres.
@@ -93,15 +94,14 @@ fn check_defined(
         Directions::Elements(_) => None,
     };
     if let Some(place) = on_axis {
-        return Err(misfit!(
+        bail!(misfit!(
             fibre.title().key("around"),
             ": the axis passes through the material at ({:.6}, {:.6}, {:.6}) m, where fibres have no \
              direction; expected an axis in a hole or outside, or a volume without it",
             place.x,
             place.y,
             place.z
-        )
-        .into());
+        ));
     }
     let mut corners = body.mesh.tets[elements].iter().flatten();
     ensure!(

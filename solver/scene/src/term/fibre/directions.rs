@@ -11,7 +11,7 @@ use mesh::io::npy::read_f64;
 use mesh::io::vtu::{Field, Grid, read_vtu};
 use program::misfit;
 
-use super::{FibreConfig, Source};
+use super::FibreConfig;
 use crate::term::Ground;
 
 /// Where the fibres of a family lead, in the elements that it is in.
@@ -21,17 +21,14 @@ pub(super) fn directions_of(
     elements: Range<usize>,
 ) -> Result<Directions> {
     let body = ground.body;
-    let key = |key: &str| fibre.title().key(key);
     let tets = &body.mesh.tets[elements.clone()];
-    let (vectors, key) = match fibre.leads()? {
-        Source::Formula(direction) => return Ok(direction.into()),
-        Source::Twisting(angle) => return Ok(Directions::Twisting(angle)),
-        Source::File(file) => {
-            let path = ground.path.with_file_name(&file);
-            let vectors = read(&path, fibre.field.as_deref(), body, elements.clone());
-            (vectors.with_context(|| key("file"))?, key("file"))
-        }
-    };
+    if let Some(formula) = fibre.leads()? {
+        return Ok(formula);
+    }
+    let key = fibre.title().key("file");
+    let path = ground.path.with_file_name(fibre.file.as_deref().unwrap_or(Path::new("")));
+    let vectors = read(&path, fibre.field.as_deref(), body, elements);
+    let vectors = vectors.with_context(|| key.clone())?;
     let unit = |(vector, tet): (Vec3, &[usize; 4])| {
         let (length, at) = (vector.norm(), centre(body, tet));
         ensure!(

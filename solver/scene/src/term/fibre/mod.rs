@@ -11,8 +11,10 @@ mod directions; // vectors from a file
 
 use std::path::PathBuf;
 
-use anyhow::{Result, ensure};
-use mechanics::energy::{Axis, Direction, FibreMean, FibreSummary, Fibres, Iterate, Profile, Term};
+use anyhow::{Result, bail, ensure};
+use mechanics::energy::{
+    Axis, Directions, FibreMean, FibreSummary, Fibres, Iterate, Profile, Term,
+};
 use mechanics::material::fibre::{Fibre, LARGEST_DISPERSION};
 use mechanics::material::slack::DEFAULT_SLACK;
 use mesh::Vec3;
@@ -24,7 +26,10 @@ use reports::Terms;
 use super::direction::{ANGLE, AXIS, Leads};
 use super::line::AroundConfig;
 use super::profile::Along;
-use super::{Around, Ground, State, TableNumber, TermTable, along, check_names, owned, value};
+use super::values::Values;
+use super::{
+    About, Around, Ground, Room, RoomNumber, Stage, State, along, check_names, each, owned, value,
+};
 
 program::table! {
     /// A family of fibres: energy per rest volume k1/(2 k2) (exp(k2 E²) − 1) of the strain E = κ I1 + (1 − 3κ) I4 − 1,
@@ -74,17 +79,6 @@ fn dispersion(at: &KeyPath, dispersion: &f64) -> Result<(), Misfit> {
     }
 }
 
-/// Where the directions of fibres come from.
-#[derive(Clone, Debug)]
-pub enum Source {
-    /// By a formula of the place.
-    Formula(Direction),
-    /// Around an axis, at an angle [rad] that changes along it.
-    Twisting(Profile),
-    /// As a file says.
-    File(PathBuf),
-}
-
 impl FibreConfig {
     /// What messages call it.
     pub fn title(&self) -> KeyPath {
@@ -120,8 +114,8 @@ impl FibreConfig {
         Ok(Some(built.times(1.0_f64.to_radians())))
     }
 
-    /// Where the fibres lead.
-    pub fn leads(&self) -> Result<Source> {
+    /// Where the fibres lead by a formula of the place; none where a file says it.
+    fn leads(&self) -> Result<Option<Directions>> {
         let key = |key: &str| self.title().key(key);
         let ways = [
             ("direction", self.direction.is_some()),
@@ -131,62 +125,46 @@ impl FibreConfig {
         let mut given = ways.into_iter().filter(|(_, has)| *has).map(|(name, _)| name);
         let way = given.next();
         if let (Some(way), Some(other)) = (way, given.next()) {
-            return Err(misfit!(key(way), " beside {other}: expected one of both").into());
+            bail!(misfit!(key(way), " beside {other}: expected one of both"));
         }
         self.check_companions()?;
         if let Some(angle) = self.twist()? {
-            return Ok(Source::Twisting(angle));
+            return Ok(Some(Directions::Twisting(angle)));
         }
         if self.direction.is_some() || self.around.is_some() {
             let Self { direction, around, angle, radial, .. } = self;
             let (direction, around) = (*direction, around.as_ref());
             let angle = angle.as_ref().map(|angle| angle.values()[0]);
             let leads = Leads { direction, around, angle, radial: *radial };
-            return Ok(Source::Formula(leads.field(&self.title())?));
+            return Ok(Some(leads.field(&self.title())?.into()));
         }
-        match &self.file {
-            Some(file) => Ok(Source::File(file.clone())),
-            None => Err(misfit!(
+        ensure!(
+            self.file.is_some(),
+            misfit!(
                 self.title(),
                 " has no direction: expected direction = [x, y, z], around = {{ point = …, axis = … }} with angle, \
                  or file = \"directions.npy\""
             )
-            .into()),
-        }
+        );
+        Ok(None)
     }
 
     /// Refuses keys that belong to another way to give the direction.
     fn check_companions(&self) -> Result<()> {
-        let key = |key: &str| self.title().key(key);
-        ensure!(
-            self.angle.is_none() || self.around.is_some(),
-            misfit!(key("angle"), " without an axis: {AXIS}")
-        );
-        ensure!(
-            !self.radial || self.around.is_some(),
-            misfit!(key("radial"), " without an axis: {AXIS}")
-        );
-        ensure!(
-            self.field.is_none() || self.file.is_some(),
-            misfit!(key("field"), " without a file: add file = \"directions.vtu\"")
-        );
-        Ok(())
-    }
-}
-
-impl TermTable for FibreConfig {
-    const LIST: &'static str = "fibre";
-    const PATHS: &'static str = "fibre.NAME.k1, .k2, .dispersion or .angle";
-    const MEANING: &'static str = "a number of the law of a [[fibre]], or its angle to an axis; of values along an axis, with the place in \
-              their list, as in fibre.weave.k1.2";
-    const EXAMPLE: &'static str = "[[fibre]]\nname = \"weave\"\naround = { point = [-0.02, -0.03, 0], axis = [0, 0, 1] }\nangle = 30\nk1 = 2e4\nk2 = 1\n\
-         dispersion = 0.1\ncompression = true\n";
-
-    fn name(&self, _: usize) -> String {
-        self.name.clone()
+        const FILE: &str = "a file: add file = \"directions.vtu\"";
+        let axis = format!("an axis: {AXIS}");
+        let companions = [
+            ("angle", self.angle.is_some() && self.around.is_none(), &*axis),
+            ("radial", self.radial && self.around.is_none(), &*axis),
+            ("field", self.field.is_some() && self.file.is_none(), FILE),
+        ];
+        match companions.into_iter().find(|(_, is_alone, _)| *is_alone) {
+            Some((key, _, what)) => bail!(misfit!(self.title().key(key), " without {what}")),
+            None => Ok(()),
+        }
     }
 
-    fn in_words(&self) -> Option<String> {
+    fn in_words(&self) -> String {
         let Self { name, on, angle, k1, k2, dispersion, .. } = self;
         let on = on.as_ref().map_or_else(String::new, |on| format!(" in {on}"));
         let leads = match (self.direction, angle, &self.file) {
@@ -199,14 +177,30 @@ impl TermTable for FibreConfig {
         };
         let k1 = k1.in_words(|k1| format!("{k1:.3e}"));
         let senses = if self.compression { ", in both senses" } else { ", in tension only" };
-        Some(format!(
-            "fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}"
-        ))
+        format!("fibre {name}{on}: {leads}, k1 {k1} Pa, k2 {k2}, dispersion {dispersion}{senses}")
+    }
+}
+
+impl Room for Vec<FibreConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "fibre",
+            stage: Stage::Body,
+            paths: "fibre.NAME.k1, .k2, .dispersion or .angle",
+            meaning: "a number of the law of a [[fibre]], or its angle to an axis; of values along an axis, with the place in \
+              their list, as in fibre.weave.k1.2",
+            example: "[[fibre]]\nname = \"weave\"\naround = { point = [-0.02, -0.03, 0], axis = [0, 0, 1] }\nangle = 30\nk1 = 2e4\nk2 = 1\n\
+         dispersion = 0.1\ncompression = true\n",
+        }
     }
 
-    fn check(all: &[Self], _: &Around) -> Result<()> {
-        check_names(Self::LIST, all.iter().map(|fibre| &fibre.name))?;
-        for fibre in all {
+    fn in_words(&self) -> Vec<String> {
+        self.iter().map(FibreConfig::in_words).collect()
+    }
+
+    fn check(&self, _: &Around) -> Result<()> {
+        check_names("fibre", self.iter().map(|fibre| &fibre.name))?;
+        for fibre in self {
             ensure!(
                 fibre.slack.is_none() || !fibre.compression,
                 misfit!(
@@ -220,26 +214,31 @@ impl TermTable for FibreConfig {
         Ok(())
     }
 
-    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
-        Ok(owned::<Self>(build::families(all, ground)?))
+    fn stress(&self, _: f64, _: &Values) -> f64 {
+        self.iter().flat_map(|fibre| fibre.k1.values()).copied().fold(0.0, f64::max)
     }
 
-    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
-        let Self { k1, k2, dispersion, angle, .. } = self;
-        let law = [value("k2", "1", k2), value("dispersion", "1", dispersion)];
-        let angles = angle.iter_mut().flat_map(|angle| along("angle", "°", angle));
-        along("k1", "Pa", k1).chain(law).chain(angles).collect()
+    fn build(&self, ground: &Ground, _: usize) -> Result<Vec<Term>> {
+        Ok(owned("fibre", build::families(self, ground)?))
     }
 
-    fn report(_: &[Self], State { energies, at }: State, terms: &mut Terms) {
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |_, FibreConfig { name, k1, k2, dispersion, angle, .. }| {
+            let law = [value("k2", "1", k2), value("dispersion", "1", dispersion)];
+            let angles = angle.iter_mut().flat_map(|angle| along("angle", "°", angle));
+            (name.clone(), along("k1", "Pa", k1).chain(law).chain(angles).collect())
+        })
+    }
+
+    fn report(&self, State { energies, at }: State, terms: &mut Terms) {
         let one = |family: &Fibres| {
             let FibreSummary { volume, energy, stretch, stress, taut } = family.summary(at);
             reports::Fibre { name: family.name.clone(), volume, energy, stretch, stress, taut }
         };
-        terms.fibres = Some(energies.each().map(one).collect());
+        terms.fibres = (!self.is_empty()).then(|| energies.each().map(one).collect());
     }
 
-    fn fields(State { energies, at }: State) -> Vec<Field> {
+    fn fields(&self, State { energies, at }: State) -> Vec<Field> {
         energies.each().flat_map(|family| fields_of(family, at)).collect()
     }
 }

@@ -11,12 +11,13 @@ use schemars::{Schema, SchemaGenerator};
 use toml::Value;
 
 use mechanics::energy::{Direction, Membrane, MembraneSummary, Term};
-use mechanics::material::sheet::{LAWS, Specification};
+use mechanics::material::sheet::{LAWS, Specification, Strain};
 use reports::Terms;
 
 use super::direction::{ANGLE, Leads};
 use super::line::AroundConfig;
-use super::{Around, Ground, State, TableNumber, TermTable, owned, value};
+use super::values::Values;
+use super::{About, Around, Ground, Room, RoomNumber, Stage, State, each, owned, value};
 
 program::table! {
     /// A sheet bonded to facets, on the boundary or inside.
@@ -86,17 +87,6 @@ impl MembraneConfig {
         };
         law_table::sheet(table).with_context(|| self.title().key("material"))
     }
-}
-
-impl TermTable for MembraneConfig {
-    const LIST: &'static str = "membrane";
-    const PATHS: &'static str = "membrane.TAG.thickness, .PARAMETER or .angle";
-    const MEANING: &'static str = "the thickness of the sheet on a tag, a parameter of its law, or the angle of its warp to an axis";
-    const EXAMPLE: &'static str = "[[membrane]]\non = \"top\"\nthickness = 1e-4\nmaterial = { kind = \"sheet\", young = 1e6, poisson = 0.3 }\n";
-
-    fn name(&self, _: usize) -> String {
-        self.on.clone()
-    }
 
     fn in_words(&self) -> Option<String> {
         let Self { on, thickness, angle, tension, .. } = self;
@@ -115,9 +105,25 @@ impl TermTable for MembraneConfig {
             if *tension { ", in tension only" } else { "" }
         ))
     }
+}
 
-    fn check(all: &[Self], around: &Around) -> Result<()> {
-        for membrane in all {
+impl Room for Vec<MembraneConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "membrane",
+            stage: Stage::Body,
+            paths: "membrane.TAG.thickness, .PARAMETER or .angle",
+            meaning: "the thickness of the sheet on a tag, a parameter of its law, or the angle of its warp to an axis",
+            example: "[[membrane]]\non = \"top\"\nthickness = 1e-4\nmaterial = { kind = \"sheet\", young = 1e6, poisson = 0.3 }\n",
+        }
+    }
+
+    fn in_words(&self) -> Vec<String> {
+        self.iter().filter_map(MembraneConfig::in_words).collect()
+    }
+
+    fn check(&self, around: &Around) -> Result<()> {
+        for membrane in self {
             membrane.leads()?;
             ensure!(
                 around.cuts.iter().flatten().all(|cut| *cut != membrane.on),
@@ -132,21 +138,32 @@ impl TermTable for MembraneConfig {
         Ok(())
     }
 
-    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
-        let sheets = all.iter().map(|membrane| build::sheet(membrane, all, ground));
-        Ok(owned::<Self>(sheets.collect::<Result<Vec<_>>>()?))
+    /// Force per width of a sheet over the size.
+    fn stress(&self, size: f64, _: &Values) -> f64 {
+        let stiffness = |sheet: &MembraneConfig| {
+            let law = sheet.specification().ok()?.build(false);
+            Some(law.tangent(&Strain::zeros()).max() * sheet.thickness / size)
+        };
+        self.iter().filter_map(stiffness).fold(0.0, f64::max)
     }
 
-    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
-        let Self { thickness, material, angle, .. } = self;
-        let law = law_table::sheet_numbers(material).into_iter();
-        let law = law.map(|(own, number)| value(own.name, own.unit, number));
-        let angle = angle.iter_mut().map(|angle| value("angle", "°", angle));
-        [value("thickness", "m", thickness)].into_iter().chain(law).chain(angle).collect()
+    fn build(&self, ground: &Ground, _: usize) -> Result<Vec<Term>> {
+        let sheets = self.iter().map(|membrane| build::sheet(membrane, self, ground));
+        Ok(owned("membrane", sheets.collect::<Result<Vec<_>>>()?))
     }
 
-    fn report(all: &[Self], State { energies, at }: State, terms: &mut Terms) {
-        let one = |(config, sheet): (&Self, &Membrane)| {
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |_, MembraneConfig { on, thickness, material, angle, .. }| {
+            let thickness = [value("thickness", "m", thickness)];
+            let law = law_table::sheet_numbers(material).into_iter();
+            let law = law.map(|(own, number)| value(own.name, own.unit, number));
+            let angle = angle.iter_mut().map(|angle| value("angle", "°", angle));
+            (on.clone(), thickness.into_iter().chain(law).chain(angle).collect())
+        })
+    }
+
+    fn report(&self, State { energies, at }: State, terms: &mut Terms) {
+        let one = |(config, sheet): (&MembraneConfig, &Membrane)| {
             let MembraneSummary { area, energy, stretch, tension, taut, wrinkled, slack } =
                 sheet.summary(at);
             let law = config.specification().map(|own| own.law.key.to_owned());
@@ -164,6 +181,7 @@ impl TermTable for MembraneConfig {
                 slack,
             }
         };
-        terms.membranes = Some(all.iter().zip(energies.each()).map(one).collect());
+        let sheets = self.iter().zip(energies.each());
+        terms.membranes = (!self.is_empty()).then(|| sheets.map(one).collect());
     }
 }

@@ -58,17 +58,14 @@ impl<'a> Support<'a> {
 
     /// The helix of a thread; none of a line through points.
     fn helix(&self, winding: &WindingConfig) -> Result<Option<Helix>> {
-        let (Some(climb), Some(around)) = (winding.climb()?, &winding.around) else {
+        let Some(Climb { key, along: number, axis, .. }) = winding.climb()? else {
             return Ok(None);
         };
-        let (facets, x) = (&self.facets, self.vertices);
-        let axis = around.line();
-        let climb = match climb {
-            Climb::Pitch(pitch) => {
-                energy::Lead::Pitch(along(pitch, &winding.title().key("pitch"), axis, 1.0)?)
-            }
-            Climb::Angle(angle) => energy::Lead::Angle(
-                along(angle, &winding.title().key("angle"), axis, 1.0_f64.to_radians())?,
+        let (facets, x, key) = (&self.facets, self.vertices, winding.title().key(key));
+        let climb = match winding.angle {
+            None => energy::Lead::Pitch(along(number, &key, axis, 1.0)?),
+            Some(_) => energy::Lead::Angle(
+                along(number, &key, axis, 1.0_f64.to_radians())?,
                 axis.mean_distance(facets, x),
             ),
         };

@@ -3,9 +3,9 @@
 mod lay; // threads of a body
 mod measures; // what a report says of them
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use mechanics::body::Body;
-use mechanics::energy::{Profile, Term, Winding};
+use mechanics::energy::{Axis, Profile, Term, Winding};
 use mechanics::material::slack::DEFAULT_SLACK;
 use program::table::{Range, nested};
 use program::{KeyPath, Names, misfit};
@@ -13,7 +13,10 @@ use reports::Terms;
 
 use super::line::AroundConfig;
 use super::profile::Along;
-use super::{Around, Ground, State, TableNumber, TermTable, along, check_names, owned, value};
+use super::values::Values;
+use super::{
+    About, Around, Ground, Room, RoomNumber, Stage, State, along, check_names, each, owned, value,
+};
 
 /// Most turns of a helix.
 const MOST_TURNS: f64 = 10_000.0;
@@ -60,12 +63,14 @@ program::table! {
 }
 
 /// How a helix climbs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Climb<'a> {
-    /// By a height a turn [m].
-    Pitch(&'a Along),
-    /// At an angle to the axis [°].
-    Angle(&'a Along),
+struct Climb<'a> {
+    /// `pitch` or `angle`.
+    key: &'static str,
+    /// Its value, in the unit of the file.
+    along: &'a Along,
+    /// That unit, as it follows a number.
+    unit: &'static str,
+    axis: Axis,
 }
 
 impl WindingConfig {
@@ -75,29 +80,32 @@ impl WindingConfig {
     }
 
     /// How a helix climbs; none of a line through points.
-    pub fn climb(&self) -> Result<Option<Climb<'_>>> {
+    fn climb(&self) -> Result<Option<Climb<'_>>> {
         if !self.points.is_empty() {
             return Ok(None);
         }
-        match (&self.pitch, &self.angle) {
-            (Some(pitch), None) => {
-                check_hand(&self.title().key("pitch"), pitch, " m")?;
-                Ok(Some(Climb::Pitch(pitch)))
-            }
-            (None, Some(angle)) => {
-                check_hand(&self.title().key("angle"), angle, "°")?;
-                Ok(Some(Climb::Angle(angle)))
-            }
+        let (key, along, unit) = match (&self.pitch, &self.angle) {
+            (Some(pitch), None) => ("pitch", pitch, " m"),
+            (None, Some(angle)) => ("angle", angle, "°"),
             (Some(_), Some(_)) => {
                 let key = self.title().key("angle");
-                Err(misfit!(key, " beside pitch: expected one of both").into())
+                bail!(misfit!(key, " beside pitch: expected one of both"));
             }
-            (None, None) => Err(misfit!(
+            (None, None) => {
+                bail!(misfit!(
+                    self.title(),
+                    " has no course: expected around with pitch or angle, or points = [[x, y, z], …]"
+                ));
+            }
+        };
+        check_hand(&self.title().key(key), along, unit)?;
+        let around = self.around.as_ref().ok_or_else(|| {
+            misfit!(
                 self.title(),
-                " has no course: expected around with pitch or angle, or points = [[x, y, z], …]"
+                ": a helix without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
             )
-            .into()),
-        }
+        })?;
+        Ok(Some(Climb { key, along, unit, axis: around.line() }))
     }
 
     /// Heights of the ends of a helix, on a tag between two heights [m].
@@ -112,10 +120,8 @@ impl WindingConfig {
 
     /// Refuses a helix of too many turns.
     fn check_turns(&self, turns: f64) -> Result<()> {
-        let course = self.pitch.as_ref().map(|pitch| ("pitch", pitch, "m"));
-        let course = course.or(self.angle.as_ref().map(|angle| ("angle", angle, "°")));
-        let course = course.map_or(String::new(), |(key, along, unit)| {
-            format!(": {key} = {} {unit}", along.in_words(|value| value.to_string()))
+        let course = self.climb()?.map_or(String::new(), |Climb { key, along, unit, .. }| {
+            format!(": {key} = {}{unit}", along.in_words(|value| value.to_string()))
         });
         ensure!(
             turns <= MOST_TURNS,
@@ -134,18 +140,11 @@ impl WindingConfig {
                 " = []: no tag; expected one that the thread is wound on, or several"
             )
         );
-        let Some(_) = self.climb()? else { return self.check_points() };
-        let around = self.around.as_ref().ok_or_else(|| {
-            misfit!(
-                self.title(),
-                ": a helix without an axis: add around = {{ point = [0, 0, 0], axis = [0, 0, 1] }}"
-            )
-        })?;
-        let axis = around.line();
-        for (name, along) in [("pitch", &self.pitch), ("angle", &self.angle)] {
-            if let Some(profile) = along.as_ref().and_then(Along::profile) {
-                profile.build(&key(name), Some(axis))?;
-            }
+        let Some(Climb { key: name, along, axis, .. }) = self.climb()? else {
+            return self.check_points();
+        };
+        if let Some(profile) = along.profile() {
+            profile.build(&key(name), Some(axis))?;
         }
         self.stiffness_profile().map(drop)
     }
@@ -170,11 +169,7 @@ impl WindingConfig {
             ("double", self.double),
         ];
         if let Some((found, _)) = keys.into_iter().find(|(_, has)| *has) {
-            return Err(misfit!(
-                key(found),
-                " beside points: it is for a helix; expected one of both"
-            )
-            .into());
+            bail!(misfit!(key(found), " beside points: it is for a helix; expected one of both"));
         }
         let mut legs = self.points.windows(2);
         ensure!(
@@ -186,6 +181,42 @@ impl WindingConfig {
             )
         );
         Ok(())
+    }
+
+    fn in_words(&self) -> String {
+        let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
+        let course = match (pitch, angle) {
+            (Some(pitch), _) => {
+                format!(
+                    "helix of pitch {} mm",
+                    pitch.in_words(|pitch| format!("{:.3}", 1e3 * pitch))
+                )
+            }
+            (None, Some(angle)) => {
+                format!("helix at {}°", angle.in_words(|angle| angle.to_string()))
+            }
+            (None, None) => format!("line through {} points", points.len()),
+        };
+        let double = if *double { ", double" } else { "" };
+        let on = on.all().join(" and ");
+        format!(
+            "winding {name} on {on}: {course}{double}, EA {} N",
+            stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
+        )
+    }
+
+    /// That a point of a line is not on its tag.
+    fn warning(&self, body: &Body) -> Option<String> {
+        let (i, distance) = lay::farthest_point(self, body)?;
+        let [x, y, z] = self.points[i].map(|x| 1e3 * x);
+        Some(format!(
+            "winding {}: point {} of the line, ({x:.3}, {y:.3}, {z:.3}) mm, is {:.3} mm from \"{}\"; the thread goes \
+             through the nearest point of that instead\n  give points on it, or another tag",
+            self.name,
+            i + 1,
+            1e3 * distance,
+            self.on.all().join("\" and \"")
+        ))
     }
 }
 
@@ -210,86 +241,69 @@ fn check_hand(key: &KeyPath, along: &Along, unit: &str) -> Result<()> {
     Ok(())
 }
 
-impl TermTable for WindingConfig {
-    const LIST: &'static str = "winding";
-    const PATHS: &'static str = "winding.NAME.stiffness, .pretension, .pitch, .angle or .phase";
-    const MEANING: &'static str = "the stiffness EA or the pretension of a [[winding]], or the pitch or the angle, as the scene has it, and \
-         the phase of one around an axis; of a table along the axis, with its place, as in winding.NAME.stiffness.2";
-    const EXAMPLE: &'static str = "[[winding]]\nname = \"thread\"\non = \"top\"\npoints = [[0.01, 0.01, 0.04], [0.04, 0.03, 0.04]]\n\
-         stiffness = 10\npretension = 0.1\n";
-
-    fn name(&self, _: usize) -> String {
-        self.name.clone()
+impl Room for Vec<WindingConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "winding",
+            stage: Stage::Body,
+            paths: "winding.NAME.stiffness, .pretension, .pitch, .angle or .phase",
+            meaning: "the stiffness EA or the pretension of a [[winding]], or the pitch or the angle, as the scene has it, and \
+         the phase of one around an axis; of a table along the axis, with its place, as in winding.NAME.stiffness.2",
+            example: "[[winding]]\nname = \"thread\"\non = \"top\"\npoints = [[0.01, 0.01, 0.04], [0.04, 0.03, 0.04]]\n\
+         stiffness = 10\npretension = 0.1\n",
+        }
     }
 
-    fn in_words(&self) -> Option<String> {
-        let Self { name, on, stiffness, pitch, angle, double, points, .. } = self;
-        let course = match (pitch, angle) {
-            (Some(pitch), _) => {
-                format!(
-                    "helix of pitch {} mm",
-                    pitch.in_words(|pitch| format!("{:.3}", 1e3 * pitch))
-                )
-            }
-            (None, Some(angle)) => {
-                format!("helix at {}°", angle.in_words(|angle| angle.to_string()))
-            }
-            (None, None) => format!("line through {} points", points.len()),
-        };
-        let double = if *double { ", double" } else { "" };
-        let on = on.all().join(" and ");
-        Some(format!(
-            "winding {name} on {on}: {course}{double}, EA {} N",
-            stiffness.in_words(|stiffness| format!("{stiffness:.3e}"))
-        ))
+    fn in_words(&self) -> Vec<String> {
+        self.iter().map(WindingConfig::in_words).collect()
     }
 
-    fn check(all: &[Self], around: &Around) -> Result<()> {
-        check_names(Self::LIST, all.iter().map(|winding| &winding.name))?;
-        all.iter().try_for_each(Self::check_course)?;
-        if let (Some(winding), false) = (all.first(), around.cuts.is_empty()) {
-            return Err(misfit!(
+    fn check(&self, around: &Around) -> Result<()> {
+        check_names("winding", self.iter().map(|winding| &winding.name))?;
+        self.iter().try_for_each(WindingConfig::check_course)?;
+        if let (Some(winding), false) = (self.first(), around.cuts.is_empty()) {
+            bail!(misfit!(
                 winding.title(),
                 " beside [[symmetry]]: a helix is not its own mirror image, and would leave the part at the cut; \
                  expected the whole body (solver mirror)"
-            )
-            .into());
+            ));
         }
         Ok(())
     }
 
-    fn build(all: &[Self], ground: &Ground) -> Result<Vec<Term>> {
-        let threads = all.iter().map(|winding| lay::thread(winding, ground));
-        Ok(owned::<Self>(threads.collect::<Result<Vec<_>>>()?))
+    fn stress(&self, size: f64, _: &Values) -> f64 {
+        let stiffness = self.iter().flat_map(|thread| thread.stiffness.values());
+        stiffness.map(|stiffness| stiffness / size.powi(2)).fold(0.0, f64::max)
     }
 
-    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
-        let Self { stiffness, pretension, pitch, angle, phase, points, .. } = self;
-        let mut all: Vec<_> = along("stiffness", "N", stiffness).collect();
-        all.push(value("pretension", "N", pretension));
-        if points.is_empty() {
-            all.extend(pitch.iter_mut().flat_map(|pitch| along("pitch", "m", pitch)));
-            all.extend(angle.iter_mut().flat_map(|angle| along("angle", "°", angle)));
-            all.push(value("phase", "°", phase));
-        }
-        all
+    fn build(&self, ground: &Ground, _: usize) -> Result<Vec<Term>> {
+        let threads = self.iter().map(|winding| lay::thread(winding, ground));
+        Ok(owned("winding", threads.collect::<Result<Vec<_>>>()?))
+    }
+
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |_, thread| {
+            let is_helix = thread.points.is_empty();
+            let WindingConfig { name, stiffness, pretension, pitch, angle, phase, .. } = thread;
+            let mut all: Vec<_> = along("stiffness", "N", stiffness).collect();
+            all.push(value("pretension", "N", pretension));
+            if is_helix {
+                all.extend(pitch.iter_mut().flat_map(|pitch| along("pitch", "m", pitch)));
+                all.extend(angle.iter_mut().flat_map(|angle| along("angle", "°", angle)));
+                all.push(value("phase", "°", phase));
+            }
+            (name.clone(), all)
+        })
     }
 
     fn warnings(&self, body: &Body) -> Vec<String> {
-        let Some((i, distance)) = lay::farthest_point(self, body) else { return Vec::new() };
-        let [x, y, z] = self.points[i].map(|x| 1e3 * x);
-        vec![format!(
-            "winding {}: point {} of the line, ({x:.3}, {y:.3}, {z:.3}) mm, is {:.3} mm from \"{}\"; the thread goes \
-             through the nearest point of that instead\n  give points on it, or another tag",
-            self.name,
-            i + 1,
-            1e3 * distance,
-            self.on.all().join("\" and \"")
-        )]
+        self.iter().filter_map(|own| own.warning(body)).collect()
     }
 
-    fn report(all: &[Self], state: State, terms: &mut Terms) {
-        let one = |(config, thread): (&Self, &Winding)| measures::of(config, thread, state);
-        terms.windings = Some(all.iter().zip(state.energies.each()).map(one).collect());
+    fn report(&self, state: State, terms: &mut Terms) {
+        let one =
+            |(config, thread): (&WindingConfig, &Winding)| measures::of(config, thread, state);
+        let threads = self.iter().zip(state.energies.each());
+        terms.windings = (!self.is_empty()).then(|| threads.map(one).collect());
     }
 }

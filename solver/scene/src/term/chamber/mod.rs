@@ -1,17 +1,24 @@
-//! `[[chamber]]`: a pressurised chamber, in scenes with its gas, in designs with what may
-//! change of its pressure.
+//! `[[chamber]]`: a pressurised chamber with its gas.
+
+mod build; // walls and gas on a body
+mod gas; // keys of gas laws
 
 use std::borrow::Cow;
 
+use anyhow::{Context, Result, ensure};
+use mechanics::energy::{ChamberId, GasLaw, Slot, Term};
 use program::schema::{add_table, take_keys};
-use program::table::Range;
 use program::{KeyPath, Misfit, Names, misfit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::gas::{self, GasConfig};
-use super::parameter::rising;
+use super::values::Values;
+use super::{
+    About, Around, Ground, Known, Place, Room, RoomNumber, Scheduled, Stage, check_off_cuts, each,
+};
+pub(crate) use build::multipliers;
+pub use gas::GasConfig;
 
 /// A chamber of a scene: the tags of its wall, and the keys of one of the laws in
 /// [`GAS_LAWS`](mechanics::energy::gas_law::GAS_LAWS).
@@ -52,6 +59,11 @@ impl ChamberConfig {
         self.on.all().iter().any(|own| own == tag)
     }
 
+    /// The law of its gas.
+    pub fn law(&self, values: &Values) -> Box<dyn GasLaw> {
+        self.gas.law(values.schedule(&self.gas.value))
+    }
+
     fn read(mut keys: toml::Table) -> Result<Self, Misfit> {
         let BesideGas { name, on, plug } = take_keys(&mut keys)?;
         let name = match (name, &on) {
@@ -72,13 +84,9 @@ impl ChamberConfig {
 
 fn title_of(name: &str, on: &Names) -> KeyPath {
     match on {
-        Names::One(tag) if tag == name => title(tag),
+        Names::One(tag) if tag == name => KeyPath::list("chamber").on(tag),
         _ => KeyPath::list("chamber").named(name),
     }
-}
-
-fn title(on: &str) -> KeyPath {
-    KeyPath::list("chamber").on(on)
 }
 
 impl Serialize for ChamberConfig {
@@ -110,25 +118,63 @@ impl JsonSchema for ChamberConfig {
     }
 }
 
-program::table! {
-    /// A chamber of a design: its pressure in the scene follows slopes over time, one for each
-    /// time step.
-    #[derive(Clone, Debug)]
-    pub struct ChamberDesign {
-        /// Name of the chamber in the scene, or the tag of its wall if it has none. The scene prescribes its pressure.
-        on: String;
-        /// Smallest and largest slope [Pa/s].
-        slope: [f64; 2], rising::<[f64; 2]>(" Pa/s");
-        /// Smallest and largest pressure at the ends of time steps [Pa].
-        bounds: Option<[f64; 2]> = None, rising::<Option<[f64; 2]>>(" Pa");
-        /// Largest change of a slope in one iteration [Pa/s].
-        change: Option<f64> = None, Range::POSITIVE.unit("Pa/s");
+impl Room for Vec<ChamberConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "chamber",
+            stage: Stage::Load,
+            paths: "chamber.TAG.KEY",
+            meaning: "what is added to the pressure, fill, volume_change, volume_factor or injected volume of a chamber",
+            example: "",
+        }
     }
-}
 
-impl ChamberDesign {
-    /// What messages call it.
-    pub fn title(&self) -> KeyPath {
-        title(&self.on)
+    fn schedules(&self) -> Vec<Scheduled<'_>> {
+        let key = |own: &ChamberConfig| own.title().key(own.gas.key());
+        self.iter().map(|own| (key(own), false, &own.gas.value)).collect()
+    }
+
+    fn check(&self, around: &Around) -> Result<()> {
+        let moments = around.values.moments();
+        for (i, chamber) in self.iter().enumerate() {
+            chamber.law(&around.values).check(&moments).with_context(|| chamber.title())?;
+            let earlier = &self[..i];
+            for (k, tag) in chamber.on.all().iter().enumerate() {
+                let taken = earlier.iter().any(|other| other.is_on(tag));
+                ensure!(
+                    !taken && !chamber.on.all()[..k].contains(tag),
+                    chamber.title().told(format!(
+                        "\"{tag}\" is the wall of two chambers: keep one [[chamber]] on it"
+                    ))
+                );
+            }
+            ensure!(
+                earlier.iter().all(|other| other.name != chamber.name),
+                chamber.title().told(format!("two [[chamber]] are called \"{}\"", chamber.name))
+            );
+            ensure!(!chamber.on.all().is_empty(), chamber.title().told("on = []: name a tag"));
+        }
+        check_off_cuts("chamber", |tag| self.iter().any(|own| own.is_on(tag)), &around.cuts)
+    }
+
+    fn stress(&self, _: f64, values: &Values) -> f64 {
+        let pressures = self.iter().filter(|own| own.gas.is_pressure());
+        pressures.map(|own| values.largest(&own.gas.value)).fold(0.0, f64::max)
+    }
+
+    fn build(&self, ground: &Ground, first: usize) -> Result<Vec<Term>> {
+        build::terms(self, ground, first)
+    }
+
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |_, ChamberConfig { name, gas, .. }| {
+            let slot = Slot::new(gas.key(), gas.unit());
+            (name.clone(), vec![(slot, Place::AddedTo(&mut gas.value))])
+        })
+    }
+
+    fn derivative(&self, table: usize, _: &str, Known { parameters, .. }: &Known) -> f64 {
+        let by = |step: usize| parameters.sum(step, ChamberId::of(table).owner());
+        (0..parameters.steps()).map(by).sum()
     }
 }

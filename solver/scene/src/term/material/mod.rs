@@ -1,5 +1,7 @@
 //! `material`: what a body is made of.
 
+mod build; // laws of a body and of its volumes
+
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -13,6 +15,8 @@ use serde_json::json;
 
 use crate::law_table;
 use crate::silicone;
+pub use build::SceneLaw;
+pub(crate) use build::{largest_shear_modulus, laws};
 
 /// The name of a silicone of the library, or a law with its parameters.
 #[derive(Clone, Debug, Serialize, Deserialize)]

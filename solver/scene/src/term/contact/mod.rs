@@ -1,17 +1,26 @@
-//! `[contact]`: what happens where surfaces meet.
+//! `[contact]` and `[[obstacle]]`: what happens where surfaces meet.
 
-use measure::written::{DensitySchema, FormSchema};
-use std::fmt;
+mod apart; // bodies that lie in each other
+mod build; // the barrier between the surfaces of a body, and friction
+mod obstacle; // the whole of an obstacle of a part
 
+use std::path::PathBuf;
+
+use anyhow::Result;
+use measure::written::{DensitySchema, FieldSchema, FormSchema};
 use mechanics::contact::barrier::Form;
 use mechanics::contact::density::Density;
 use mechanics::contact::potential::Partners;
+use mechanics::energy::{Friction, Term};
+use mechanics::schedule::WrittenField;
 use program::table::{Range, Table};
-use program::{KeyPath, Misfit, misfit};
+use program::{KeyPath, Misfit, misfit, read_table};
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Unexpected, Visitor};
+use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
+use toml::Value;
+
+use super::{About, Ground, Known, Room, RoomNumber, Stage, each, value};
 
 /// Contact and friction, or that there shall be none.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -83,6 +92,20 @@ program::table! {
     }
 }
 
+program::table! {
+    /// A rigid surface, open or closed.
+    #[derive(Clone, Debug)]
+    pub struct ObstacleConfig {
+        /// What reports call it.
+        name: String;
+        /// Triangle surface, a file in metres.
+        surface: PathBuf;
+        /// How far it has moved [m].
+        #[schemars(with = "FieldSchema")]
+        displacement: WrittenField = WrittenField::default();
+    }
+}
+
 fn keeps_apart(at: &KeyPath, barrier: &Density) -> Result<(), Misfit> {
     match barrier.is_barrier() {
         true => Ok(()),
@@ -110,23 +133,44 @@ impl Table for ContactChoice {
 /// By hand, so that an unknown key of the table is named.
 impl<'de> Deserialize<'de> for ContactChoice {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Choice;
-        impl<'de> Visitor<'de> for Choice {
-            type Value = ContactChoice;
-            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
-                out.write_str("a table, or \"ignored\"")
-            }
-            fn visit_str<E: Error>(self, word: &str) -> Result<ContactChoice, E> {
-                match word {
-                    "ignored" => Ok(ContactChoice::Ignored(Ignored::Ignored)),
-                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
-                }
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ContactChoice, A::Error> {
-                ContactConfig::deserialize(MapAccessDeserializer::new(map))
-                    .map(ContactChoice::Barrier)
-            }
+        match Value::deserialize(deserializer)? {
+            Value::Table(table) => read_table(&table).map(Self::Barrier).map_err(Misfit::carried),
+            Value::String(word) if word == "ignored" => Ok(Self::Ignored(Ignored::Ignored)),
+            other => Err(D::Error::custom(format!(
+                "invalid value: {other}, expected a table, or \"ignored\""
+            ))),
         }
-        deserializer.deserialize_any(Choice)
+    }
+}
+
+impl Room for Option<ContactChoice> {
+    fn about(&self) -> About {
+        About {
+            list: "contact",
+            stage: Stage::Load,
+            paths: "contact.friction",
+            meaning: "the coefficient of friction, where there is some",
+            example: "",
+        }
+    }
+
+    fn build(&self, ground: &Ground, _: usize) -> Result<Vec<Term>> {
+        match self {
+            Some(ContactChoice::Barrier(contact)) => build::terms(contact, ground),
+            Some(ContactChoice::Ignored(_)) => Ok(Vec::new()),
+            None => apart::check(ground).map(|()| Vec::new()),
+        }
+    }
+
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        let Some(ContactChoice::Barrier(contact)) = self else { return Vec::new() };
+        let rubs = usize::from(contact.friction > 0.0);
+        each(&mut std::slice::from_mut(contact)[..rubs], |_, own| {
+            (String::new(), vec![value("friction", "1", &mut own.friction)])
+        })
+    }
+
+    fn derivative(&self, _: usize, _: &str, known: &Known) -> f64 {
+        known.total(Friction::OWNER, 0)
     }
 }

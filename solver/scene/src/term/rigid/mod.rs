@@ -1,13 +1,23 @@
 //! `[[rigid]]`: a part that keeps its shape.
 
-use anyhow::{Result, ensure};
+mod build; // its nodes, and its energies on a body
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result, ensure};
 use measure::written::{FieldSchema, some_axes};
-use mechanics::energy::{RigidLoad, RigidMass, RigidMoment};
+use mechanics::body::Body;
+use mechanics::energy::{RigidLoad, RigidMass, RigidMoment, Term};
 use mechanics::schedule::{WrittenField, axes};
 use program::table::Range;
 use program::{KeyPath, misfit};
 
-use super::{Around, Known, TableNumber, TermTable, components, value};
+use super::values::components as scheduled;
+use super::{
+    About, Around, Ground, Known, Room, RoomNumber, Scheduled, Stage, components, each, value,
+};
+use crate::supports::Support;
+pub(crate) use build::{sets, shear_modulus};
 
 program::table! {
     /// A part that moves without changing its shape: what a tag is glued to, such as a fitting or a disc, or a whole
@@ -77,30 +87,46 @@ impl RigidConfig {
     }
 }
 
-impl TermTable for RigidConfig {
-    const LIST: &'static str = "rigid";
-    const PATHS: &'static str = "rigid.PART.mass, .force.x or .moment.x";
-    const MEANING: &'static str = "the mass of a rigid part, where it has one; what is added to a component of the force on one that has \
-         a force, or to one of its moment that is not 0";
-    const EXAMPLE: &'static str = "";
+/// Vertices of rigid parts, each with the tag or body.
+pub fn vertices(parts: &[RigidConfig], body: &Body) -> Result<BTreeMap<usize, String>> {
+    let mut all = BTreeMap::new();
+    for part in parts {
+        let facets = body.tagged(&part.on).with_context(|| part.title())?;
+        all.extend(facets.into_iter().flatten().map(|v| (v, part.on.clone())));
+    }
+    Ok(all)
+}
 
-    fn name(&self, _: usize) -> String {
-        self.on.clone()
+impl Room for Vec<RigidConfig> {
+    fn about(&self) -> About {
+        About {
+            list: "rigid",
+            stage: Stage::Part,
+            paths: "rigid.PART.mass, .force.x or .moment.x",
+            meaning: "the mass of a rigid part, where it has one; what is added to a component of the force on one that has \
+                      a force, or to one of its moment that is not 0",
+            example: "",
+        }
     }
 
-    fn in_words(&self) -> Option<String> {
-        None
+    fn schedules(&self) -> Vec<Scheduled<'_>> {
+        let each = self.iter().flat_map(|part| {
+            let force = scheduled(part.title().key("force"), false, &part.force);
+            let moment = scheduled(part.title().key("moment"), false, &part.moment);
+            [force, moment].concat()
+        });
+        each.collect()
     }
 
-    fn check(all: &[Self], around: &Around) -> Result<()> {
-        for (i, part) in all.iter().enumerate() {
+    fn check(&self, around: &Around) -> Result<()> {
+        for (i, part) in self.iter().enumerate() {
             part.check_guides()?;
             ensure!(
-                all[..i].iter().all(|other| other.on != part.on),
+                self[..i].iter().all(|other| other.on != part.on),
                 misfit!(part.title(), " is given twice")
             );
             ensure!(
-                part.mass == 0.0 || around.method.has_inertia() || around.has_gravity,
+                part.mass == 0.0 || around.method.has_inertia() || !around.gravity.is_zero(),
                 misfit!(
                     part.title().key("mass"),
                     " = {} kg means nothing without gravity and inertia; expected gravity, or [time] with a method \
@@ -120,21 +146,36 @@ impl TermTable for RigidConfig {
         Ok(())
     }
 
-    fn numbers(&mut self) -> Vec<TableNumber<'_>> {
-        let (axes, pushed) = (self.axes(), !self.force.is_zero());
-        let turned = self.moment.0.each_ref().map(|moment| !moment.is_zero());
-        let Self { mass, force, moment, .. } = self;
-        let heavy = *mass > 0.0;
-        let force = components("force", "N", force).zip(axes);
-        let moment = components("moment", "N m", moment).zip(turned);
-        let vectors = force.filter(|_| pushed).chain(moment).filter(|(_, counts)| *counts);
-        let mass = heavy.then(|| value("mass", "kg", mass));
-        mass.into_iter().chain(vectors.map(|(number, _)| number)).collect()
+    /// Axes along which parts do not move, and those across planes of symmetry that cut them.
+    fn supports(&self, body: &Body) -> Vec<Support> {
+        let guide = |part: &RigidConfig| {
+            let held = part.held(body);
+            held.contains(&true).then(|| Support::still(&part.on, held))
+        };
+        self.iter().filter_map(guide).collect()
     }
 
-    fn derivative(_: &[Self], place: usize, key: &str, known: &Known) -> f64 {
+    fn build(&self, ground: &Ground, _: usize) -> Result<Vec<Term>> {
+        build::terms(self, ground)
+    }
+
+    fn numbers(&mut self) -> Vec<RoomNumber<'_>> {
+        each(self, |_, part| {
+            let (axes, pushed) = (part.axes(), !part.force.is_zero());
+            let turned = part.moment.0.each_ref().map(|moment| !moment.is_zero());
+            let RigidConfig { on, mass, force, moment, .. } = part;
+            let heavy = *mass > 0.0;
+            let force = components("force", "N", force).zip(axes);
+            let moment = components("moment", "N m", moment).zip(turned);
+            let vectors = force.filter(|_| pushed).chain(moment).filter(|(_, counts)| *counts);
+            let mass = heavy.then(|| value("mass", "kg", mass)).into_iter();
+            (on.clone(), mass.chain(vectors.map(|(number, _)| number)).collect())
+        })
+    }
+
+    fn derivative(&self, table: usize, key: &str, known: &Known) -> f64 {
         let [load, mass, moment] = [RigidLoad::owner, RigidMass::owner, RigidMoment::owner]
-            .map(|owner| (known.by)(owner(place), key));
+            .map(|owner| known.by(owner(table), key));
         load + mass + moment
     }
 }

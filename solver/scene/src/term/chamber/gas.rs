@@ -62,6 +62,11 @@ impl GasConfig {
         (self.key() == "pressure").then_some(&self.value)
     }
 
+    /// Whether the number that it follows is a pressure.
+    pub fn is_pressure(&self) -> bool {
+        matches!(self.key(), "pressure" | "fill")
+    }
+
     /// The law with the values of the number that it follows.
     pub fn law(&self, schedule: Schedule) -> Box<dyn GasLaw> {
         (self.row.build)(self.selecting.name, schedule, &self.numbers)
