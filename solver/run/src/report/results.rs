@@ -1,6 +1,6 @@
 //! What programs write: states, pictures for ParaView, and the report.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::Result;
@@ -277,13 +277,8 @@ pub fn stored_energies(energies: &Energies, at: &Iterate) -> BTreeMap<String, f6
 /// Elastic energy of a state, of bodies and of what is beside their laws, by its stored energies [J].
 pub fn elastic_energy(energies: &Energies, stored: &BTreeMap<String, f64>) -> f64 {
     let elastic = energies.iter().filter(|energy| energy.nature() == Nature::Elastic);
-    let mut names: Vec<&str> = Vec::new();
-    for name in elastic.map(|energy| energy.name()).filter(|name| *name != "elastic") {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    stored["elastic"] + names.into_iter().map(|name| stored[name]).sum::<f64>()
+    let names: BTreeSet<&str> = elastic.map(|energy| energy.name()).collect();
+    names.into_iter().map(|name| stored[name]).sum()
 }
 
 /// Energy of a state that is stored in bodies, sheets and contacts, not in loads [J].
