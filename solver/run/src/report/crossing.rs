@@ -33,7 +33,7 @@ impl Crossing {
         let (space, fixed) = (at.space, problem.dirichlet.fixed());
         let (planes, facets) = (&body.planes, body.boundary());
         let surface =
-            Surface::symmetric(planes, space, facets, &parts, Vec::new(), space.degree(), fixed);
+            Surface::new(planes, space, facets, &parts, Vec::new(), space.degree(), fixed);
         let x = surface.positions(space, at.rest, at.u, at.time);
         let triangles = &surface.features().triangles;
         let pairs = crossing_pairs(triangles, &x, |_| true);

@@ -25,7 +25,7 @@ impl Scene {
         }
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
         let (facets, free) = (body.boundary(), vec![false; 3 * space.node_count()]);
-        let surface = Surface::symmetric(&body.planes, space, facets, &parts, Vec::new(), 1, &free);
+        let surface = Surface::new(&body.planes, space, facets, &parts, Vec::new(), 1, &free);
         let rest = surface.rest(space, &body.mesh.vertices);
         if self.certify {
             self.check_crossing(&surface, &rest)?;

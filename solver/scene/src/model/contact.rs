@@ -55,7 +55,7 @@ impl Scene {
         let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
         let split = config.split.unwrap_or(space.degree());
         let (planes, facets) = (&body.planes, body.boundary());
-        let surface = Surface::symmetric(planes, space, facets, &parts, obstacles, split, fixed);
+        let surface = Surface::new(planes, space, facets, &parts, obstacles, split, fixed);
         let surface = Arc::new(surface);
         let barrier = self.barrier(config, &surface, space, body);
         let rest = surface.rest(space, &body.mesh.vertices);
