@@ -76,7 +76,7 @@ impl Body {
     fn limit(&mut self) -> [f64; 2] {
         let (FirstLimit::Found(limit, _), _) = self.search() else { panic!("no limit") };
         assert!(limit.kind == Singularity::LimitPoint && limit.others == 0);
-        [self.stretch(&limit.u), limit.load * self.pressure]
+        [self.stretch(&limit.at.u), limit.at.time * self.pressure]
     }
 
     /// By the volume inside.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use mechanics::energy::{ChamberId, Iterate};
-use mechanics::forward::{self, Configuration, Problem, Workspace};
+use mechanics::forward::{self, Configuration, Problem, Reached, Workspace};
 use mechanics::stability::{
     self, Burst, BurstSearch, FirstBurst, FirstLimit, LimitSearch, PressureSlope,
 };
@@ -47,9 +47,10 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
     let slope = PressureSlope::of(&held, &mut workspace, &configuration(end), &growing).ok();
     let burst = scene.stretch_at_break().map(|at_break| BurstSearch::new(end, at_break));
     let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
-    let search = LimitSearch { stepping: scene.stepping(), most: config.most };
-    let integrator = scene.integrator(&scene.body, &held);
-    let first = search.from(&held, &mut workspace, end, integrator, |step| {
+    let (stepping, integrator) = (scene.stepping(), scene.integrator(&scene.body, &held));
+    let search =
+        LimitSearch { problem: &held, rest: end.rest, stepping, most: config.most, integrator };
+    let first = search.from(&mut workspace, Reached::of(end), |step| {
         if step.path.is_none() {
             way.by_load_from.get_or_insert(way.last()[0]);
         }
@@ -59,14 +60,14 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
         ControlFlow::Continue(())
     });
     if let FirstLimit::Found(found, _) = &first {
-        let multipliers = &found.multipliers;
-        way.follow(&held, &Iterate { u: &found.u, time: found.load, multipliers, ..*end });
+        let Reached { time, u, multipliers } = &found.at;
+        way.follow(&held, &Iterate { u, time: *time, multipliers, ..*end });
     }
     let burst = way.burst.as_ref().and_then(|way| {
-        let torn = way.found(&held, &mut workspace, end.rest, &search.stepping);
+        let torn = way.found(&held, &mut workspace, end.rest, &stepping);
         at_burst(torn)
     });
-    let factor = burst.as_ref().map(|burst| burst.load);
+    let factor = burst.as_ref().map(|burst| burst.at.time);
     let (limit, at_limit) = match first {
         FirstLimit::Found(found, loads) => {
             (Limit { between: Some(loads), ..at(&found, &way) }, Some(found))
@@ -178,7 +179,7 @@ fn at(found: &stability::Limit, way: &Way) -> Limit {
     };
     Limit {
         kind: Some(kind_of(found.kind)),
-        factor: Some(found.load),
+        factor: Some(found.at.time),
         iterates: found.history.iter().map(iterate).collect(),
         ..none(LimitStatus::Found, way)
     }

@@ -35,8 +35,8 @@ pub fn sensitivities(
                 q.add_partials(&here, 1.0, &mut out);
             }
         };
-        let on = (rest, run);
-        let mut swept = adjoint::sweep(problem, workspace, on, &known, partials)
+        let (on, all) = ((rest, run), adjoint::Wanted::All);
+        let mut swept = adjoint::sweep(problem, workspace, on, &known, all, partials)
             .map_err(|e| anyhow!("derivatives of the probe \"{}\": {e}", probe.name))?;
         swept.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);
         for (id, by) in q.by_parameters(&here, 1.0) {

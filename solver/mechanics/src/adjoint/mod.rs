@@ -94,19 +94,6 @@ pub struct Gradient {
     pub start: State,
 }
 
-/// Sweeps back through a run on a rest shape. `partials` adds the objective's at
-/// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one
-/// factorisation.
-pub fn sweep(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    (rest, run): (&[Vec3], &Trajectory),
-    linearizations: &Linearizations,
-    partials: impl FnMut(&FunctionSpace, usize, &mut Partials),
-) -> Result<Gradient, NoGradient> {
-    sweep_for(problem, workspace, (rest, run), linearizations, Wanted::All, partials)
-}
-
 /// What of a gradient is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
@@ -118,8 +105,9 @@ pub enum Wanted {
     Numbers,
 }
 
-/// [`sweep`], for what is wanted of it.
-pub fn sweep_for(
+/// Sweeps back through a run on a rest shape, for what is wanted of the gradient. `partials` adds the objective's at
+/// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one factorisation.
+pub fn sweep(
     problem: &Problem,
     workspace: &mut Workspace,
     (rest, run): (&[Vec3], &Trajectory),

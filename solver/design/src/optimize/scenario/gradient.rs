@@ -33,7 +33,7 @@ impl Scenario {
         let (problem, on) = (&*run.problem, (rest, states));
         let swept = {
             let workspace = &mut self.workspaces().equilibrium;
-            adjoint::sweep_for(problem, workspace, on, &run.tangents, wanted, partials)
+            adjoint::sweep(problem, workspace, on, &run.tangents, wanted, partials)
         };
         let mut gradient = swept.map_err(|e| self.reject(e))?;
         gradient.rest.iter_mut().zip(&by_rest).for_each(|(g, b)| *g += b);

@@ -20,7 +20,7 @@ fn by_rest(
 ) -> Vec<f64> {
     let by_u = Random::new(3).numbers(on.0.dofs());
     let partials = |_: &_, _, out: &mut Partials| out.by_u.clone_from(&by_u);
-    sweep(on.0, on.1, (rest, run), known, partials).expect("regular").rest
+    sweep(on.0, on.1, (rest, run), known, Wanted::All, partials).expect("regular").rest
 }
 
 #[test]

@@ -68,7 +68,8 @@ impl Probe {
                 out.by_contact[d] += Self::weight(n) * by_force * f64::from(n > 0);
             }
         };
-        let swept = sweep(problem, workspace, (rest, run), &Linearizations::default(), partials);
+        let (on, known) = ((rest, run), &Linearizations::default());
+        let swept = sweep(problem, workspace, on, known, Wanted::All, partials);
         let mut gradient = swept.expect("regular");
         problem.space.add_to_vertices(&by_x, &mut gradient.rest);
         gradient
