@@ -130,7 +130,13 @@ impl Continuation {
         let step = stepper.begun(problem, workspace, rest, 1.0);
         let mut progress = match self.progress.take() {
             Some(progress) => progress,
-            None => self.begin(stepper, problem, workspace, rest, &step)?,
+            None => {
+                let at = Iterate { step: Some(&step), ..stepper.iterate(problem, rest) };
+                begun(problem, workspace, &at, self.path.first).map_err(|failure| {
+                    let failed = Failed { failure, u: at.u.to_vec(), residuals: Vec::new() };
+                    stepper.unreached(problem, rest, failed, at.time)
+                })?
+            }
         };
         loop {
             let last = Iterate { step: Some(&step), ..stepper.iterate(problem, rest) };
@@ -152,22 +158,6 @@ impl Continuation {
                 return Err(stepper.unreached(problem, rest, failed, stepper.progress.time()));
             }
         }
-    }
-
-    /// The direction of the path at the first state, towards more load.
-    fn begin(
-        &self,
-        stepper: &TimeStepper,
-        problem: &Problem,
-        workspace: &mut Workspace,
-        rest: &[Vec3],
-        step: &Arc<TimeStep>,
-    ) -> Result<ArcProgress, Unreached> {
-        let at = Iterate { step: Some(step), ..stepper.iterate(problem, rest) };
-        begun(problem, workspace, &at, self.path.first).map_err(|failure| {
-            let failed = Failed { failure, u: at.u.to_vec(), residuals: Vec::new() };
-            stepper.unreached(problem, rest, failed, at.time)
-        })
     }
 
     /// One state from the last.
