@@ -74,7 +74,7 @@ fn first_limit(rise: f64, to: f64, h: f64, cells: usize, kind: Singularity) -> [
     let mut arch = arch(rise, to, h, cells);
     let FirstLimit::Found(limit, _) = arch.first_limit(|_| ()) else { panic!("no limit") };
     assert!(limit.kind == kind && limit.others == 0, "{:?}", limit.kind);
-    [limit.load * to, rise + limit.u[3 * crown(&arch, rise * h) + 2] / h]
+    [limit.at.time * to, rise + limit.at.u[3 * crown(&arch, rise * h) + 2] / h]
 }
 
 /// What second order tends to from two results, the second with half as large cells or thickness.
@@ -137,6 +137,11 @@ fn the_path_of_an_arch_goes_on_beyond_its_snap() {
         states.len()
     );
     assert!(worst < 0.01 && end < -1.0 && lowest < top, "{worst} {end}");
+    let points = || steps.iter().map(|step| step.path.as_deref().unwrap());
+    let passed: Vec<Singularity> = points().flat_map(|p| &p.passed).map(|p| p.kind).collect();
+    assert_eq!(passed, [Singularity::LimitPoint; 2]);
+    // it falls between both, on an unstable branch
+    assert!(points().all(|p| p.stability.negative == usize::from(p.load_rate < 0.0)));
     let curve: Vec<[f64; 2]> =
         (0..=150).map(|i| rise - 0.02 * f64::from(i)).map(|b| [b, load(rise, b)]).collect();
     draw_path("path-arch.svg", ["amplitude over thickness", "load over E κ⁴ h⁴"], &states, &curve);

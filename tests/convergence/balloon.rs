@@ -35,7 +35,7 @@ fn sphere(outer: f64, [arcs, layers]: [usize; 2], law: Box<dyn Material>, full: 
 fn limit_of(mut body: Inflated, full: f64) -> [f64; 2] {
     let FirstLimit::Found(limit, _) = body.body.first_limit(|_| ()) else { panic!("no limit") };
     assert!(limit.kind == Singularity::LimitPoint && limit.others == 0);
-    [body.stretch(&limit.u), limit.load * full]
+    [body.stretch(&limit.at.u), limit.at.time * full]
 }
 
 /// P of a stretch, by W′ and the rule of Simpson.

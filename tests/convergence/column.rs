@@ -64,7 +64,7 @@ fn found(slenderness: f64, degree: usize, along: usize) -> f64 {
     let mut column = Equilibrium::new(mesh, degree, energies, held);
     let FirstLimit::Found(limit, _) = column.first_limit(|_| ()) else { panic!("no limit") };
     assert!(limit.kind == Singularity::Bifurcation && limit.others == 0);
-    limit.load * full
+    limit.at.time * full
 }
 
 /// Threshold, set before: 1e-4 of the load. Elements of degree 2 miss it by their thickness, of which there are two, and

@@ -10,7 +10,7 @@ use mechanics::energy::{
     Along, Axis, Chamber, Direction, Energies, Fibres, Helix, Isobaric, Lead, Term, Traction,
     Winding, helix,
 };
-use mechanics::forward::{Stepping, Workspace, solve_in_time};
+use mechanics::forward::{Stepping, Workspace, solve};
 use mechanics::material::fibre::Fibre;
 use mechanics::material::{Lame, NeoHookean};
 use mechanics::schedule::{Field, Schedule};
@@ -201,8 +201,8 @@ fn tube(
     let newton = newton(60, 1e-9);
     let stepping = Stepping { first: 0.1, largest: 0.25, smallest: 1e-4, newton };
     let mut workspace = Workspace::new(&problem);
-    let found = solve_in_time(&problem, &mut workspace, &rest, &stepping, &[1.0], |_| ());
-    let u = found.expect("an equilibrium").u;
+    let found = solve(&problem, &mut workspace, &rest, &stepping, &[1.0]);
+    let u = found.expect("an equilibrium").pop().expect("a step").u;
     let (forces, _) = problem.gradient(&problem.iterate(&rest, &u, 1.0));
     let on_top = (0..places.len()).filter(|&n| at(places[n].z, top));
     let force = on_top.map(|n| forces[3 * n + 2]).sum();

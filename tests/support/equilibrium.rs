@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Energies;
 use mechanics::forward::{
-    Configuration, Converged, Failure, Integrator, LoadStep, Method, Newton, Problem, State,
-    Stepping, TimeStepper, Workspace, certificate,
+    Configuration, Converged, Failure, Integrator, LoadStep, Method, Newton, Problem, Reached,
+    State, Stepping, TimeStepper, Workspace, certificate,
 };
 use mechanics::material::MooneyRivlin;
 use mechanics::stability::{ArcLength, Continuation, FirstLimit, LimitSearch};
@@ -72,10 +72,11 @@ impl Equilibrium {
     /// The first limit on the path from rest to the full load, whose states are shown to `observe`.
     pub fn first_limit(&mut self, mut observe: impl FnMut(&LoadStep)) -> FirstLimit {
         let zero = vec![0.0; self.problem.dofs()];
-        let start = self.problem.iterate(&self.rest, &zero, 0.0);
+        let start = Reached::of(&self.problem.iterate(&self.rest, &zero, 0.0));
         let (stepping, integrator) = at_rest(&self.problem);
-        let search = LimitSearch { stepping, most: 1.0 };
-        search.from(&self.problem, &mut self.workspace, &start, integrator, |step| {
+        let (problem, rest) = (&self.problem, &self.rest);
+        let search = LimitSearch { problem, rest, stepping, most: 1.0, integrator };
+        search.from(&mut self.workspace, start, |step| {
             observe(step);
             ControlFlow::Continue(())
         })

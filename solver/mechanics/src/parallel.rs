@@ -67,29 +67,3 @@ pub fn fill<T: Clone + Send + Sync>(
     });
     values
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sums_are_the_same_for_any_thread_count() {
-        let sum = || {
-            let mut total = 0.0;
-            map_merge(
-                10_007,
-                |range| range.map(|i| (i as f64).sin()).sum::<f64>(),
-                |_, part| total += part,
-            );
-            total
-        };
-        let results: Vec<u64> = [1, 2, 7]
-            .into_iter()
-            .map(|threads| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                pool.expect("a thread pool").install(sum).to_bits()
-            })
-            .collect();
-        assert!(results.windows(2).all(|w| w[0] == w[1]));
-    }
-}

@@ -84,10 +84,7 @@ impl RigidSet {
         let origin = masters.first().map_or(positions[first], |&m| positions[m]);
         let columns: Vec<DVector<f64>> =
             masters[1..].iter().map(|&m| along(positions[m] - origin)).collect();
-        let simplex = match columns.is_empty() {
-            true => DMatrix::zeros(0, 0),
-            false => DMatrix::from_columns(&columns),
-        };
+        let simplex = DMatrix::from_fn(extents.len(), columns.len(), |i, j| columns[j][i]);
         let mut part =
             Self { masters, followers: Vec::new(), axes, extents, simplex, origin, moves };
         let others = nodes.iter().filter(|node| !part.masters.contains(node));
@@ -182,14 +179,8 @@ fn principal_axes(
     // below that, offsets are the rounding of positions
     let least = (FLAT * extents.max()).max(ROUNDED * center.norm());
     let kept: Vec<usize> = (0..3).filter(|&k| extents[k] > least).collect();
-    let columns: Vec<DVector<f64>> = kept
-        .iter()
-        .map(|&k| DVector::from_column_slice(eigen.eigenvectors.column(k).as_slice()))
-        .collect();
-    match columns.is_empty() {
-        true => (DMatrix::zeros(3, 0), Vec::new()),
-        false => (DMatrix::from_columns(&columns), kept.iter().map(|&k| extents[k]).collect()),
-    }
+    let axes = DMatrix::from_fn(3, kept.len(), |i, j| eigen.eigenvectors[(i, kept[j])]);
+    (axes, kept.iter().map(|&k| extents[k]).collect())
 }
 
 /// Nodes in the directions in which a part has an extent.

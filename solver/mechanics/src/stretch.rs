@@ -90,18 +90,11 @@ impl Stretches {
         let at_break = limits.iter().filter_map(|limits| limits.at_break).reduce(f64::min);
         let one = |limits: Limits| Strained::of(space, rest, &ranges, limits);
         let materials: Vec<Strained> = limits.into_iter().map(one).collect();
-        let none = Extreme { stretch: 1.0, at: [0.0; 3] };
-        let (mut smallest, mut largest) = (none, none);
-        for own in &materials {
-            if own.smallest.stretch < smallest.stretch {
-                smallest = own.smallest;
-            }
-            if own.largest.stretch > largest.stretch {
-                largest = own.largest;
-            }
-        }
-        let volume: f64 = materials.iter().map(|own| own.volume).sum();
-        let beyond: f64 = materials.iter().map(|own| own.beyond * own.volume).sum();
+        let all = || materials.iter();
+        let smallest = all().map(|own| own.smallest).fold(Extreme::NONE, Extreme::lesser);
+        let largest = all().map(|own| own.largest).fold(Extreme::NONE, Extreme::greater);
+        let volume: f64 = all().map(|own| own.volume).sum();
+        let beyond: f64 = all().map(|own| own.beyond * own.volume).sum();
         let margin = at_break.map(|at_break| at_break / largest.stretch);
         Self { smallest, largest, volume_beyond: beyond / volume, margin, at_break, materials }
     }
@@ -121,6 +114,17 @@ impl Stretches {
 }
 
 impl Extreme {
+    /// At rest.
+    const NONE: Self = Self { stretch: 1.0, at: [0.0; 3] };
+
+    fn lesser(self, other: Self) -> Self {
+        if other.stretch < self.stretch { other } else { self }
+    }
+
+    fn greater(self, other: Self) -> Self {
+        if other.stretch > self.stretch { other } else { self }
+    }
+
     fn in_words(&self, which: &str) -> String {
         let [x, y, z] = self.at;
         format!("{which} principal stretch {:.3} at ({x:.5}, {y:.5}, {z:.5}) m", self.stretch)
@@ -129,9 +133,9 @@ impl Extreme {
 
 impl Strained {
     fn of(space: &FunctionSpace, rest: &[Vec3], ranges: &[Strain], limits: Limits) -> Self {
-        let none = Extreme { stretch: 1.0, at: [0.0; 3] };
         let [low, high] = limits.tested.unwrap_or([0.0, f64::INFINITY]);
-        let (mut smallest, mut largest, mut volume, mut beyond) = (none, none, 0.0, 0.0);
+        let (mut smallest, mut largest) = (Extreme::NONE, Extreme::NONE);
+        let (mut volume, mut beyond) = (0.0, 0.0);
         let untested = Mode::ALL.into_iter().filter(|mode| !limits.modes.contains(mode));
         let mut untested: Vec<(Mode, f64)> = untested.map(|mode| (mode, 0.0)).collect();
         for e in limits.elements.clone() {
@@ -143,12 +147,8 @@ impl Strained {
             if found.high > high || found.low < low {
                 beyond += own;
             }
-            if found.low < smallest.stretch {
-                smallest = extreme(found.low);
-            }
-            if found.high > largest.stretch {
-                largest = extreme(found.high);
-            }
+            smallest = smallest.lesser(extreme(found.low));
+            largest = largest.greater(extreme(found.high));
             let notable = found.high > NOTABLE || found.low < 1.0 / NOTABLE;
             let mode = untested.iter_mut().find(|(mode, _)| notable && Some(*mode) == found.mode);
             mode.into_iter().for_each(|(_, sum)| *sum += own);

@@ -166,10 +166,10 @@ fn of_edges(
     };
     if let Some(found) = &edges.at_limit {
         let by = scaled.gradient(&mut Workspace::new(held), found);
-        add("factor", found.load, &by.context("derivatives of the factor")?);
+        add("factor", found.at.time, &by.context("derivatives of the factor")?);
     }
     if let Some(burst) = &edges.burst {
-        add("burst", burst.load, &scaled.gradient_of_burst(burst));
+        add("burst", burst.at.time, &scaled.gradient_of_burst(burst));
     }
     // in contact the tangent jumps, and the slope has no derivative
     if let Some(slope) = edges.slope.as_ref().filter(|_| scene.config.contact().is_none()) {

@@ -24,7 +24,7 @@ use mechanics::adjoint::{self, Gradient, NoGradient, Partials, Wanted};
 use mechanics::element::FunctionSpace;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Linearizations, LoadStep, Problem, Solution, State, Trajectory, Unreached, Watch, Workspace,
+    Linearizations, LoadStep, Problem, State, Trajectory, Unreached, Watch, Workspace,
     predicted_time,
 };
 use program::FolderLock;
@@ -273,11 +273,11 @@ fn go(
     let (start, newton) = (scene.integrator(&scene.body, problem), scene.stepping().newton);
     let on = (rest, scene.end());
     let found = near.map(|u| next_to(&start, (problem, workspace), on, u, &newton));
-    if let Some(Ok(Solution { steps, newton_iterations, u })) = found {
+    if let Some(Ok(step)) = found {
         let mut states = Trajectory::begin(&start, STATE_MEMORY);
-        states.push_displacement(problem, rest, scene.end(), &u);
-        let end = |step| LoadStep { ends_time_step: true, ..step };
-        return Ok((states, steps.into_iter().map(end).collect(), newton_iterations));
+        states.push_displacement(problem, rest, scene.end(), &step.u);
+        let iterations = step.newton_iterations;
+        return Ok((states, vec![LoadStep { ends_time_step: true, ..step }], iterations));
     }
     let mut steps = Steps::new(scene, problem).keeping_states();
     let mut load_steps = Vec::new();

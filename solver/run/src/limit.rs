@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use mechanics::energy::{ChamberId, Iterate};
-use mechanics::forward::{self, Configuration, Problem, Workspace};
+use mechanics::forward::{self, Configuration, Problem, Reached, Workspace};
 use mechanics::stability::{
     self, Burst, BurstSearch, FirstBurst, FirstLimit, LimitSearch, PressureSlope,
 };
@@ -47,9 +47,10 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
     let slope = PressureSlope::of(&held, &mut workspace, &configuration(end), &growing).ok();
     let burst = scene.stretch_at_break().map(|at_break| BurstSearch::new(end, at_break));
     let mut way = Way { path: vec![state(&held, end)], burst, by_load_from: None };
-    let search = LimitSearch { stepping: scene.stepping(), most: config.most };
-    let integrator = scene.integrator(&scene.body, &held);
-    let first = search.from(&held, &mut workspace, end, integrator, |step| {
+    let (stepping, integrator) = (scene.stepping(), scene.integrator(&scene.body, &held));
+    let search =
+        LimitSearch { problem: &held, rest: end.rest, stepping, most: config.most, integrator };
+    let first = search.from(&mut workspace, Reached::of(end), |step| {
         if step.path.is_none() {
             way.by_load_from.get_or_insert(way.last()[0]);
         }
@@ -59,11 +60,11 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
         ControlFlow::Continue(())
     });
     if let FirstLimit::Found(found, _) = &first {
-        let multipliers = &found.multipliers;
-        way.follow(&held, &Iterate { u: &found.u, time: found.load, multipliers, ..*end });
+        let Reached { time, u, multipliers } = &found.at;
+        way.follow(&held, &Iterate { u, time: *time, multipliers, ..*end });
     }
     let burst = way.burst.as_ref().and_then(|way| {
-        let torn = way.found(&held, &mut workspace, end.rest, &search.stepping);
+        let torn = way.found(&held, &mut workspace, end.rest, &stepping);
         at_burst(torn)
     });
     let [stable_to, largest_stretch] = way.last();
@@ -73,7 +74,7 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
         kind: None,
         between: None,
         stable_to,
-        burst: burst.as_ref().map(|burst| burst.load),
+        burst: burst.as_ref().map(|burst| burst.at.time),
         slope: slope.as_ref().map(|slope| slope.value),
         error_bars: BTreeMap::new(),
         largest_stretch,
@@ -87,7 +88,7 @@ pub fn find(scene: &Scene, problem: &Problem, end: &Iterate, config: &LimitConfi
         FirstLimit::Found(found, loads) => {
             limit.status = LimitStatus::Found;
             (limit.kind, limit.between) = (Some(kind_of(found.kind)), Some(loads));
-            limit.factor = Some(found.load);
+            limit.factor = Some(found.at.time);
             limit.iterates = found.history.iter().map(iterate).collect();
             at_limit = Some(found);
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mechanics::energy::Iterate;
 use mechanics::forward::{
-    Configuration, Failure, Integrator, Newton, Problem, Solution, Trajectory, Workspace,
+    Configuration, Failure, Integrator, LoadStep, Newton, Problem, Trajectory, Workspace,
     solve_from, solve_multipliers,
 };
 use mesh::Vec3;
@@ -23,7 +23,7 @@ pub fn next_to(
     (rest, time): (&[Vec3], f64),
     u: &[f64],
     newton: &Newton,
-) -> Result<Solution, Failure> {
+) -> Result<LoadStep, Failure> {
     let step = Arc::new(Trajectory::begin(start, 0.0).next_step(problem, rest, time));
     let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
     let multipliers = solve_multipliers(problem, workspace, &at);

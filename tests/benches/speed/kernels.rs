@@ -167,7 +167,7 @@ pub fn solve(bench: &mut Bench, name: &str) -> Result<()> {
     bench.time([what, name], Throughput::Elements(problem.dofs() as u64), || {
         let (problem, mut workspace) = scene.problem(&scene.body).expect("as before");
         let rest = &scene.body.mesh.vertices;
-        forward::solve(&problem, &mut workspace, rest, &scene.stepping(), |_| ())
+        forward::solve(&problem, &mut workspace, rest, &scene.stepping(), &[1.0])
             .expect("a load it bears")
     });
     Ok(())

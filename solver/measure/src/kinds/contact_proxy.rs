@@ -98,7 +98,7 @@ impl ContactProxy {
         // with as many parts per edge as the degree, collision vertices are nodes
         let (facets, split) = (parts.concat(), space.degree());
         let none = Vec::new();
-        let surface = Surface::symmetric(planes, space, &facets, &bodies, none, split, &free);
+        let surface = Surface::new(planes, space, &facets, &bodies, none, split, &free);
         let (surface, partners) = (Arc::new(surface), Partners::OtherBodies);
         let scale = repulsion.activation.powi(-3);
         let potential = Potential::new(surface, partners, Form::Convergent, repulsion, scale);

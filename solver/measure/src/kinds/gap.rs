@@ -52,7 +52,7 @@ impl Gap {
         let bodies: Vec<usize> = (0..2).flat_map(|side| vec![side; sides[side].len()]).collect();
         let free = vec![false; 3 * space.node_count()];
         let both = sides.concat();
-        let surface = Surface::new(space, &both, &bodies, Vec::new(), space.degree(), &free);
+        let surface = Surface::new(&[], space, &both, &bodies, Vec::new(), space.degree(), &free);
         let sides = [0, 1].map(|side| {
             let own = |t: &&[usize; 3]| surface.body(t[0]) == side;
             let triangles: Vec<_> =

@@ -106,8 +106,7 @@ pub enum Wanted {
 }
 
 /// Sweeps back through a run on a rest shape, for what is wanted of the gradient. `partials` adds the objective's at
-/// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one
-/// factorisation.
+/// moment n, 0 at the start, to zeros. Each linearisation whose factor is at hand saves one factorisation.
 pub fn sweep(
     problem: &Problem,
     workspace: &mut Workspace,

@@ -64,15 +64,15 @@ impl ScaledPressure<'_> {
     fn along_covectors(&self, covectors: &[Covector], mut by_rest: Vec<f64>) -> Gradient {
         let mut parameters = ParameterGradients::new(1);
         for covector in covectors {
-            let Covector { u, multipliers, lambda, mu, load } = covector;
-            let at = Iterate { multipliers, ..self.held.iterate(self.rest, u, *load) };
-            let (by, _) = along(self.held, &at, lambda, mu);
+            let Covector { at, lambda, mu } = covector;
+            let state = at.configuration(self.rest, None);
+            let (by, _) = along(self.held, &state.iterate(self.held), lambda, mu);
             by_rest.iter_mut().zip(&by).for_each(|(sum, by)| *sum += by);
-            let at = Iterate { multipliers, ..self.problem.iterate(self.rest, u, self.time) };
-            let (_, by) = along(self.problem, &at, lambda, mu);
+            let there = Iterate { time: self.time, ..state.iterate(self.problem) };
+            let (_, by) = along(self.problem, &there, lambda, mu);
             for (owner, mut by) in by.of_step(0) {
                 if self.chambers.iter().any(|id| id.owner() == owner) {
-                    by.iter_mut().for_each(|by| *by *= load / self.time);
+                    by.iter_mut().for_each(|by| *by *= at.time / self.time);
                 }
                 parameters.add(0, owner, by);
             }

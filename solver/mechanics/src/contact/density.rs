@@ -16,8 +16,6 @@
 //! ∂c/∂ŝ = −2 g l (l + g/ŝ)      ∂²c/∂s∂ŝ = −2 l² − 4 g l (1/s + 1/ŝ) − 2 g²/(s ŝ)
 //! ∂q/∂ŝ = −2 g                  ∂²q/∂s∂ŝ = −2
 //!
-//! A density is a [`Density`] with its row of functions.
-//!
 //! Source: Li et al. 2020, doi:10.1145/3386569.3392425, eq. 6.
 
 use serde::{Deserialize, Serialize};
@@ -35,35 +33,31 @@ pub enum Density {
     Quadratic,
 }
 
-/// The functions of a density.
-struct Row {
-    /// Its value and first two derivatives by s.
-    at: fn(f64, f64) -> [f64; 3],
-    /// Derivatives of its value and of its slope by ŝ.
-    by_activation: fn(f64, f64) -> [f64; 2],
-    /// Whether it is infinite where surfaces touch.
-    is_barrier: bool,
-}
-
 impl Density {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Log, Self::LogSquared, Self::Quadratic];
 
-    const fn row(self) -> Row {
+    /// Whether it is infinite where surfaces touch or come closer than they may.
+    pub fn is_barrier(self) -> bool {
+        self != Self::Quadratic
+    }
+
+    /// Its value and first two derivatives by s.
+    fn at(self, s: f64, activation: f64) -> [f64; 3] {
         match self {
-            Self::Log => Row { at: log, by_activation: log_by_activation, is_barrier: true },
-            Self::LogSquared => {
-                Row { at: log_squared, by_activation: log_squared_by_activation, is_barrier: true }
-            }
-            Self::Quadratic => {
-                Row { at: quadratic, by_activation: quadratic_by_activation, is_barrier: false }
-            }
+            Self::Log => log(s, activation),
+            Self::LogSquared => log_squared(s, activation),
+            Self::Quadratic => quadratic(s, activation),
         }
     }
 
-    /// Whether it is infinite where surfaces touch or come closer than they may.
-    pub fn is_barrier(self) -> bool {
-        self.row().is_barrier
+    /// Derivatives of its value and of its slope by ŝ.
+    fn by_activation(self, s: f64, activation: f64) -> [f64; 2] {
+        match self {
+            Self::Log => log_by_activation(s, activation),
+            Self::LogSquared => log_squared_by_activation(s, activation),
+            Self::Quadratic => quadratic_by_activation(s, activation),
+        }
     }
 }
 
@@ -88,7 +82,7 @@ impl Repulsion {
     pub fn at(&self, d2: f64) -> [f64; 3] {
         let s = d2 - self.minimum * self.minimum;
         let activation = self.activation * (self.activation + 2.0 * self.minimum);
-        (self.density.row().at)(s, activation)
+        self.density.at(s, activation)
     }
 
     /// The derivatives of β and ∂β/∂d² by d̂ at a squared distance [m²].
@@ -96,7 +90,7 @@ impl Repulsion {
         let s = d2 - self.minimum * self.minimum;
         let activation = self.activation * (self.activation + 2.0 * self.minimum);
         let by = 2.0 * (self.activation + self.minimum);
-        (self.density.row().by_activation)(s, activation).map(|d| by * d)
+        self.density.by_activation(s, activation).map(|d| by * d)
     }
 
     /// Whether a squared distance [m²] is not above the smallest that is allowed.
@@ -173,7 +167,7 @@ mod tests {
     #[test]
     fn derivatives_belong_to_their_functions() {
         for density in Density::ALL {
-            let function = |s: f64| (density.row().at)(s, 1.0);
+            let function = |s: f64| density.at(s, 1.0);
             for s in [0.01, 0.3, 0.9, 0.999] {
                 let h = 1e-6 * s;
                 let (low, exact, high) = (function(s - h), function(s), function(s + h));
@@ -200,7 +194,7 @@ mod tests {
             }
         }
         for density in Density::ALL {
-            let at = |s| (density.row().at)(s, 1.0);
+            let at = |s| density.at(s, 1.0);
             assert_eq!(at(1.0), [0.0; 3]);
             assert_eq!(at(0.0)[0].is_infinite(), density.is_barrier());
             let jumps = at(1.0 - 1e-9)[2].abs() > 1e-8;

@@ -25,7 +25,7 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::images::{Image, Images, share};
 use super::pairs::{Features, Pair};
-use crate::element::{FunctionSpace, add_at, at};
+use crate::element::{self, FunctionSpace, add_at, at};
 use crate::math::sparse::BlockMatrix;
 use crate::math::tensor::{Mat3, Mat12};
 use crate::symmetry::Plane;
@@ -68,30 +68,14 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The surface of boundary facets (vertex ids, oriented out of the solid),
-    /// each of the body of the same entry of `bodies`, and of obstacles. `fixed`
-    /// marks displacements that do not change when a step is solved for.
+    /// The surface of boundary facets (vertex ids, oriented out of the solid), each of the body of the same entry of
+    /// `bodies`, and of obstacles. Where planes of symmetry cut the bodies, it is that of the whole; obstacles are whole.
+    /// `fixed` marks displacements that do not change when a step is solved for.
     ///
     /// # Panics
     /// When `split` is zero, `facets` and `bodies` differ in length, or a facet
     /// is none of the space.
     pub fn new(
-        space: &FunctionSpace,
-        facets: &[[usize; 3]],
-        bodies: &[usize],
-        obstacles: Vec<Obstacle>,
-        split: usize,
-        fixed: &[bool],
-    ) -> Self {
-        Self::symmetric(&[], space, facets, bodies, obstacles, split, fixed)
-    }
-
-    /// The surface of the whole, of whose bodies these facets bound the part that planes of
-    /// symmetry cut; obstacles are whole.
-    ///
-    /// # Panics
-    /// As [`Self::new`].
-    pub fn symmetric(
         planes: &[Plane],
         space: &FunctionSpace,
         facets: &[[usize; 3]],
@@ -349,7 +333,8 @@ impl Lattice<'_> {
         if let Some(&id) = self.ids.get(&key) {
             return id;
         }
-        let values = self.space.facet_values(&shares.map(|s| s as f64 / self.split as f64));
+        let values =
+            element::values(self.space.degree(), &shares.map(|s| s as f64 / self.split as f64));
         // at a node the basis is one and zero up to rounding
         let exact = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
         let row = self.space.facet_nodes(facet).into_iter().zip(values.into_iter().map(exact));
@@ -375,7 +360,7 @@ mod tests {
             fixed[3 * i..3 * i + 3].fill(x.z == 0.0);
         }
         let bodies = vec![0; facets.len()];
-        (Surface::new(&space, &facets, &bodies, vec![floor], split, &fixed), space, mesh)
+        (Surface::new(&[], &space, &facets, &bodies, vec![floor], split, &fixed), space, mesh)
     }
 
     /// 48 facets of a closed surface make 48 n² triangles with 24 n² + 2 vertices.

@@ -21,9 +21,6 @@ pub struct Incidence {
 
 impl Incidence {
     /// Incidence for the nodes of all elements, one after the other.
-    ///
-    /// # Panics
-    /// When these are 2³² or more.
     pub fn new(node_count: usize, element_nodes: &[usize]) -> Self {
         let narrow = |i: usize| u32::try_from(i).expect("less than 2^32 nodes of elements");
         let mut start = vec![0; node_count + 1];
@@ -55,22 +52,5 @@ impl Incidence {
                 out.copy_from_slice(sum.as_slice());
             }
         });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two elements that share a node, of which the second alone is summed.
-    #[test]
-    fn each_node_gets_what_its_elements_give() {
-        let incidence = Incidence::new(4, &[0, 1, 2, 2, 3, 1]);
-        let given = [1.0, 2.0, 4.0].map(|x| Vec3::new(x, 0.0, -x));
-        let mut out = vec![0.5; 12];
-        incidence.add(3..6, &given, &mut out);
-        let x: Vec<f64> = out.chunks(3).map(|v| v[0]).collect();
-        assert_eq!(x, [0.5, 4.5, 1.5, 2.5]);
-        assert_eq!(out[11], -1.5);
     }
 }

@@ -26,6 +26,18 @@ pub struct Rule {
     pub points: Vec<Vec<f64>>,
 }
 
+impl Rule {
+    /// The points of which all coordinates but one are `a`.
+    fn add_orbit(&mut self, corners: usize, a: f64, weight: f64) {
+        for k in 0..corners {
+            let mut point = vec![a; corners];
+            point[k] = 1.0 - (corners - 1) as f64 * a;
+            self.points.push(point);
+            self.weights.push(weight);
+        }
+    }
+}
+
 /// A rule on the triangle that is exact to `degree`.
 pub fn triangle(degree: usize) -> Rule {
     if degree <= 5 { radon() } else { conical(2, degree) }
@@ -41,13 +53,7 @@ fn radon() -> Rule {
     let root = 15.0_f64.sqrt();
     let mut rule = Rule { weights: vec![9.0 / 40.0], points: vec![vec![1.0 / 3.0; 3]] };
     for sign in [-1.0, 1.0] {
-        let (a, weight) = ((6.0 + sign * root) / 21.0, (155.0 + sign * root) / 1200.0);
-        for k in 0..3 {
-            let mut point = vec![a; 3];
-            point[k] = 1.0 - 2.0 * a;
-            rule.points.push(point);
-            rule.weights.push(weight);
-        }
+        rule.add_orbit(3, (6.0 + sign * root) / 21.0, (155.0 + sign * root) / 1200.0);
     }
     rule
 }
@@ -55,17 +61,8 @@ fn radon() -> Rule {
 /// 14 points, exact to degree 5.
 fn walkington() -> Rule {
     let mut rule = Rule { weights: Vec::new(), points: Vec::new() };
-    for (a, weight) in [
-        (0.092_735_250_310_891_23, 0.073_493_043_116_361_95),
-        (0.310_885_919_263_300_6, 0.112_687_925_718_015_85),
-    ] {
-        for k in 0..4 {
-            let mut point = vec![a; 4];
-            point[k] = 1.0 - 3.0 * a;
-            rule.points.push(point);
-            rule.weights.push(weight);
-        }
-    }
+    rule.add_orbit(4, 0.092_735_250_310_891_23, 0.073_493_043_116_361_95);
+    rule.add_orbit(4, 0.310_885_919_263_300_6, 0.112_687_925_718_015_85);
     let (b, weight) = (0.045_503_704_125_649_65, 0.042_546_020_777_081_47);
     for first in 0..4 {
         for second in first + 1..4 {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use mesh::Vec3;
 
 use super::Incidence;
-use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate, values};
+use super::basis::{EDGES, FACES, HIGHEST_DEGREE, Tabulation, tabulate};
 use super::quadrature;
 use crate::math::tensor::{Mat3, cofactor};
 
@@ -199,19 +199,9 @@ impl FunctionSpace {
         })
     }
 
-    /// Node ids of a facet: its vertices, those of its edges 01, 12, 20, and the
-    /// one inside.
-    ///
-    /// # Panics
-    /// When `facet` is no facet of the mesh.
+    /// [`Self::simplex_nodes`] of a facet.
     pub fn facet_nodes(&self, facet: [usize; 3]) -> Vec<usize> {
         self.simplex_nodes(&facet)
-    }
-
-    /// Values of a facet's basis at barycentric coordinates, in the order of
-    /// [`Self::facet_nodes`].
-    pub fn facet_values(&self, lambda: &[f64; 3]) -> Vec<f64> {
-        values(self.degree, lambda)
     }
 
     /// Node ids inside an edge, from its first vertex to its second.
@@ -303,32 +293,18 @@ mod tests {
         for degree in 1..=3 {
             let (space, rest) = space(degree);
             let positions = space.node_positions(&rest);
-            let n = space.nodes_per_element();
-            let places = super::super::basis::nodes(4, degree);
-            assert_eq!(places.len(), n);
-            for (tet, nodes) in space.tets().iter().zip(space.element_nodes().chunks_exact(n)) {
-                for (node, index) in nodes.iter().zip(&places) {
-                    let place: Vec3 = index
-                        .iter()
-                        .zip(tet)
-                        .map(|(&i, &v)| i as f64 / degree as f64 * rest[v])
-                        .sum();
-                    assert!((positions[*node] - place).norm() < 1e-14);
-                }
-            }
-            for facet in mesh::topology::boundary(&mesh::TetMesh {
+            assert_eq!(space.nodes_per_element(), super::super::basis::nodes(4, degree).len());
+            let facets = mesh::topology::boundary(&mesh::TetMesh {
                 vertices: rest.clone(),
                 tets: space.tets().to_vec(),
-            })
-            .facets
-            {
-                let places = super::super::basis::nodes(3, degree);
-                for (node, index) in space.facet_nodes(facet).iter().zip(&places) {
-                    let place: Vec3 = index
-                        .iter()
-                        .zip(facet)
-                        .map(|(&i, v)| i as f64 / degree as f64 * rest[v])
-                        .sum();
+            });
+            let tets = space.tets().iter().map(|tet| tet.to_vec());
+            for simplex in tets.chain(facets.facets.iter().map(|facet| facet.to_vec())) {
+                let places = super::super::basis::nodes(simplex.len(), degree);
+                for (node, index) in space.simplex_nodes(&simplex).iter().zip(places) {
+                    let parts = index.iter().zip(&simplex);
+                    let place: Vec3 =
+                        parts.map(|(&i, &v)| i as f64 / degree as f64 * rest[v]).sum();
                     assert!((positions[*node] - place).norm() < 1e-14);
                 }
             }

@@ -107,28 +107,17 @@ fn element_certificate(
     let scale = 1.0 / (6.0 * mesh::measure::tet_volume(a, b, c, d));
     let coefficients = form.coefficients(&x).into_iter().map(|c| scale * c).collect();
     let place = |lambda: [f64; 4]| lambda.iter().zip(corners).map(|(l, x)| *l * x).sum::<Vec3>();
-    match examine(form, coefficients) {
-        Verdict::Positive(bound) => Ok(bound),
-        Verdict::Inverted(lambda, value) => {
-            Err(Uncertified::Inverted { element, at: place(lambda), value })
-        }
-        Verdict::Undecided(bound) => {
-            Err(Uncertified::Undecided { element, at: place([0.25; 4]), bound })
-        }
-    }
+    examine(form, coefficients, element, place)
 }
 
-enum Verdict {
-    /// Lower bound of the polynomial.
-    Positive(f64),
-    /// Barycentric coordinates of a point, and the value there.
-    Inverted([f64; 4], f64),
-    /// Lower bound of the polynomial.
-    Undecided(f64),
-}
-
-/// Is a polynomial in Bernstein form positive on the whole simplex?
-fn examine(form: &JacobianForm, coefficients: Vec<f64>) -> Verdict {
+/// Is a polynomial in Bernstein form positive on the whole simplex? A lower bound of it; `place` is where barycentric
+/// coordinates are.
+fn examine(
+    form: &JacobianForm,
+    coefficients: Vec<f64>,
+    element: usize,
+    place: impl Fn([f64; 4]) -> Vec3,
+) -> Result<f64, Uncertified> {
     let unit = |k: usize| std::array::from_fn(|c| f64::from(u8::from(c == k)));
     let whole: [[f64; 4]; 4] = std::array::from_fn(unit);
     let mut parts = vec![(coefficients, whole)];
@@ -137,7 +126,7 @@ fn examine(form: &JacobianForm, coefficients: Vec<f64>) -> Verdict {
         for (k, &lambda) in corners.iter().enumerate() {
             let value = coefficients[form.corner(k)];
             if value <= 0.0 {
-                return Verdict::Inverted(lambda, value);
+                return Err(Uncertified::Inverted { element, at: place(lambda), value });
             }
         }
         let smallest = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
@@ -148,7 +137,8 @@ fn examine(form: &JacobianForm, coefficients: Vec<f64>) -> Verdict {
         examined += 1;
         if examined == PARTS {
             let open = parts.iter().flat_map(|p| p.0.iter().copied());
-            return Verdict::Undecided(open.chain([bound, smallest]).fold(f64::INFINITY, f64::min));
+            let bound = open.chain([bound, smallest]).fold(f64::INFINITY, f64::min);
+            return Err(Uncertified::Undecided { element, at: place([0.25; 4]), bound });
         }
         let (i, j) = longest_edge(&corners);
         for (kept, moved) in [(i, j), (j, i)] {
@@ -157,7 +147,7 @@ fn examine(form: &JacobianForm, coefficients: Vec<f64>) -> Verdict {
             parts.push((form.half(&coefficients, kept, moved), half));
         }
     }
-    Verdict::Positive(bound)
+    Ok(bound)
 }
 
 /// In the metric of a regular tetrahedron.

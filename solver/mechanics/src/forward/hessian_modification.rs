@@ -16,7 +16,7 @@
 
 use super::{Clock, Problem, Workspace};
 use crate::energy::{Hessian, Iterate};
-use crate::math::linear::{Factorization, Outcome, Precision, Symmetric, dot};
+use crate::math::linear::{Factorization, NotPositive, Outcome, Precision, Symmetric, dot};
 
 /// Relative residual that a direction by an indefinite factor may have.
 const ACCURATE: f64 = 1e-6;
@@ -67,210 +67,196 @@ pub fn direction(
 ) -> Option<(Modification, Vec<f64>)> {
     let mut force = problem.restrict(point.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
-    let at = &point.at;
-    let has_factor = workspace.linear().last().is_some_and(Factorization::is_positive);
-    let blind = from == Modification::Near && !has_factor;
-    let found = if blind && is_under_pressure(problem, at) {
-        first(problem, workspace, at, &force, forcing)
-    } else if from <= Modification::Exact {
-        exact(problem, workspace, at, &force, from, forcing)
-    } else {
-        None
-    };
-    let (modification, free) = match found {
-        Some(found) => found,
-        None => projected(problem, workspace, at, force, from, forcing)?,
-    };
+    let mut system = System { problem, workspace, at: point.at, force, from, forcing };
+    let (modification, free) = system.direction()?;
     Some((modification, problem.prolong(&free)))
 }
 
-/// Whether a chamber has a pressure, which softens some motions of its wall.
-fn is_under_pressure(problem: &Problem, at: &Iterate) -> bool {
-    problem.energies.chambers().any(|(_, chamber)| chamber.state(at).1.pressure != 0.0)
-}
-
-/// The first direction of a body under pressure, whose exact Hessian is likely to be indefinite: the projected one is
-/// factored, and conjugate gradients with that factor decide whether the exact one serves.
-fn first(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    at: &Iterate,
-    force: &[f64],
-    forcing: f64,
-) -> Option<(Modification, Vec<f64>)> {
-    let matrix = workspace.hessian(problem, at, Hessian::Projected);
-    if !factor(workspace, matrix) {
-        return None;
-    }
-    let hessian = workspace.hessian(problem, at, Hessian::Exact);
-    let exact = near(workspace, &hessian, force, forcing).solved();
-    workspace.recycle(hessian);
-    if let Some(direction) = exact {
-        return Some((Modification::Near, direction));
-    }
-    Some((Modification::Projected, solve(workspace, force.to_vec(), forcing)?))
-}
-
-fn projected(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    at: &Iterate,
+/// H̃ δ = f, with f = −g.
+struct System<'a> {
+    problem: &'a Problem,
+    workspace: &'a mut Workspace,
+    at: Iterate<'a>,
+    /// f on the unknowns [N].
     force: Vec<f64>,
     from: Modification,
+    /// Relative residual that is allowed.
     forcing: f64,
-) -> Option<(Modification, Vec<f64>)> {
-    let matrix = workspace.hessian(problem, at, Hessian::Projected);
-    if from < Modification::Shifted
-        && let Some(direction) = near(workspace, &matrix, &force, forcing).solved()
-    {
-        workspace.recycle(matrix);
-        return Some((Modification::Projected, direction));
-    }
-    if from < Modification::Shifted && factor(workspace, matrix.clone()) {
-        return Some((Modification::Projected, solve(workspace, force, forcing)?));
-    }
-    if !factor_shifted(workspace, &matrix) {
-        return None;
-    }
-    Some((Modification::Shifted, solve(workspace, force, forcing)?))
 }
 
-fn exact(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    at: &Iterate,
-    force: &[f64],
-    from: Modification,
-    forcing: f64,
-) -> Option<(Modification, Vec<f64>)> {
-    let hessian = workspace.hessian(problem, at, Hessian::Exact);
-    if from == Modification::Near {
-        match near(workspace, &hessian, force, forcing) {
-            Outcome::Solved(direction) => {
-                workspace.recycle(hessian);
-                return Some((Modification::Near, direction));
-            }
-            // known to be indefinite, without a factorisation
-            Outcome::Curved if hessian.updates.is_empty() => {
-                workspace.recycle(hessian);
-                return None;
-            }
-            Outcome::Curved | Outcome::Inaccurate => {}
-        }
+impl System<'_> {
+    fn direction(&mut self) -> Option<(Modification, Vec<f64>)> {
+        let has_factor = self.workspace.linear().last().is_some_and(Factorization::is_positive);
+        let blind = self.from == Modification::Near && !has_factor;
+        let found = if blind && self.is_under_pressure() {
+            self.first()
+        } else if self.from <= Modification::Exact {
+            self.exact()
+        } else {
+            None
+        };
+        found.or_else(|| self.projected())
     }
-    // where gas stiffens the body, the whole may be positive definite although
-    // its sparse part is not
-    let stiffened = hessian.updates.iter().any(|u| u.0 > 0.0).then(|| hessian.clone());
-    match factor_and_solve(workspace, hessian, force, forcing)? {
-        Outcome::Solved(direction) => Some((Modification::Exact, direction)),
-        Outcome::Curved => None,
-        Outcome::Inaccurate if refactor_double(workspace) => {
-            Some((Modification::Exact, solve(workspace, force.to_vec(), forcing)?))
-        }
-        Outcome::Inaccurate => {
-            let direction = indefinite(workspace, stiffened?, force)?;
-            Some((Modification::Exact, direction))
-        }
+
+    /// Whether a chamber has a pressure, which softens some motions of its wall.
+    fn is_under_pressure(&self) -> bool {
+        let mut chambers = self.problem.energies.chambers();
+        chambers.any(|(_, chamber)| chamber.state(&self.at).1.pressure != 0.0)
     }
-}
 
-/// Conjugate gradients with an earlier factor.
-fn near(workspace: &mut Workspace, matrix: &Symmetric, force: &[f64], forcing: f64) -> Outcome {
-    let clock = Clock::start();
-    let last = workspace.linear().last();
-    let outcome = last.map_or(Outcome::Inaccurate, |f| f.solve_near(matrix, force, forcing));
-    workspace.timings.solve += clock.elapsed();
-    outcome
-}
-
-/// Factors a Hessian, of which a few pivots need not be positive, and solves with it.
-fn factor_and_solve(
-    workspace: &mut Workspace,
-    hessian: Symmetric,
-    force: &[f64],
-    forcing: f64,
-) -> Option<Outcome> {
-    let factored =
-        workspace.factor(|linear| linear.factor_modified(hessian).map(|(_, replaced)| replaced));
-    workspace.timings.factorizations += 1;
-    let replaced = match factored {
-        Ok(replaced) => replaced,
-        Err(error) => {
-            workspace.timings.failed_factorizations += 1;
-            log::debug!("{error}");
+    /// The first direction of a body under pressure, whose exact Hessian is likely to be indefinite: the projected one
+    /// is factored, and conjugate gradients with that factor decide whether the exact one serves.
+    fn first(&mut self) -> Option<(Modification, Vec<f64>)> {
+        let matrix = self.workspace.hessian(self.problem, &self.at, Hessian::Projected);
+        if !self.factor(matrix) {
             return None;
         }
-    };
-    let clock = Clock::start();
-    let found = workspace.linear().last()?.solve_modified(force, forcing);
-    workspace.timings.solve += clock.elapsed();
-    if replaced > 0 {
-        let end = match &found {
-            Outcome::Solved(_) => "positive definite",
-            Outcome::Curved => "indefinite",
-            Outcome::Inaccurate => "undecided",
+        let hessian = self.workspace.hessian(self.problem, &self.at, Hessian::Exact);
+        let exact = self.near(&hessian).solved();
+        self.workspace.recycle(hessian);
+        if let Some(direction) = exact {
+            return Some((Modification::Near, direction));
+        }
+        Some((Modification::Projected, self.solve()?))
+    }
+
+    fn projected(&mut self) -> Option<(Modification, Vec<f64>)> {
+        let matrix = self.workspace.hessian(self.problem, &self.at, Hessian::Projected);
+        if self.from < Modification::Shifted
+            && let Some(direction) = self.near(&matrix).solved()
+        {
+            self.workspace.recycle(matrix);
+            return Some((Modification::Projected, direction));
+        }
+        if self.from < Modification::Shifted && self.factor(matrix.clone()) {
+            return Some((Modification::Projected, self.solve()?));
+        }
+        if !self.factor_shifted(&matrix) {
+            return None;
+        }
+        Some((Modification::Shifted, self.solve()?))
+    }
+
+    fn exact(&mut self) -> Option<(Modification, Vec<f64>)> {
+        let hessian = self.workspace.hessian(self.problem, &self.at, Hessian::Exact);
+        if self.from == Modification::Near {
+            match self.near(&hessian) {
+                Outcome::Solved(direction) => {
+                    self.workspace.recycle(hessian);
+                    return Some((Modification::Near, direction));
+                }
+                // known to be indefinite, without a factorisation
+                Outcome::Curved if hessian.updates.is_empty() => {
+                    self.workspace.recycle(hessian);
+                    return None;
+                }
+                Outcome::Curved | Outcome::Inaccurate => {}
+            }
+        }
+        // where gas stiffens the body, the whole may be positive definite although
+        // its sparse part is not
+        let stiffened = hessian.updates.iter().any(|u| u.0 > 0.0).then(|| hessian.clone());
+        let direction = match self.factor_and_solve(hessian)? {
+            Outcome::Solved(direction) => direction,
+            Outcome::Curved => return None,
+            Outcome::Inaccurate if self.refactor_double() => self.solve()?,
+            Outcome::Inaccurate => self.indefinite(stiffened?)?,
         };
-        log::debug!("{replaced} pivots replaced: {end}");
+        Some((Modification::Exact, direction))
     }
-    Some(found)
-}
 
-/// Factors the last matrix again in double precision; false where that is not positive
-/// definite.
-fn refactor_double(workspace: &mut Workspace) -> bool {
-    let positive =
-        workspace.factor(|linear| linear.refactor_double().is_some_and(Factorization::is_positive));
-    workspace.timings.factorizations += 1;
-    positive
-}
-
-/// H⁻¹f by an indefinite factor, if it is accurate and descends.
-fn indefinite(workspace: &mut Workspace, whole: Symmetric, force: &[f64]) -> Option<Vec<f64>> {
-    workspace.factor(|linear| linear.factor_indefinite(whole).is_positive());
-    workspace.timings.factorizations += 1;
-    let clock = Clock::start();
-    let mut direction = force.to_vec();
-    let residual = workspace.linear().last()?.solve(&mut direction);
-    workspace.timings.solve += clock.elapsed();
-    (residual < ACCURATE && dot(force, &direction) > 0.0).then_some(direction)
-}
-
-/// A⁻¹f by the last factorisation, if there is one.
-fn solve(workspace: &mut Workspace, mut force: Vec<f64>, forcing: f64) -> Option<Vec<f64>> {
-    let clock = Clock::start();
-    workspace.linear().last()?.solve_to(&mut force, forcing);
-    workspace.timings.solve += clock.elapsed();
-    Some(force)
-}
-
-fn factor(workspace: &mut Workspace, matrix: Symmetric) -> bool {
-    let result =
-        workspace.factor(|linear| linear.factor_positive(matrix, Precision::Single).map(drop));
-    workspace.timings.factorizations += 1;
-    if let Err(error) = &result {
-        workspace.timings.failed_factorizations += 1;
-        log::debug!("{error}");
+    /// Conjugate gradients with an earlier factor.
+    fn near(&mut self, matrix: &Symmetric) -> Outcome {
+        let clock = Clock::start();
+        let solve = |f: &Factorization| f.solve_near(matrix, &self.force, self.forcing);
+        let outcome = self.workspace.linear().last().map_or(Outcome::Inaccurate, solve);
+        self.workspace.timings.solve += clock.elapsed();
+        outcome
     }
-    result.is_ok()
-}
 
-/// Adds ρ I, with ρ upwards by powers of ten, until the matrix is positive
-/// definite, which ρ beyond its eigenvalues makes it if it is finite. Each
-/// attempt costs a factorisation, so the first ρ is not small: the frog under
-/// pressure needed 1e-5 of the largest diagonal entry, the gripper 1e-3.
-fn factor_shifted(workspace: &mut Workspace, matrix: &Symmetric) -> bool {
-    let largest = workspace.diagonal().iter().map(|&d| matrix.lower[d].abs()).fold(0.0, f64::max);
-    let mut shift = 1e-5 * largest;
-    while shift.is_finite() && shift > 0.0 {
-        let mut shifted = matrix.clone();
-        for &d in workspace.diagonal() {
-            shifted.lower[d] += shift;
+    /// Factors a Hessian, of which a few pivots need not be positive, and solves with it.
+    fn factor_and_solve(&mut self, hessian: Symmetric) -> Option<Outcome> {
+        let factored = self
+            .workspace
+            .factor(|linear| linear.factor_modified(hessian).map(|(_, replaced)| replaced));
+        let replaced = self.counted(factored)?;
+        let clock = Clock::start();
+        let found = self.workspace.linear().last()?.solve_modified(&self.force, self.forcing);
+        self.workspace.timings.solve += clock.elapsed();
+        if replaced > 0 {
+            let end = match &found {
+                Outcome::Solved(_) => "positive definite",
+                Outcome::Curved => "indefinite",
+                Outcome::Inaccurate => "undecided",
+            };
+            log::debug!("{replaced} pivots replaced: {end}");
         }
-        if factor(workspace, shifted) {
-            log::debug!("shifted by {:.0e} of the largest diagonal entry", shift / largest);
-            return true;
-        }
-        shift *= 10.0;
+        Some(found)
     }
-    false
+
+    /// Factors the last matrix again in double precision; false where that is not positive
+    /// definite.
+    fn refactor_double(&mut self) -> bool {
+        self.workspace.timings.factorizations += 1;
+        self.workspace
+            .factor(|linear| linear.refactor_double().is_some_and(Factorization::is_positive))
+    }
+
+    /// H⁻¹f by an indefinite factor, if it is accurate and descends.
+    fn indefinite(&mut self, whole: Symmetric) -> Option<Vec<f64>> {
+        self.workspace.factor(|linear| linear.factor_indefinite(whole).is_positive());
+        self.workspace.timings.factorizations += 1;
+        let clock = Clock::start();
+        let mut direction = self.force.clone();
+        let residual = self.workspace.linear().last()?.solve(&mut direction);
+        self.workspace.timings.solve += clock.elapsed();
+        (residual < ACCURATE && dot(&self.force, &direction) > 0.0).then_some(direction)
+    }
+
+    /// A⁻¹f by the last factorisation, if there is one.
+    fn solve(&mut self) -> Option<Vec<f64>> {
+        let clock = Clock::start();
+        let mut direction = self.force.clone();
+        self.workspace.linear().last()?.solve_to(&mut direction, self.forcing);
+        self.workspace.timings.solve += clock.elapsed();
+        Some(direction)
+    }
+
+    fn factor(&mut self, matrix: Symmetric) -> bool {
+        let factored = self
+            .workspace
+            .factor(|linear| linear.factor_positive(matrix, Precision::Single).map(drop));
+        self.counted(factored).is_some()
+    }
+
+    /// What came of a factorisation, which is counted.
+    fn counted<T>(&mut self, factored: Result<T, NotPositive>) -> Option<T> {
+        let timings = &mut self.workspace.timings;
+        timings.factorizations += 1;
+        if let Err(error) = &factored {
+            timings.failed_factorizations += 1;
+            log::debug!("{error}");
+        }
+        factored.ok()
+    }
+
+    /// Adds ρ I, with ρ upwards by powers of ten, until the matrix is positive
+    /// definite, which ρ beyond its eigenvalues makes it if it is finite. Each
+    /// attempt costs a factorisation, so the first ρ is not small: the frog under
+    /// pressure needed 1e-5 of the largest diagonal entry, the gripper 1e-3.
+    fn factor_shifted(&mut self, matrix: &Symmetric) -> bool {
+        let diagonal = self.workspace.diagonal().to_vec();
+        let largest = diagonal.iter().map(|&d| matrix.lower[d].abs()).fold(0.0, f64::max);
+        let mut shift = 1e-5 * largest;
+        while shift.is_finite() && shift > 0.0 {
+            let mut shifted = matrix.clone();
+            diagonal.iter().for_each(|&d| shifted.lower[d] += shift);
+            if self.factor(shifted) {
+                log::debug!("shifted by {:.0e} of the largest diagonal entry", shift / largest);
+                return true;
+            }
+            shift *= 10.0;
+        }
+        false
+    }
 }

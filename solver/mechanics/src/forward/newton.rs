@@ -111,7 +111,7 @@ impl Newton {
         let first = Accepted { u: state.u.clone(), energy, gradient: None };
         let now = reached(problem, workspace, &at, first);
         let mut search = Search::new(self, problem, workspace, &at, now);
-        let result = search.run(workspace, residuals);
+        let result = search.run(residuals);
         state.u = search.now.u;
         result
     }
@@ -128,6 +128,7 @@ impl Newton {
 struct Search<'a> {
     newton: &'a Newton,
     problem: &'a Problem,
+    workspace: &'a mut Workspace,
     /// All of an iterate but its displacement.
     at: Iterate<'a>,
     now: State,
@@ -148,7 +149,7 @@ impl<'a> Search<'a> {
     fn new(
         newton: &'a Newton,
         problem: &'a Problem,
-        workspace: &Workspace,
+        workspace: &'a mut Workspace,
         at: &Iterate<'a>,
         now: State,
     ) -> Self {
@@ -160,6 +161,7 @@ impl<'a> Search<'a> {
             flat: Flat { best: now.clone(), mark: f64::INFINITY, iterations: 0 },
             indefinite: Indefinite::expected(workspace.indefinite_starts > 0),
             ballooning: newton.ballooned.map(|times| Ballooning::from(problem, &start, times)),
+            workspace,
             now,
             iterations: 0,
             peak: 0.0,
@@ -169,18 +171,14 @@ impl<'a> Search<'a> {
     }
 
     /// Iterates to an equilibrium, and adds the residual of every iterate [N] to `residuals`.
-    fn run(
-        &mut self,
-        workspace: &mut Workspace,
-        residuals: &mut Vec<f64>,
-    ) -> Result<Converged, Failure> {
+    fn run(&mut self, residuals: &mut Vec<f64>) -> Result<Converged, Failure> {
         loop {
             self.peak = self.peak.max(self.now.scale);
             let wanted = self.newton.wanted(self.now.scale, self.peak);
-            if let Some(converged) = self.look(workspace, residuals, wanted)? {
+            if let Some(converged) = self.look(residuals, wanted)? {
                 return Ok(converged);
             }
-            if let Some(converged) = self.step(workspace, wanted)? {
+            if let Some(converged) = self.step(wanted)? {
                 return Ok(converged);
             }
             self.iterations += 1;
@@ -190,7 +188,6 @@ impl<'a> Search<'a> {
     /// Judges the iterate: an equilibrium, if it is one.
     fn look(
         &mut self,
-        workspace: &mut Workspace,
         residuals: &mut Vec<f64>,
         wanted: f64,
     ) -> Result<Option<Converged>, Failure> {
@@ -198,7 +195,7 @@ impl<'a> Search<'a> {
         let energy = self.now.energy;
         log::debug!("newton {iteration}  |g| {residual:.2e} N  energy {energy:.9e} J");
         let event = Event::Iterate { time: self.at.time, iteration, residual, wanted };
-        if workspace.notify(&event).is_break() {
+        if self.workspace.notify(&event).is_break() {
             return Err(Failure::Interrupted);
         }
         residuals.push(residual);
@@ -214,32 +211,27 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         if self.within_rounding {
-            return self.end_at_best(workspace).map(Some);
+            return self.end_at_best().map(Some);
         }
         Err(Failure::IterationLimit { iterations: self.iterations, residual, wanted })
     }
 
     /// Makes a step, or ends at the best state where there is none and rounding allows no less.
-    fn step(
-        &mut self,
-        workspace: &mut Workspace,
-        wanted: f64,
-    ) -> Result<Option<Converged>, Failure> {
+    fn step(&mut self, wanted: f64) -> Result<Option<Converged>, Failure> {
         let residual = self.now.residual;
         // no more accurate than the tolerance needs
         let enough = (LINEAR_RESIDUAL * wanted / residual).clamp(FORCING.1, FORCING.0);
         let forcing = (residual / self.before).powi(2).clamp(enough, FORCING.0);
         self.before = residual;
         let from = self.indefinite.modification(residual);
-        let Self { problem, at, now, .. } = &*self;
-        let point = Point { at: Iterate { u: &now.u, ..*at }, gradient: &now.gradient };
-        let (step, by, decrease) = step(problem, workspace, &point, now.energy, forcing, from);
+        let (step, by, decrease) = self.descend(forcing, from);
         self.indefinite.watch(residual, from, by);
         // a step that was halved until nothing moves is none
         let step = step.filter(|accepted| accepted.u != self.now.u);
         if self.iterations == 0 {
-            workspace.indefinite_starts = match (from, by) {
-                (Modification::Projected, _) => workspace.indefinite_starts.saturating_sub(1),
+            let starts = &mut self.workspace.indefinite_starts;
+            *starts = match (from, by) {
+                (Modification::Projected, _) => starts.saturating_sub(1),
                 (_, by) if by < Modification::Projected => 0,
                 _ => MODIFIED_STEPS,
             };
@@ -247,22 +239,54 @@ impl<'a> Search<'a> {
         self.within_rounding = decrease <= ENERGY_ROUNDING * self.now.energy.abs();
         let stalled = step.is_none() || self.flat.iterations >= STALLED_ITERATIONS;
         if self.within_rounding && stalled {
-            return self.end_at_best(workspace).map(Some);
+            return self.end_at_best().map(Some);
         }
         let Some(accepted) = step else {
             // energies that cancel each other have more rounding than their sum shows
             let iterations = self.iterations;
-            let floor = self.at_floor(workspace);
+            let floor = self.at_floor();
             let converged = floor.map_err(|_| Failure::Stalled { iterations, residual, wanted })?;
             self.now = self.flat.best.clone();
             return Ok(Some(converged));
         };
-        self.accept(workspace, accepted).map(|()| None)
+        self.accept(accepted).map(|()| None)
+    }
+
+    /// A step that decreases the energy, by the first modification of the Hessian that
+    /// gives one from `from` on, the last modification tried, and the decrease that the first
+    /// direction predicts [J].
+    fn descend(
+        &mut self,
+        forcing: f64,
+        from: Modification,
+    ) -> (Option<Accepted>, Modification, f64) {
+        let Self { problem, workspace, at, now, .. } = self;
+        let point = Point { at: Iterate { u: &now.u, ..*at }, gradient: &now.gradient };
+        let (mut by, mut from) = (from, Some(from));
+        let mut predicted = f64::INFINITY;
+        while let Some(modification) = from {
+            let found = direction(problem, workspace, &point, modification, forcing);
+            let Some((modification, direction)) = found else { break };
+            by = modification;
+            let slope = dot(point.gradient, &direction);
+            predicted = predicted.min(0.5 * slope.abs());
+            if slope < 0.0
+                && let Some(accepted) =
+                    line_search(problem, workspace, &point, now.energy, &direction)
+            {
+                log::debug!("{modification:?} step");
+                return (Some(accepted), by, predicted);
+            }
+            log::debug!("no {modification:?} step");
+            // other directions have no digits to compare either
+            from = modification.next().filter(|_| predicted > ENERGY_ROUNDING * now.energy.abs());
+        }
+        (None, by, predicted)
     }
 
     /// Moves on to the next iterate.
-    fn accept(&mut self, workspace: &mut Workspace, accepted: Accepted) -> Result<(), Failure> {
-        let next = reached(self.problem, workspace, &self.at, accepted);
+    fn accept(&mut self, accepted: Accepted) -> Result<(), Failure> {
+        let next = reached(self.problem, self.workspace, &self.at, accepted);
         let before = std::mem::replace(&mut self.now, next);
         let Some(ballooning) = &mut self.ballooning else { return Ok(()) };
         let ends = [&before, &self.now].map(|end| End { u: &end.u, gradient: &end.gradient });
@@ -281,17 +305,17 @@ impl<'a> Search<'a> {
     }
 
     /// Goes back to the best state, an equilibrium if its residual is as small as rounding allows.
-    fn end_at_best(&mut self, workspace: &mut Workspace) -> Result<Converged, Failure> {
+    fn end_at_best(&mut self) -> Result<Converged, Failure> {
         self.now = self.flat.best.clone();
-        self.at_floor(workspace)
+        self.at_floor()
     }
 
     /// Whether the residual of the best state, which falls no further, is as small as rounding allows.
-    fn at_floor(&self, workspace: &mut Workspace) -> Result<Converged, Failure> {
+    fn at_floor(&mut self) -> Result<Converged, Failure> {
         let State { u, residual, scale, .. } = &self.flat.best;
         let (residual, scale) = (*residual, *scale);
         let wanted = self.newton.wanted(scale, self.peak);
-        let floor = workspace.rounding_floor(self.problem, &Iterate { u, ..self.at });
+        let floor = self.workspace.rounding_floor(self.problem, &Iterate { u, ..self.at });
         log::debug!("residual {residual:.2e} N does not fall; floor by rounding {floor:.1e} N");
         if residual <= floor {
             return Ok(self.converged(residual, wanted, Some(floor)));
@@ -387,36 +411,4 @@ fn reached(
         gradient.unwrap_or_else(|| workspace.gradient(problem, &Iterate { u: &u, ..*at }));
     let residual = norm(&problem.restrict(&gradient));
     State { u, energy, gradient, scale, residual }
-}
-
-/// A step that decreases the energy, by the first modification of the Hessian that
-/// gives one from `from` on, the last modification tried, and the decrease that the first
-/// direction predicts [J].
-fn step(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    point: &Point,
-    energy: f64,
-    forcing: f64,
-    from: Modification,
-) -> (Option<Accepted>, Modification, f64) {
-    let (mut by, mut from) = (from, Some(from));
-    let mut predicted = f64::INFINITY;
-    while let Some(modification) = from {
-        let found = direction(problem, workspace, point, modification, forcing);
-        let Some((modification, direction)) = found else { break };
-        by = modification;
-        let slope = dot(point.gradient, &direction);
-        predicted = predicted.min(0.5 * slope.abs());
-        if slope < 0.0
-            && let Some(accepted) = line_search(problem, workspace, point, energy, &direction)
-        {
-            log::debug!("{modification:?} step");
-            return (Some(accepted), by, predicted);
-        }
-        log::debug!("no {modification:?} step");
-        // other directions have no digits to compare either
-        from = modification.next().filter(|_| predicted > ENERGY_ROUNDING * energy.abs());
-    }
-    (None, by, predicted)
 }

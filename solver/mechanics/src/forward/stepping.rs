@@ -105,16 +105,6 @@ impl LoadStep {
     }
 }
 
-/// An equilibrium and the load steps to it.
-pub struct Solution {
-    /// Displacement [m], three components per node.
-    pub u: Vec<f64>,
-    /// Accepted load steps; the last is the end of the last time step.
-    pub steps: Vec<LoadStep>,
-    /// All Newton iterations, those of rejected steps included.
-    pub newton_iterations: usize,
-}
-
 /// No equilibrium at the end of a time step.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("no equilibrium beyond {:.1} % of the load: {failure}", 100.0 * time)]
@@ -152,47 +142,28 @@ pub fn solve_from(
     workspace: &mut Workspace,
     start: &Configuration,
     newton: &Newton,
-) -> Result<Solution, Failure> {
+) -> Result<LoadStep, Failure> {
     workspace.indefinite_starts = 0;
-    let attempt = attempt(problem, workspace, start, start.time, newton);
-    let step = attempt.map_err(|failed| failed.failure)?;
-    let newton_iterations = step.newton_iterations;
-    Ok(Solution { u: step.u.clone(), steps: vec![step], newton_iterations })
+    attempt(problem, workspace, start, start.time, newton).map_err(|failed| failed.failure)
 }
 
-/// Solves under the full load from the rest shape: one time step of length 1.
+/// Solves from the rest shape at t = 0 to the ends `times` of time steps without inertia, 1 alone for a static
+/// scene: the load steps, of which the last is the end of the last time step.
 pub fn solve(
     problem: &Problem,
     workspace: &mut Workspace,
     rest: &[Vec3],
     stepping: &Stepping,
-    observe: impl FnMut(&LoadStep),
-) -> Result<Solution, Unreached> {
-    solve_in_time(problem, workspace, rest, stepping, &[1.0], observe)
-}
-
-/// Solves from the rest shape at t = 0 to the ends `times` of time steps without
-/// inertia. `observe` is called after every accepted step.
-pub fn solve_in_time(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    rest: &[Vec3],
-    stepping: &Stepping,
     times: &[f64],
-    mut observe: impl FnMut(&LoadStep),
-) -> Result<Solution, Unreached> {
+) -> Result<Vec<LoadStep>, Unreached> {
     let zero = vec![0.0; problem.dofs()];
     let start = State::new(zero.clone(), zero);
     let mut stepper = TimeStepper::new(*stepping, Integrator::new(Method::Quasistatic, start));
     let mut steps = Vec::new();
     for &end in times {
-        stepper.advance(problem, workspace, rest, end, |step| {
-            observe(step);
-            steps.push(step.clone());
-        })?;
+        stepper.advance(problem, workspace, rest, end, |step| steps.push(step.clone()))?;
     }
-    let newton_iterations = stepper.progress.newton_iterations;
-    Ok(Solution { u: stepper.progress.reached().to_vec(), steps, newton_iterations })
+    Ok(steps)
 }
 
 pub(super) fn loosened(newton: &Newton) -> Newton {
@@ -311,7 +282,7 @@ mod tests {
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 0.5, newton };
         let (mut problem, rest) = pinched();
         let go = |problem: &Problem| {
-            solve(problem, &mut Workspace::new(problem), &rest, &stepping, |_| {})
+            solve(problem, &mut Workspace::new(problem), &rest, &stepping, &[1.0])
         };
         let unreached = go(&problem).err().expect("refused");
         let inverted = Failure::Uncertified(Uncertified::Inverted {
@@ -321,8 +292,8 @@ mod tests {
         });
         assert_eq!(unreached.failure.to_string(), inverted.to_string());
         problem.tolerates_inversion = true;
-        let solution = go(&problem).expect("tolerated");
-        let found = solution.steps.last().expect("one at least").smallest_volume_ratio;
+        let steps = go(&problem).expect("tolerated");
+        let found = steps.last().expect("one at least").smallest_volume_ratio;
         assert!((found + 0.04).abs() < 1e-12, "{found}");
     }
 }

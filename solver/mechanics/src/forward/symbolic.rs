@@ -6,7 +6,6 @@
 //! the nodes: a node whose vertices are not all in the separator is on the side of the
 //! others, and so are all nodes that share an element with it.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use mesh::topology::{tet_edges, vertex_neighbours};
@@ -15,7 +14,7 @@ use super::dirichlet::Dirichlet;
 use crate::element::FunctionSpace;
 use crate::math::linear::{Memory, SparseSolver, Triangle};
 use crate::math::ordering::nested_dissection;
-use crate::math::sparse::{Followers, FreeTriangle, Pattern};
+use crate::math::sparse::{FreeTriangle, Pattern};
 
 /// The sparsity pattern of the Hessian with the given couplings of nodes that share no
 /// element, its part on the unknowns of the conditions, and the symbolic factorisation of
@@ -28,13 +27,15 @@ pub(super) fn symbolic(
 ) -> (Pattern, FreeTriangle, SparseSolver) {
     let nodes = (space.node_count(), space.element_nodes(), space.nodes_per_element());
     let followers = dirichlet.followers();
-    let couplings = &with_images(couplings, followers, |couplings| {
-        Pattern::new(nodes.0, nodes.1, nodes.2, couplings).images(followers)
-    })[..];
+    let mut couplings = couplings.to_vec();
+    if !followers.is_empty() {
+        // those of the masters that nodes follow
+        couplings.extend(Pattern::new(nodes.0, nodes.1, nodes.2, &couplings).images(followers));
+    }
     let (nodes, (pattern, (free, column_start, rows))) = rayon::join(
-        || node_order(space, couplings),
+        || node_order(space, &couplings),
         || {
-            let pattern = Pattern::new(nodes.0, nodes.1, nodes.2, couplings);
+            let pattern = Pattern::new(nodes.0, nodes.1, nodes.2, &couplings);
             let free = FreeTriangle::new(&pattern, &dirichlet.eliminated());
             (pattern, free)
         },
@@ -43,18 +44,6 @@ pub(super) fn symbolic(
     let triangle = Triangle::new(column_start, &rows);
     let linear = SparseSolver::with(triangle, &groups, memory);
     (pattern, free, linear)
-}
-
-/// Couplings with those of the masters that nodes follow.
-fn with_images<'a>(
-    couplings: &'a [[usize; 2]],
-    followers: &Followers,
-    images: impl FnOnce(&[[usize; 2]]) -> Vec<[usize; 2]>,
-) -> Cow<'a, [[usize; 2]]> {
-    if followers.is_empty() {
-        return Cow::Borrowed(couplings);
-    }
-    Cow::Owned([couplings, &images(couplings)].concat())
 }
 
 /// The nodes in an order of elimination with little fill.

@@ -30,6 +30,24 @@ pub struct Partials {
     pub second: [f64; 4],
 }
 
+impl Partials {
+    /// Those of ½ k ln²J.
+    pub(super) fn half_log_squared(k: f64, at: &Invariants) -> Self {
+        let (log_j, j) = (at.log_j, at.j);
+        Self {
+            value: 0.5 * k * log_j * log_j,
+            first: [0.0, 0.0, k * log_j / j],
+            second: [0.0, 0.0, 0.0, k * (1.0 - log_j) / (j * j)],
+        }
+    }
+
+    /// These of a volumetric term with the value and the derivatives of an isochoric one.
+    pub(super) fn with(self, value: f64, [by_1, by_2]: [f64; 2], [a, b, c]: [f64; 3]) -> Self {
+        let (first, second) = ([by_1, by_2, self.first[2]], [a, b, c, self.second[3]]);
+        Self { value: value + self.value, first, second }
+    }
+}
+
 /// What the laws of this file depend on.
 #[derive(Clone, Copy, Default)]
 pub struct Invariants {

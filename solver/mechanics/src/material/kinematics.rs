@@ -50,18 +50,3 @@ impl Kinematics {
         h + h.transpose() + h * h.transpose()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn invariants_agree_with_their_definitions() {
-        let h = Mat3::new(0.1, 0.2, -0.1, 0.05, -0.2, 0.3, 0.0, 0.1, 0.15);
-        let k = Kinematics::new(&h);
-        let b = k.f * k.f.transpose();
-        assert!((k.j() - k.f.determinant()).abs() < 1e-14);
-        assert!((k.log_j() - k.f.determinant().ln()).abs() < 1e-14);
-        assert!((k.left_minus_1() - (b - Mat3::identity())).norm() < 1e-14);
-    }
-}

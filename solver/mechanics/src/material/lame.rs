@@ -4,7 +4,9 @@
 //!
 //! Shared by the laws that are linear in μ and λ.
 
+use super::Kinematics;
 use super::law::{Moduli, PA, Parameter};
+use crate::math::tensor::Mat3;
 
 /// μ and λ [Pa] and what they came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +39,20 @@ impl Lame {
         let mu = young / (2.0 * (1.0 + poisson));
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         Self { young, poisson, mu, lambda }
+    }
+
+    /// μ ε:ε + ½λ tr²ε of a strain [J/m³]; infinite where J is not positive.
+    pub(super) fn energy_density(&self, k: &Kinematics, strain: &Mat3) -> f64 {
+        if k.j() <= 0.0 {
+            return f64::INFINITY;
+        }
+        let trace = strain.trace();
+        self.mu * strain.norm_squared() + 0.5 * self.lambda * trace * trace
+    }
+
+    /// 2με + λ tr ε I [Pa].
+    pub(super) fn stress(&self, strain: &Mat3) -> Mat3 {
+        2.0 * self.mu * strain + Mat3::from_diagonal_element(self.lambda * strain.trace())
     }
 
     /// Adds (∂(μ, λ)/∂(E, ν))ᵀ (μ̄, λ̄).

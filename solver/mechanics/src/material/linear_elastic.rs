@@ -32,17 +32,11 @@ pub(super) const LAW: Law = Law {
 
 impl Material for LinearElastic {
     fn energy_density(&self, k: &Kinematics) -> f64 {
-        if k.j() <= 0.0 {
-            return f64::INFINITY;
-        }
-        let strain = strain(k);
-        let trace = strain.trace();
-        self.0.mu * strain.norm_squared() + 0.5 * self.0.lambda * trace * trace
+        self.0.energy_density(k, &strain(k))
     }
 
     fn first_piola(&self, k: &Kinematics) -> Mat3 {
-        let strain = strain(k);
-        2.0 * self.0.mu * strain + Mat3::from_diagonal_element(self.0.lambda * strain.trace())
+        self.0.stress(&strain(k))
     }
 
     fn tangent(&self, _: &Kinematics) -> Mat9 {

@@ -1,6 +1,6 @@
 //! Constitutive laws ψ(F): energy per rest volume [J/m³].
 //!
-//! One law per file, one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`], that of fibres in [`fibre`].
+//! One law per file, or two that differ in one term; one row per law in [`LAWS`]. Laws of thin sheets are in [`sheet`], that of fibres in [`fibre`].
 
 mod arruda_boyce;
 pub mod fibre;
@@ -12,7 +12,6 @@ mod lame;
 mod law;
 mod linear_elastic;
 mod mooney_rivlin;
-mod mooney_rivlin_quadratic;
 mod neo_hookean;
 mod ogden;
 mod ogden_roxburgh;
@@ -35,8 +34,7 @@ pub use kinematics::Kinematics;
 pub use lame::Lame;
 pub use law::{BULK_RATIO, Law, Moduli, NotPositive, Parameter};
 pub use linear_elastic::LinearElastic;
-pub use mooney_rivlin::MooneyRivlin;
-pub use mooney_rivlin_quadratic::MooneyRivlinQuadratic;
+pub use mooney_rivlin::{MooneyRivlin, MooneyRivlinQuadratic};
 pub use neo_hookean::NeoHookean;
 pub use ogden::Ogden;
 pub use ogden_roxburgh::{OgdenRoxburgh, Softened};
@@ -82,7 +80,7 @@ pub trait Material: Send + Sync {
 /// The laws, in the order in which they are listed.
 pub const LAWS: &[Law] = &[
     mooney_rivlin::LAW,
-    mooney_rivlin_quadratic::LAW,
+    mooney_rivlin::QUADRATIC,
     neo_hookean::LAW,
     yeoh::LAW,
     gent::LAW,

@@ -12,7 +12,6 @@ use super::decoupled::alone;
 use super::lame::{self, Lame};
 use super::law::Law;
 use super::points::{self, Points, vec9};
-use super::split::half_log_squared;
 use super::{Decoupled, Invariants, Isochoric, Kinematics, Material, Partials, Split};
 use crate::math::lanes::MOST;
 use crate::math::lanes::projection::Tangents;
@@ -145,7 +144,7 @@ struct Volume(Lame);
 
 impl Decoupled for Volume {
     fn partials(&self, at: &Invariants) -> Partials {
-        half_log_squared(self.0.lambda, at)
+        Partials::half_log_squared(self.0.lambda, at)
     }
 
     fn parameter_count(&self) -> usize {

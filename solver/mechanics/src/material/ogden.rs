@@ -22,9 +22,8 @@
 use nalgebra::Vector3;
 
 use super::law::{Law, Moduli, PA, Parameter};
-use super::split::half_log_squared;
 use super::{Decoupled, Invariants, Kinematics, Material, Partials, Split};
-use crate::math::remainder::exp_m1_minus;
+use crate::math::lanes::exp_m1_minus;
 use crate::math::tensor::{Mat3, Mat9};
 
 /// Parameters of the law.
@@ -213,7 +212,7 @@ struct Volume {
 
 impl Decoupled for Volume {
     fn partials(&self, at: &Invariants) -> Partials {
-        half_log_squared(self.bulk, at)
+        Partials::half_log_squared(self.bulk, at)
     }
 
     fn parameter_count(&self) -> usize {

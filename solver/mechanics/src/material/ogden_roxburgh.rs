@@ -79,27 +79,8 @@ impl OgdenRoxburgh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::check_gradient;
 
     const LAW: OgdenRoxburgh = OgdenRoxburgh { r: 1.6, m: 900.0, beta: 0.2 };
-
-    #[test]
-    fn energy_and_factor_have_their_derivatives() {
-        for [w, largest] in [[0.0, 5e3], [1e3, 5e3], [4.5e3, 5e3], [200.0, 300.0]] {
-            let of = |x: &[f64]| {
-                let law = OgdenRoxburgh { r: x[2], m: x[3] * LAW.m, beta: x[4] };
-                law.at(w + 1e3 * x[0], largest + 1e3 * x[1]).expect("below the largest")
-            };
-            let x = [0.0, 0.0, LAW.r, 1.0, LAW.beta];
-            let at = of(&x);
-            check_gradient(&[0.0], &[1e3 * at.first], 0.02, |d| {
-                of(&[d[0], 0.0, x[2], x[3], x[4]]).value
-            });
-            let [by_r, by_m, by_beta] = at.by_numbers;
-            let gradient = [1e3 * at.second, 1e3 * at.by_largest, by_r, by_m * LAW.m, by_beta];
-            check_gradient(&x, &gradient, 0.02, |x| of(x).first);
-        }
-    }
 
     /// The integral of 1 − η by Simpson's rule, and what meets at W_m.
     #[test]

@@ -33,20 +33,16 @@ pub(super) const LAW: Law = Law {
 
 impl Material for SaintVenantKirchhoff {
     fn energy_density(&self, k: &Kinematics) -> f64 {
-        if k.j() <= 0.0 {
-            return f64::INFINITY;
-        }
-        let trace = k.green.trace();
-        self.0.mu * k.green.norm_squared() + 0.5 * self.0.lambda * trace * trace
+        self.0.energy_density(k, &k.green)
     }
 
     fn first_piola(&self, k: &Kinematics) -> Mat3 {
-        k.f * self.second_piola(k)
+        k.f * self.0.stress(&k.green)
     }
 
     /// A : H = H S + μ F(FᵀH + HᵀF) + λ (F:H) F.
     fn tangent(&self, k: &Kinematics) -> Mat9 {
-        let (s, b) = (self.second_piola(k), k.f * k.f.transpose());
+        let (s, b) = (self.0.stress(&k.green), k.f * k.f.transpose());
         let Lame { mu, lambda, .. } = self.0;
         let f = vec9(&k.f);
         let mut a = lambda * f * f.transpose();
@@ -73,12 +69,5 @@ impl Material for SaintVenantKirchhoff {
         let by_mu = 2.0 * k.f * k.green;
         let by_lambda = k.green.trace() * k.f;
         self.0.add_vjp(by_mu.dot(p_bar), by_lambda.dot(p_bar), out);
-    }
-}
-
-impl SaintVenantKirchhoff {
-    /// S = 2μE + λ tr E I.
-    fn second_piola(&self, k: &Kinematics) -> Mat3 {
-        2.0 * self.0.mu * k.green + Mat3::from_diagonal_element(self.0.lambda * k.green.trace())
     }
 }

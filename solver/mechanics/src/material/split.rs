@@ -140,16 +140,6 @@ fn derivatives(volumetric: &dyn Decoupled, j_minus_1: f64) -> [f64; 3] {
     [value, first[2], second[3]]
 }
 
-/// The partial derivatives of ½ k ln²J.
-pub(super) fn half_log_squared(k: f64, at: &Invariants) -> Partials {
-    let (log_j, j) = (at.log_j, at.j);
-    Partials {
-        value: 0.5 * k * log_j * log_j,
-        first: [0.0, 0.0, k * log_j / j],
-        second: [0.0, 0.0, 0.0, k * (1.0 - log_j) / (j * j)],
-    }
-}
-
 /// ψ − U_m of a law in Ī₁, Ī₂ and J.
 #[derive(Clone)]
 struct DecoupledDifference {

@@ -43,16 +43,10 @@ pub(super) const LAW: Law = Law {
 impl Decoupled for Yeoh {
     fn partials(&self, at: &Invariants) -> Partials {
         let ([c1, c2, c3], a) = (self.c, at.a);
-        Partials {
-            value: a * (c1 + a * (c2 + a * c3)) + 0.5 * self.bulk * at.log_j * at.log_j,
-            first: [c1 + a * (2.0 * c2 + 3.0 * a * c3), 0.0, self.bulk * at.log_j / at.j],
-            second: [
-                2.0 * c2 + 6.0 * a * c3,
-                0.0,
-                0.0,
-                self.bulk * (1.0 - at.log_j) / (at.j * at.j),
-            ],
-        }
+        let value = a * (c1 + a * (c2 + a * c3));
+        let (first, second) = (c1 + a * (2.0 * c2 + 3.0 * a * c3), 2.0 * c2 + 6.0 * a * c3);
+        let volume = Partials::half_log_squared(self.bulk, at);
+        volume.with(value, [first, 0.0], [second, 0.0, 0.0])
     }
 
     fn parameter_count(&self) -> usize {

@@ -11,9 +11,6 @@ pub struct Followers {
 
 impl Followers {
     /// Some of a number of nodes, each with its masters and their weights.
-    ///
-    /// # Panics
-    /// When there are 2³² or more.
     pub fn new(nodes: usize, each: Vec<(usize, Vec<(usize, f64)>)>) -> Self {
         let mut place = if each.is_empty() { Vec::new() } else { vec![None; nodes] };
         for (i, (node, _)) in each.iter().enumerate() {

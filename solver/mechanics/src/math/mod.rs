@@ -8,7 +8,6 @@ pub mod linear;
 pub mod ordering;
 pub mod pool;
 pub mod random;
-pub mod remainder;
 pub mod sparse;
 pub mod taylor;
 pub mod tensor;

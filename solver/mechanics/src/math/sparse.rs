@@ -87,9 +87,6 @@ pub fn pair_index(a: usize, b: usize) -> usize {
 impl Pattern {
     /// The pattern of elements given as one flat list of node ids, and of further
     /// pairs of nodes.
-    ///
-    /// # Panics
-    /// When there are 2³¹ blocks or more.
     pub fn new(
         node_count: usize,
         elements: &[usize],

@@ -17,43 +17,27 @@ use super::jet::Jet;
 use super::node::{Node, Unknown};
 use super::parser::{FUNCTIONS, Malformed, parse};
 
-/// The text of an expression, whose names have no values.
+/// An expression. Its names have values once [`Self::with`] gives them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Formula {
+pub struct Expression {
     text: String,
     root: Node,
 }
 
-impl Formula {
-    /// Reads an expression with parameters. [`Expression::new`] refuses functions that nobody knows.
-    pub fn parse(text: &str) -> Result<Self, Malformed> {
+impl Expression {
+    /// Reads an expression with parameters. [`Self::with`] refuses functions that nobody knows.
+    pub fn open(text: &str) -> Result<Self, Malformed> {
         parse(text).map(|root| Self { text: text.to_owned(), root })
     }
 
-    /// As it was written.
-    pub fn text(&self) -> &str {
-        &self.text
+    /// Reads an expression without parameters.
+    pub fn parse(text: &str) -> Result<Self, Malformed> {
+        Self::open(text)?.with(&BTreeMap::new())
     }
 
-    /// Whether a parameter occurs.
-    pub fn uses(&self, parameter: &str) -> bool {
-        self.root.any(&|node| matches!(node, Node::Name { name, .. } if name == parameter))
-    }
-
-    /// Whether x, y or z occurs.
-    pub fn uses_position(&self) -> bool {
-        self.root.any(&|node| matches!(node, Node::Position(_)))
-    }
-}
-
-/// An expression with the values of its parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Expression(Formula);
-
-impl Expression {
-    /// The expression of a formula with the values of all its names.
-    pub fn new(formula: &Formula, parameters: &BTreeMap<String, f64>) -> Result<Self, Malformed> {
-        let Formula { text, mut root } = formula.clone();
+    /// The expression with the values of all its names.
+    pub fn with(&self, parameters: &BTreeMap<String, f64>) -> Result<Self, Malformed> {
+        let Self { text, mut root } = self.clone();
         root.give(parameters).map_err(|(what, name, at)| {
             let known: Vec<&str> = match what {
                 Unknown::Function => FUNCTIONS.iter().map(|f| f.0).collect(),
@@ -64,12 +48,7 @@ impl Expression {
             };
             Malformed::unknown_name(&text, what, name, at, &known)
         })?;
-        Ok(Self(Formula { text, root }))
-    }
-
-    /// Reads an expression without parameters.
-    pub fn parse(text: &str) -> Result<Self, Malformed> {
-        Self::new(&Formula::parse(text)?, &BTreeMap::new())
+        Ok(Self { text, root })
     }
 
     /// A factor times t.
@@ -80,28 +59,33 @@ impl Expression {
             Node::Number(factor)
         };
         let root = Node::Binary(b'*', Box::new(number), Box::new(Node::Time));
-        Self(Formula { text: format!("({factor:e})*t"), root })
-    }
-
-    /// Derivative by a parameter at a time [s], where the position does not matter.
-    pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
-        self.0.root.at(Vec3::zeros(), time, Some(parameter)).gradient.x
+        Self { text: format!("({factor:e})*t"), root }
     }
 
     /// As it was written.
     pub fn text(&self) -> &str {
-        &self.0.text
+        &self.text
+    }
+
+    /// Whether a parameter without a value occurs.
+    pub fn uses(&self, parameter: &str) -> bool {
+        self.root.any(&|node| matches!(node, Node::Name { name, .. } if name == parameter))
     }
 
     /// Whether x, y or z occurs.
     pub fn uses_position(&self) -> bool {
-        self.0.uses_position()
+        self.root.any(&|node| matches!(node, Node::Position(_)))
     }
 
     /// Value and gradient at a position [m] and time [s]; not finite where it
     /// is not defined.
     pub fn at(&self, position: Vec3, time: f64) -> Jet {
-        self.0.root.at(position, time, None)
+        self.root.at(position, time, None)
+    }
+
+    /// Derivative by a parameter at a time [s], where the position does not matter.
+    pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
+        self.root.at(Vec3::zeros(), time, Some(parameter)).gradient.x
     }
 }
 
@@ -151,7 +135,7 @@ impl Node {
                 Jet { value: *value, gradient: Vec3::x() }
             }
             Self::Parameter { value, .. } => Jet::constant(*value),
-            // an expression has none of these
+            // it has no value
             Self::Name { .. } => Jet::constant(f64::NAN),
             Self::Minus(a) => -a.at(x, t, by),
             Self::Binary(operator, a, b) => {
@@ -250,10 +234,10 @@ mod tests {
     #[test]
     fn parameters_have_values_and_slopes() {
         let text = "peak*half_smoothstep((t - delay)/0.5) + peak^2/(1 + delay)";
-        let formula = Formula::parse(text).expect("sound");
+        let open = Expression::open(text).expect("sound");
         let at = |peak: f64, delay: f64| {
             let values = [("peak".to_owned(), peak), ("delay".to_owned(), delay)];
-            let expression = Expression::new(&formula, &values.into()).expect("both are known");
+            let expression = open.with(&values.into()).expect("both are known");
             let slopes = ["peak", "delay"].map(|p| expression.by_parameter(p, 0.4));
             (expression.at(Vec3::zeros(), 0.4).value, slopes)
         };
@@ -263,9 +247,9 @@ mod tests {
         let delay = (at(3.0, 0.1 + h).0 - at(3.0, 0.1 - h).0) / (2.0 * h);
         assert!((by_peak - peak).abs() < 1e-8 * peak.abs(), "{by_peak} {peak}");
         assert!((by_delay - delay).abs() < 1e-8 * delay.abs(), "{by_delay} {delay}");
-        assert!(formula.uses("peak") && !formula.uses("pea"));
+        assert!(open.uses("peak") && !open.uses("pea"));
         let known = [("peak".to_owned(), 1.0)].into();
-        let message = Expression::new(&formula, &known).expect_err("no delay");
+        let message = open.with(&known).expect_err("no delay");
         let wanted = "unknown name \"delay\" (known: t, x, y, z, pi, peak), at character 27";
         assert!(message.to_string().ends_with(wanted), "{message}");
     }

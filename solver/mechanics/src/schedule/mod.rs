@@ -16,7 +16,7 @@ mod parser;
 mod table;
 mod written;
 
-pub use expression::{Expression, Formula};
+pub use expression::Expression;
 pub use jet::Jet;
 pub use parser::{FUNCTIONS, Malformed, UnknownName, is_free_name};
 pub use table::Table;
@@ -33,19 +33,12 @@ use crate::math::tensor::Mat3;
 /// The values over time, and over rest positions, of what was [`Written`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    value: Value,
+    /// w(t), whose names have values.
+    value: Written,
     /// t₁ [s].
     first: f64,
     /// The time at which it is held, whatever the time [s].
     still: Option<f64>,
-}
-
-/// w(t).
-#[derive(Clone, Debug, PartialEq)]
-enum Value {
-    Number(f64),
-    Expression(Arc<Expression>),
-    Table(Arc<Table>),
 }
 
 /// The largest value of an expression or table: squares of forces by it are finite.
@@ -54,7 +47,7 @@ const LARGEST: f64 = 1e100;
 /// A number, which grows until t₁ = 1 s.
 impl From<f64> for Schedule {
     fn from(value: f64) -> Self {
-        Self { value: Value::Number(value), first: 1.0, still: None }
+        Self { value: Written::Number(value), first: 1.0, still: None }
     }
 }
 
@@ -71,12 +64,12 @@ impl Schedule {
     /// Linear between values at increasing times [s], the first 0.
     pub fn table(times: &[f64], values: &[f64]) -> Result<Self, String> {
         let table = Table::new(times.to_vec(), values.to_vec())?;
-        Ok(Self { value: Value::Table(Arc::new(table)), first: times[1], still: None })
+        Ok(Self { value: Written::Table(Arc::new(table)), first: times[1], still: None })
     }
 
     /// A value that does not change at t > 0.
     pub fn held(value: f64) -> Self {
-        Self { value: Value::Number(value), first: f64::MIN_POSITIVE, still: None }
+        Self { value: Written::Number(value), first: f64::MIN_POSITIVE, still: None }
     }
 
     /// This schedule as it is at a time [s], for all times.
@@ -86,13 +79,13 @@ impl Schedule {
 
     /// A value that grows in proportion to t without end, and is `value` at a time > 0 [s].
     pub fn proportional(value: f64, time: f64) -> Self {
-        let rate = Value::Expression(Arc::new(Expression::proportional(value / time)));
-        Self { value: rate, first: f64::MIN_POSITIVE, still: None }
+        let rate = Expression::proportional(value / time);
+        Self { value: Written::Expression(Arc::new(rate)), first: f64::MIN_POSITIVE, still: None }
     }
 
     /// ∂v/∂p by a parameter at a time, where v does not depend on the position.
     pub fn by_parameter(&self, parameter: &str, time: f64) -> f64 {
-        let Value::Expression(expression) = &self.value else { return 0.0 };
+        let Written::Expression(expression) = &self.value else { return 0.0 };
         let time = self.still.unwrap_or(time);
         let now = expression.by_parameter(parameter, time);
         match self.to_come(time) {
@@ -103,12 +96,12 @@ impl Schedule {
 
     /// Whether it was written as the number zero.
     pub fn is_zero(&self) -> bool {
-        self.value == Value::Number(0.0)
+        self.value.is_zero()
     }
 
     /// Whether it depends on the position.
     pub fn uses_position(&self) -> bool {
-        matches!(&self.value, Value::Expression(e) if e.uses_position())
+        self.value.uses_position()
     }
 
     /// 1 − t/t₁ during the first step, 0 after it.
@@ -125,9 +118,9 @@ impl Schedule {
     /// w and its gradient at a rest position [m] and a time [s].
     pub fn as_written(&self, position: Vec3, time: f64) -> Jet {
         match &self.value {
-            Value::Number(value) => Jet::constant(*value),
-            Value::Expression(expression) => expression.at(position, time),
-            Value::Table(table) => Jet::constant(table.at(time)),
+            Written::Number(value) => Jet::constant(*value),
+            Written::Expression(expression) => expression.at(position, time),
+            Written::Table(table) => Jet::constant(table.at(time)),
         }
     }
 
@@ -135,7 +128,7 @@ impl Schedule {
     pub fn jet(&self, position: Vec3, time: f64) -> Jet {
         let time = self.still.unwrap_or(time);
         let to_come = self.to_come(time);
-        if let Value::Number(value) = self.value {
+        if let Written::Number(value) = self.value {
             return Jet::constant((time / self.first).min(1.0) * value);
         }
         let now = self.as_written(position, time);
@@ -147,10 +140,10 @@ impl Schedule {
 
     /// Whether it is defined at all these times [s] and positions [m].
     pub fn check(&self, times: &[f64], positions: &[Vec3]) -> Result<(), String> {
-        if let Value::Number(value) = self.value {
+        if let Written::Number(value) = self.value {
             return if value.is_finite() { Ok(()) } else { Err(format!("{value} is not finite")) };
         }
-        if let Value::Table(table) = &self.value {
+        if let Written::Table(table) = &self.value {
             table.check_range(times)?;
         }
         let everywhere = if self.uses_position() { positions } else { &[Vec3::zeros()] };
@@ -174,11 +167,7 @@ impl Schedule {
 /// As it was written.
 impl fmt::Display for Schedule {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match &self.value {
-            Value::Number(value) => write!(f, "{value}"),
-            Value::Expression(expression) => write!(f, "\"{}\"", expression.text()),
-            Value::Table(_) => f.write_str("the table"),
-        }
+        write!(f, "{}", self.value)
     }
 }
 

@@ -9,7 +9,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Expression, Field, Formula, Malformed, Schedule, Table, Value};
+use super::{Expression, Field, Malformed, Schedule, Table};
 
 /// What may be written, for messages.
 const NEEDED: &str =
@@ -21,7 +21,7 @@ pub enum Written {
     /// The same at all times.
     Number(f64),
     /// An expression, whose parameters have their values elsewhere.
-    Expression(Arc<Formula>),
+    Expression(Arc<Expression>),
     /// Linear between values.
     Table(Arc<Table>),
 }
@@ -37,7 +37,7 @@ impl std::str::FromStr for Written {
     type Err = Malformed;
 
     fn from_str(text: &str) -> Result<Self, Malformed> {
-        Formula::parse(text).map(|formula| Self::Expression(Arc::new(formula)))
+        Expression::open(text).map(|expression| Self::Expression(Arc::new(expression)))
     }
 }
 
@@ -49,11 +49,8 @@ impl Written {
         first: f64,
     ) -> Result<Schedule, Malformed> {
         let value = match self {
-            Self::Number(value) => Value::Number(*value),
-            Self::Expression(formula) => {
-                Value::Expression(Arc::new(Expression::new(formula, parameters)?))
-            }
-            Self::Table(table) => Value::Table(Arc::clone(table)),
+            Self::Expression(open) => Self::Expression(Arc::new(open.with(parameters)?)),
+            Self::Number(_) | Self::Table(_) => self.clone(),
         };
         Ok(Schedule { value, first, still: None })
     }
@@ -62,8 +59,8 @@ impl Written {
     pub fn add(&mut self, constant: f64) -> Result<(), Malformed> {
         match self {
             Self::Number(value) => *value += constant,
-            Self::Expression(formula) => {
-                *self = format!("({}) + ({constant:e})", formula.text()).parse()?;
+            Self::Expression(expression) => {
+                *self = format!("({}) + ({constant:e})", expression.text()).parse()?;
             }
             Self::Table(table) => Arc::make_mut(table).add(constant),
         }
@@ -72,7 +69,7 @@ impl Written {
 
     /// Whether a parameter occurs in it.
     pub fn uses(&self, parameter: &str) -> bool {
-        matches!(self, Self::Expression(formula) if formula.uses(parameter))
+        matches!(self, Self::Expression(expression) if expression.uses(parameter))
     }
 
     /// The number, where it is one.
@@ -90,7 +87,7 @@ impl Written {
 
     /// Whether it depends on the position.
     pub fn uses_position(&self) -> bool {
-        matches!(self, Self::Expression(formula) if formula.uses_position())
+        matches!(self, Self::Expression(expression) if expression.uses_position())
     }
 }
 
@@ -98,7 +95,7 @@ impl fmt::Display for Written {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Number(value) => write!(f, "{value}"),
-            Self::Expression(formula) => write!(f, "\"{}\"", formula.text()),
+            Self::Expression(expression) => write!(f, "\"{}\"", expression.text()),
             Self::Table(_) => f.write_str("the table"),
         }
     }
@@ -108,7 +105,7 @@ impl Serialize for Written {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Number(value) => serializer.serialize_f64(*value),
-            Self::Expression(formula) => serializer.serialize_str(formula.text()),
+            Self::Expression(expression) => serializer.serialize_str(expression.text()),
             Self::Table(table) => table.serialize(serializer),
         }
     }

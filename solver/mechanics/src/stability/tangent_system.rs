@@ -174,6 +174,15 @@ pub fn across(problem: &Problem, constraints: &[Constraint]) -> Vec<Vec<f64>> {
     constraints.iter().map(negative).collect()
 }
 
+/// Numbers of the prescribed volumes, by the places of their multipliers.
+pub fn by_multiplier(count: usize, constraints: &[Constraint], values: &[f64]) -> Vec<f64> {
+    let mut placed = vec![0.0; count];
+    for (constraint, value) in constraints.iter().zip(values) {
+        placed[constraint.multiplier] = *value;
+    }
+    placed
+}
+
 /// A direction of the unknowns: of the free degrees of freedom [m], and of the pressures of the prescribed volumes in
 /// their order [Pa].
 pub struct Direction {

@@ -23,8 +23,7 @@ pub fn find(scene: &Scene, body: &Body, problem: &Problem, at: &Iterate) -> Opti
     let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
     let (space, fixed) = (at.space, problem.dirichlet.fixed());
     let (planes, facets) = (&body.planes, body.boundary());
-    let surface =
-        Surface::symmetric(planes, space, facets, &parts, Vec::new(), space.degree(), fixed);
+    let surface = Surface::new(planes, space, facets, &parts, Vec::new(), space.degree(), fixed);
     let x = surface.positions(space, at.rest, at.u, at.time);
     let triangles = &surface.features().triangles;
     let pairs = crossing_pairs(triangles, &x, |_| true);

@@ -209,7 +209,7 @@ impl Case {
     fn barrier(&self, mesh: &TetMesh, space: &FunctionSpace, fixed: &[bool]) -> Contact {
         let facets = topology::boundary(mesh).facets;
         let bodies: Vec<usize> = facets.iter().map(|f| usize::from(f[0] >= 8)).collect();
-        let surface = Surface::new(space, &facets, &bodies, Vec::new(), self.degree, fixed);
+        let surface = Surface::new(&[], space, &facets, &bodies, Vec::new(), self.degree, fixed);
         let (form, thickness) = (Form::Convergent, 0.0);
         // both barriers are tried
         let smooth = matches!(self.method, Method::Newmark | Method::GeneralizedAlpha);

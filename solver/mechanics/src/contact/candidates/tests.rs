@@ -41,6 +41,10 @@ fn without_motion_candidates_are_the_close_pairs() {
         let found = between(&features, &x, &x, radius, |_| false);
         assert_eq!(found, Ok(expected), "in this order");
     }
+    // all in one place, and none
+    let place = vec![Vec3::zeros(); x.len()];
+    assert_eq!(between(&features, &place, &place, 0.1, |_| false), Ok(all_pairs(&features)));
+    assert_eq!(between(&Features::new(&[]), &[], &[], 0.1, |_| false), Ok(Vec::new()));
 }
 
 /// Sampling in time finds no pair that is not among the candidates, and the
@@ -124,13 +128,4 @@ fn close_pairs_are_those_of_brute_force() {
     let mut found = close_between(&a, &b, &x, radius);
     found.sort_unstable();
     assert_eq!(found, expected);
-}
-
-#[test]
-fn features_that_share_a_vertex_are_no_pair() {
-    let x = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(1.0, 1.0, 0.0)];
-    let square = Features::new(&[[0, 1, 2], [2, 1, 3]]);
-    // left: each far corner with the other triangle, and the two pairs of
-    // opposite sides
-    assert_eq!(close_within(&square, &x, 2.0).len(), 4);
 }

@@ -281,21 +281,21 @@ fn time_of_impact(pair: Pair, start: &[Vec3; 4], end: &[Vec3; 4], thickness: f64
     time_within(1.0, pair, start, end, thickness)
 }
 
-/// What became of many paths.
+/// What became of a path.
 struct Outcome {
-    paths: usize,
-    /// Returned over true time to contact.
-    ratios: Vec<f64>,
-    /// Least and largest gap left over what shall be kept, the latter where a path
-    /// was shortened.
-    left: [f64; 2],
+    /// Returned over true time to contact, if there is one.
+    ratio: Option<f64>,
+    /// Gap left over what shall be kept.
+    left: f64,
+    /// Whether the path was shortened.
+    cut: bool,
 }
 
 /// Follows `count` paths of a family and proves each result.
-fn follow(family: Family, pair: Pair, place: (f64, f64), seed: u64, count: usize) -> Outcome {
+fn follow(family: Family, pair: Pair, place: (f64, f64), seed: u64, count: usize) -> Vec<Outcome> {
     let mut random = Random::new(seed);
-    let mut all = Outcome { paths: 0, ratios: Vec::new(), left: [f64::INFINITY, 0.0] };
-    while all.paths < count {
+    let mut all = Vec::new();
+    while all.len() < count {
         let corners = family(pair, &mut random);
         let (scale, far) = place;
         let shift = Vec3::new(1.0, -0.7, 0.3) * far;
@@ -309,30 +309,25 @@ fn follow(family: Family, pair: Pair, place: (f64, f64), seed: u64, count: usize
         if random.uniform() < 0.0 {
             path.thickness = 0.5 * d0 * (1.0 + random.uniform());
         }
-        all.paths += 1;
-        check(&path, &mut all);
+        all.push(check(&path));
     }
     all
 }
 
-fn check(path: &Path, all: &mut Outcome) {
+fn check(path: &Path) -> Outcome {
     let Path { pair, start, end, thickness } = *path;
     let t = time_of_impact(pair, &start, &end, thickness);
     let kept = KEPT * path.gap(0.0);
     let touching = path.contact();
     let said = || format!("{pair:?} {start:?} {end:?} {thickness}: {t}, contact {touching:?}");
     assert!((0.0..=1.0).contains(&t) && touching.is_none_or(|contact| t <= contact), "{}", said());
-    let left = path.gap(t) / kept;
-    all.left[0] = all.left[0].min(left);
-    if t < 1.0 {
-        all.left[1] = all.left[1].max(left);
-    }
-    all.ratios.extend(touching.map(|contact| t / contact));
     // what other pairs have found so far changes nothing
     for limit in [0.2 * t, 0.9 * t, 0.999 * t, (1.1 * t).min(1.0), 0.5 * (1.0 + t)] {
         let within = time_within(limit, pair, &start, &end, thickness);
         assert_eq!(within.to_bits(), limit.min(t).to_bits(), "{limit} {within} {}", said());
     }
+    let (ratio, left) = (touching.map(|contact| t / contact), path.gap(t) / kept);
+    Outcome { ratio, left, cut: t < 1.0 }
 }
 
 /// No step goes through a contact, and none ends before the gap is used up, on thousands of paths of each family.
@@ -350,13 +345,11 @@ fn steps_end_before_contact_and_not_long_before() {
     for pair in KINDS {
         for (name, family, parts) in families {
             let one = |seed| follow(family, pair, PLACES[seed % PLACES.len()], seed as u64, 1000);
-            let outcomes: Vec<Outcome> = (0..parts).into_par_iter().map(one).collect();
-            let mut ratios: Vec<f64> = outcomes.iter().flat_map(|o| &o.ratios).copied().collect();
+            let outcomes: Vec<Outcome> = (0..parts).into_par_iter().flat_map_iter(one).collect();
+            let mut ratios: Vec<f64> = outcomes.iter().filter_map(|o| o.ratio).collect();
             ratios.sort_by(f64::total_cmp);
-            let paths: usize = outcomes.iter().map(|o| o.paths).sum();
-            let least = outcomes.iter().fold(f64::INFINITY, |all, o| all.min(o.left[0]));
-            let most = outcomes.iter().fold(0.0, |all: f64, o| all.max(o.left[1]));
-            assert_eq!(paths, 1000 * parts);
+            let least = outcomes.iter().map(|o| o.left).fold(f64::INFINITY, f64::min);
+            let most = outcomes.iter().filter(|o| o.cut).map(|o| o.left).fold(0.0, f64::max);
             // with what rounding and the end of the search allow
             assert!(least > 0.99 && most < 1.05, "{name}");
             assert_eq!(ratios.is_empty(), name == "still");

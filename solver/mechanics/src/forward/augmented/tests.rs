@@ -46,7 +46,7 @@ fn pusher(degree: usize, distance: f64, ceiling: f64) -> Pusher {
     let surface = square(1, 0.0);
     let vertices = surface.vertices.iter().map(plate).collect();
     let obstacle = Obstacle { surface: SurfaceMesh { vertices, ..surface }, motion: None };
-    let surface = Surface::new(&space, &facets, &bodies, vec![obstacle], degree, &fixed);
+    let surface = Surface::new(&[], &space, &facets, &bodies, vec![obstacle], degree, &fixed);
     let (form, activation, stiffness) = (Form::Convergent, 2e-4, 1e5);
     let barrier = Barrier { form, density: Density::Log, activation, stiffness, thickness: 0.0 };
     let elements = 0..space.tets().len();

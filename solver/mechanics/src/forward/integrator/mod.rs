@@ -5,14 +5,14 @@
 //! Zₙ = Z°ₙ + h_Z Żₙ        Z: internal variables    free flight = history + h ṽ
 //!
 //! History, past velocity and Z° are sums over the last states, with the [`Weights`] of a
-//! [`Formula`]. A method is a file beside this one with its formula, a [`Method`], and its name in scenes.
+//! [`Formula`]. A method has its formula in a file beside this one, a [`Method`], and its name in scenes.
 
 mod bdf;
 mod generalized_alpha;
-mod newmark;
 
 use serde::{Deserialize, Serialize};
 
+use self::generalized_alpha::SPECTRAL_RADIUS;
 use crate::energy::{FreeFlight, TimeStep};
 
 /// Time integration of a body.
@@ -146,12 +146,12 @@ impl Integrator {
     /// The formula of the next step, of length Δt [s]. The first steps use as many states as there are.
     pub fn formula(&self, dt: f64) -> Formula {
         match self.method {
-            Method::Newmark if !self.last().a.is_empty() => newmark::formula(dt),
-            Method::GeneralizedAlpha if self.states.len() > 1 && !self.last().a.is_empty() => {
-                generalized_alpha::formula(dt)
-            }
             // the acceleration at the start is not known
-            Method::Newmark | Method::GeneralizedAlpha => bdf::formula(1, dt),
+            method if method.keeps_acceleration() && self.last().a.is_empty() => {
+                bdf::formula(1, dt)
+            }
+            Method::Newmark => generalized_alpha::formula(dt, 1.0),
+            Method::GeneralizedAlpha => generalized_alpha::formula(dt, SPECTRAL_RADIUS),
             method => bdf::formula(self.states.len().min(method.states()), dt),
         }
     }
@@ -194,7 +194,14 @@ fn sum<'a>(terms: impl Iterator<Item = (f64, &'a Vec<f64>)>) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// u'' = −u has the solution sin t.
+    /// A step of u'' = −u: (u − flight) / (h k) = −u.
+    fn swing(integrator: &mut Integrator, dt: f64) {
+        let step = integrator.step(0.0, dt);
+        let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
+        integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
+    }
+
+    /// The solution is sin t.
     #[test]
     fn formulas_have_their_order() {
         for (method, order) in [
@@ -211,12 +218,7 @@ mod tests {
                 // states before the start, so that the first steps are as good as the others
                 let before = (1..method.states()).map(|i| exact(-dt * i as f64));
                 integrator.states.extend(before);
-                for _ in 0..steps {
-                    let step = integrator.step(0.0, dt);
-                    // (u − flight) / (h k) = −u
-                    let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
-                    integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
-                }
+                (0..steps).for_each(|_| swing(&mut integrator, dt));
                 (integrator.last().u[0] - 1.0_f64.sin()).abs()
             };
             let slope = (error(40) / error(80)).log2();
@@ -231,9 +233,7 @@ mod tests {
         let mut integrator = Integrator::new(Method::Newmark, State::new(vec![1.0], vec![0.0]));
         let mut energies = Vec::new();
         for _ in 0..2000 {
-            let step = integrator.step(0.0, std::f64::consts::TAU / 20.0);
-            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
-            integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
+            swing(&mut integrator, std::f64::consts::TAU / 20.0);
             energies.push(energy(integrator.last()));
         }
         // the first step is one of implicit Euler
@@ -247,9 +247,7 @@ mod tests {
         let amplitude = |s: &State| s.u[0].hypot(s.v[0]);
         let mut logs = Vec::new();
         for _ in 0..1000 {
-            let step = integrator.step(0.0, dt);
-            let FreeFlight { at, square } = step.free_flight.as_ref().expect("inertia");
-            integrator.accept(&step, &[at[0] / (1.0 + square)], Vec::new());
+            swing(&mut integrator, dt);
             logs.push(amplitude(integrator.last()).ln());
         }
         ((logs[999] - logs[499]) / 500.0).exp()
@@ -278,7 +276,7 @@ mod tests {
     #[test]
     fn generalized_alpha_damps_what_the_step_does_not_resolve() {
         let fast = growth(Method::GeneralizedAlpha, 3e3);
-        assert!((fast - generalized_alpha::SPECTRAL_RADIUS).abs() < 0.01, "{fast}");
+        assert!((fast - SPECTRAL_RADIUS).abs() < 0.01, "{fast}");
         let (slow, backward) = (growth(Method::GeneralizedAlpha, 0.2), growth(Method::Bdf2, 0.2));
         assert!(1.0 - slow < 0.1 * (1.0 - backward), "{slow}, {backward}");
     }

@@ -9,13 +9,16 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use pulp::Simd;
 
-use super::remainder;
-
 pub mod projection;
 pub mod tensor;
 
 /// Lanes of the widest vectors, at most.
 pub const MOST: usize = 8;
+
+/// Largest |x| for the series of ln(1 + x) − x.
+const LN_SERIES: f64 = 0.25;
+/// Largest |x| for the series of eˣ − 1 − x.
+const EXP_SERIES: f64 = 0.5;
 
 /// Work that gains from vectors. Its implementation of `with_simd` has to be marked
 /// `#[inline(always)]`, and so have the functions it calls: only what is inlined is
@@ -120,18 +123,30 @@ impl<S: Simd> Lanes<S> {
         self.simd.first_true_m64s(beyond) < Self::COUNT
     }
 
-    /// ln(1 + x) − x, as [`remainder::ln_1p_minus`] has it.
+    /// ln(1 + x) − x, with its digits near zero, where the leading terms cancel.
+    ///
+    /// With r = x/(2 + x): ln(1 + x) = 2(r + r³/3 + r⁵/5 + …), and 2r − x = −r x.
     #[inline(always)]
     pub fn ln_1p_minus(self) -> Self {
-        let value = remainder::ln_1p_minus_series(self);
-        self.or_beyond(value, remainder::LN_SERIES, remainder::ln_1p_minus)
+        let r = self / (self + 2.0);
+        let r2 = r * r;
+        // |r²| ≤ 0.0205: eleven terms reach 1e-18
+        let mut tail = self.zero();
+        for k in (1..=11).rev() {
+            tail = (tail + 1.0 / f64::from(2 * k + 1)) * r2;
+        }
+        self.or_beyond(r * 2.0 * tail - r * self, LN_SERIES, |x| x.ln_1p() - x)
     }
 
-    /// eˣ − 1 − x, as [`remainder::exp_m1_minus`] has it.
+    /// eˣ − 1 − x, with its digits near zero.
     #[inline(always)]
     pub fn exp_m1_minus(self) -> Self {
-        let value = remainder::exp_m1_minus_series(self);
-        self.or_beyond(value, remainder::EXP_SERIES, remainder::exp_m1_minus)
+        // x²/2 (1 + x/3 (1 + x/4 (1 + …))); sixteen factors reach 1e-18
+        let mut tail = self.zero() + 1.0;
+        for k in (3..=16).rev() {
+            tail = tail * (self * (1.0 / f64::from(k))) + 1.0;
+        }
+        self.or_beyond(self * 0.5 * self * tail, EXP_SERIES, |x| x.exp_m1() - x)
     }
 
     /// `value` in the lanes whose number is within a limit, else a function of it.
@@ -197,9 +212,35 @@ impl<S: Simd> Neg for Lanes<S> {
     }
 }
 
-impl<S: Simd> remainder::Number for Lanes<S> {
-    #[inline(always)]
-    fn constant(self, value: f64) -> Self {
-        Self::splat(self.simd, value)
+/// [`Lanes::exp_m1_minus`] of a number alone.
+pub fn exp_m1_minus(x: f64) -> f64 {
+    Lanes::splat(Scalar, x).exp_m1_minus().to_array()[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ln_1p_minus(x: f64) -> f64 {
+        Lanes::splat(Scalar, x).ln_1p_minus().to_array()[0]
+    }
+
+    #[test]
+    fn both_meet_their_series_near_zero() {
+        for x in [1e-12, -1e-9, 3e-7, -1e-5] {
+            let log = x * x * (-0.5 + x * (1.0 / 3.0 - x / 4.0));
+            let exp = x * x * (0.5 + x * (1.0 / 6.0 + x / 24.0));
+            assert!((ln_1p_minus(x) / log - 1.0).abs() < 1e-15);
+            assert!((exp_m1_minus(x) / exp - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn both_meet_the_direct_formula_where_it_is_exact() {
+        // the direct formula loses a factor 1/x, so to 1e-14 it may be used here
+        for x in [-0.7, -0.5, -0.26, -0.24, -0.1, 0.1, 0.2, 0.249, 0.251, 0.49, 0.51, 3.0_f64] {
+            assert!((ln_1p_minus(x) / (x.ln_1p() - x) - 1.0).abs() < 1e-14, "{x}");
+            assert!((exp_m1_minus(x) / (x.exp_m1() - x) - 1.0).abs() < 1e-14, "{x}");
+        }
     }
 }

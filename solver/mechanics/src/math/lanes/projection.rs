@@ -192,38 +192,3 @@ fn eigen<S: Simd>(mut a: Tensor<S>) -> ([Lanes<S>; 3], Tensor<S>) {
     }
     ([a[0][0], a[1][1], a[2][2]], q)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::material::{Kinematics, Material, MooneyRivlin};
-    use crate::math::lanes::{Scalar, tensor};
-    use crate::math::tensor::{Mat3, Mat9, project_positive};
-
-    #[test]
-    fn indefinite_tangents_become_the_nearest_positive_ones() {
-        let law = MooneyRivlin { c1: 55e3, c2: 5e3, c3: 1.7e3, d1: 1e6 };
-        let squeezed = Mat3::new(-0.45, 0.1, 0.0, -0.05, -0.3, 0.02, 0.01, 0.0, 0.1);
-        let twice = Mat3::from_diagonal(&nalgebra::Vector3::new(-0.4, -0.4, -0.4));
-        let line = Mat3::from_diagonal(&nalgebra::Vector3::new(-0.7, 0.0, 0.0));
-        let soft = Mat3::new(0.02, 0.0, 0.01, 0.0, -0.01, 0.0, 0.0, 0.0, 0.02);
-        let mut projected = 0;
-        for grad_u in [squeezed, twice, line, soft] {
-            let tangent = law.tangent(&Kinematics::new(&grad_u));
-            let expected = project_positive(&tangent);
-            projected += usize::from(expected != tangent);
-            let mut lanes = [[Lanes::splat(Scalar, 0.0); 9]; 9];
-            for i in 0..9 {
-                for j in 0..=i {
-                    lanes[i][j] = Lanes::splat(Scalar, tangent[(i, j)]);
-                }
-            }
-            let pivots = smallest_pivots(&lanes);
-            let f = tensor::splat(Scalar, &(Mat3::identity() + grad_u));
-            project_isotropic(&mut lanes, &f, pivots);
-            let got = Mat9::from_fn(|i, j| lanes[i.max(j)][i.min(j)].to_array()[0]);
-            assert!((got - expected).norm() < 1e-12 * tangent.norm(), "{grad_u}");
-        }
-        assert_eq!(projected, 3);
-    }
-}

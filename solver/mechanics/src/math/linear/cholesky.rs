@@ -36,10 +36,6 @@ pub struct Tree {
 impl Multifrontal {
     /// Factors a pattern symbolically, with the memory of an earlier one. Unknowns of a group are coupled with each
     /// other and with the same others; groups come in the order of elimination, up to changes that leave the fill alone.
-    ///
-    /// # Panics
-    /// When the groups are not all unknowns, each once, when unknowns of a group have different
-    /// neighbours, or when memory runs out.
     pub fn new(pattern: &Arc<Triangle>, groups: &[Range<usize>], memory: &Memory) -> Self {
         let Symbolic { order, supernodes } = symbolic(pattern, groups);
         let mut position = vec![0; order.len()];

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::rows::{Row, SYSTEMS};
 use super::scalar::narrow;
+use super::unknown::Unknown;
 use crate::math::lanes::widest;
 
 /// Parts into which a product is cut. A constant, so that it has the same bits
@@ -47,9 +48,6 @@ impl Symmetric {
 
 impl Triangle {
     /// A triangle in compressed columns.
-    ///
-    /// # Panics
-    /// When it has 2³² rows.
     pub fn new(column_start: Vec<usize>, rows: &[usize]) -> Self {
         let groups = groups(&column_start, rows);
         Self { column_start, rows: rows.iter().map(|&row| narrow(row)).collect(), groups }
@@ -85,7 +83,7 @@ impl Triangle {
     }
 
     /// What parts of the columns, and the rows that mirror them, add to a product.
-    fn by_parts<X: Term>(
+    fn by_parts<X: Unknown<f64>>(
         &self,
         x: &[X],
         add: impl Fn(&[Range<usize>], &mut [X]) + Sync,
@@ -102,7 +100,13 @@ impl Triangle {
     }
 
     #[inline(always)]
-    fn add_product<X: Term>(&self, lower: &[f64], x: &[X], groups: &[Range<usize>], y: &mut [X]) {
+    fn add_product<X: Unknown<f64>>(
+        &self,
+        lower: &[f64],
+        x: &[X],
+        groups: &[Range<usize>],
+        y: &mut [X],
+    ) {
         for group in groups {
             match group.len() {
                 3 => self.multiply_group::<X, 3>(lower, x, group.start, y),
@@ -113,7 +117,7 @@ impl Triangle {
     }
 
     #[inline(always)]
-    fn multiply_group<X: Term, const N: usize>(
+    fn multiply_group<X: Unknown<f64>, const N: usize>(
         &self,
         lower: &[f64],
         x: &[X],
@@ -145,37 +149,6 @@ impl Triangle {
             y[row] = y[row].plus(1.0, added);
         }
         (0..N).for_each(|j| y[first + j] = y[first + j].plus(1.0, sums[j]));
-    }
-}
-
-/// What a product adds up: a number, or a number of each of several systems.
-trait Term: Copy + Send + Sync {
-    fn zero() -> Self;
-    /// `self` + scale x.
-    fn plus(self, scale: f64, x: Self) -> Self;
-}
-
-impl Term for f64 {
-    #[inline(always)]
-    fn zero() -> Self {
-        0.0
-    }
-
-    #[inline(always)]
-    fn plus(self, scale: f64, x: Self) -> Self {
-        self + scale * x
-    }
-}
-
-impl Term for Row<f64> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::zero()
-    }
-
-    #[inline(always)]
-    fn plus(self, scale: f64, x: Self) -> Self {
-        self.plus(scale, x)
     }
 }
 

@@ -77,9 +77,6 @@ impl SparseSolver {
     }
 
     /// That of a pattern, with the memory of an earlier one.
-    ///
-    /// # Panics
-    /// As [`Self::new`] does.
     pub fn with(pattern: Triangle, groups: &[Range<usize>], memory: Memory) -> Self {
         let pattern = Arc::new(pattern);
         let direct = Multifrontal::new(&pattern, groups, &memory);

@@ -64,9 +64,6 @@ struct Update<T> {
 impl Fronts {
     /// The tree of supernodes, given by their columns and the rows below, for a lower triangle
     /// in compressed columns, with the unknown i at `position[i]`.
-    ///
-    /// # Panics
-    /// When A or a front has 2³² entries, or the columns are not in postorder.
     pub fn new(
         structure: Vec<(Range<usize>, Vec<usize>)>,
         pattern: &Triangle,

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::matrix::PIECE;
 use super::rows::{Row, SYSTEMS};
+use super::unknown::Unknown;
 
 /// Rows of a piece by which threads share vectors.
 const ROWS: usize = PIECE / SYSTEMS;

@@ -81,7 +81,7 @@ impl Fronts {
         front[..s.width()].copy_from_slice(x);
         for (&child, update) in s.children.iter().zip(updates) {
             for (&place, &v) in self.supernodes[child].places.iter().zip(update) {
-                front[place as usize] = front[place as usize].plus(v);
+                front[place as usize] = front[place as usize].plus(T::narrow(1.0), v);
             }
         }
         trapezoid::forward(s.front(own), &mut front);

@@ -27,10 +27,6 @@ pub struct Symbolic {
 
 /// Symbolic factorisation of a lower triangle, whose unknowns are eliminated
 /// group by group: up to changes that leave the fill alone, in the order given.
-///
-/// # Panics
-/// When the groups are not all unknowns, each once, when unknowns of a group have different
-/// neighbours, or when memory runs out.
 pub fn symbolic(pattern: &Triangle, groups: &[Range<usize>]) -> Symbolic {
     let (start, entries, ids) = quotient(pattern, groups);
     let mut members = vec![0..0; groups.len()];

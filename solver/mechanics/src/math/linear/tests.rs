@@ -17,12 +17,17 @@ fn laplacian(n: usize, shift: f64) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
     (start, rows, values)
 }
 
+/// A solver of such a matrix, with the unknowns eliminated from the end, and its values.
+fn chain(n: usize, shift: f64) -> (SparseSolver, Vec<f64>) {
+    let (start, rows, values) = laplacian(n, shift);
+    let order: Vec<usize> = (0..n).rev().collect();
+    (SparseSolver::new(start, &rows, &one_by_one(&order)), values)
+}
+
 #[test]
 fn positive_and_indefinite_systems_are_solved_to_rounding() {
     let n = 300;
-    let (start, rows, values) = laplacian(n, 0.0);
-    let order: Vec<usize> = (0..n).rev().collect();
-    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+    let (mut solver, values) = chain(n, 0.0);
     // each unknown has one neighbour among those that follow it
     assert!((solver.cost().chain_flops / solver.cost().flops - 1.0).abs() < 1e-12);
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
@@ -131,12 +136,11 @@ fn several_systems_have_the_solutions_of_each_alone() {
 #[test]
 fn dense_columns_enter_without_being_assembled() {
     let n = 40;
-    let order: Vec<usize> = (0..n).rev().collect();
     let column = |k: f64| -> Vec<f64> { (0..n).map(|i| (k * i as f64).sin()).collect() };
     let updates = vec![(3.0, column(0.1)), (1e4, column(0.37))];
     let b = column(1.3);
     for shift in [0.0, -0.9] {
-        let (start, rows, lower) = laplacian(n, shift);
+        let (mut solver, lower) = chain(n, shift);
         let mut assembled = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 => 2.0 + shift,
             1 => -1.0,
@@ -147,7 +151,6 @@ fn dense_columns_enter_without_being_assembled() {
             assembled += *scale * &u * u.transpose();
         }
         let expected = assembled.lu().solve(&DVector::from_column_slice(&b)).expect("regular");
-        let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
         let matrix = Symmetric { lower, updates: updates.clone() };
         let mut x = b.clone();
         assert!(solver.factor(matrix, Precision::Single).solve(&mut x) < 1e-9);
@@ -160,10 +163,8 @@ fn dense_columns_enter_without_being_assembled() {
 #[test]
 fn a_factor_is_sharpened_once() {
     let n = 300;
-    let order: Vec<usize> = (0..n).rev().collect();
     let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
-    let (start, rows, values) = laplacian(n, 0.0);
-    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+    let (mut solver, values) = chain(n, 0.0);
     assert!(solver.refactor_double().is_none());
     let unrefined = |factored: &Factorization| {
         norm(&factored.residual(&b, &factored.inverse_times(&b))) / norm(&b)
@@ -180,10 +181,8 @@ fn a_factor_is_sharpened_once() {
 fn double_precision_decides_where_single_cannot() {
     let n = 300;
     let smallest = 2.0 - 2.0 * (std::f64::consts::PI / (n as f64 + 1.0)).cos();
-    let order: Vec<usize> = (0..n).rev().collect();
     for (left, positive) in [(1e-9, true), (-1e-9, false), (-1e-2, false)] {
-        let (start, rows, values) = laplacian(n, left - smallest);
-        let solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+        let (solver, values) = chain(n, left - smallest);
         let done = solver.positive(Symmetric::sparse(values), Precision::Single);
         assert_eq!(done.is_ok(), positive, "{left}");
     }
@@ -194,9 +193,7 @@ fn double_precision_decides_where_single_cannot() {
 #[test]
 fn negative_eigenvalues_are_counted_with_the_dense_part() {
     let n = 60;
-    let order: Vec<usize> = (0..n).rev().collect();
-    let (start, rows, _) = laplacian(n, 0.0);
-    let mut solver = SparseSolver::new(start, &rows, &one_by_one(&order));
+    let (mut solver, _) = chain(n, 0.0);
     let angle = |k: usize| std::f64::consts::PI * (k as f64) / (n as f64 + 1.0);
     for shift in [0.0, 0.03, 0.7, 1.9, 3.1] {
         let below = (1..=n).filter(|&k| 2.0 - 2.0 * angle(k).cos() < shift).count();
@@ -215,30 +212,5 @@ fn negative_eigenvalues_are_counted_with_the_dense_part() {
             let factored = solver.factor(matrix, Precision::Double);
             assert_eq!(factored.negative_eigenvalues(), expected, "{shift} {by}");
         }
-    }
-}
-
-/// A chain of nodes with three unknowns each, eliminated from the end in groups: entries of a
-/// node lie in columns of the nodes before and after it.
-#[test]
-fn nodes_of_three_unknowns_are_solved_to_rounding() {
-    let (nodes, stiff) = (40, [[4.0, 0.5, 0.25], [0.5, 5.0, -0.5], [0.25, -0.5, 6.0]]);
-    let (mut start, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-    for (node, i) in (0..nodes).flat_map(|node| (0..3).map(move |i| (node, i))) {
-        rows.extend((i..3).map(|j| 3 * node + j));
-        values.extend_from_slice(&stiff[i][i..]);
-        if node + 1 < nodes {
-            rows.extend((0..3).map(|j| 3 * (node + 1) + j));
-            values.extend(stiff[i].map(|s| -0.3 * s));
-        }
-        start.push(rows.len());
-    }
-    let groups: Vec<Range<usize>> = (0..nodes).rev().map(|node| 3 * node..3 * node + 3).collect();
-    let mut solver = SparseSolver::new(start, &rows, &groups);
-    let b: Vec<f64> = (0..3 * nodes).map(|i| (i as f64).cos()).collect();
-    for precision in [Precision::Single, Precision::Double] {
-        let matrix = Symmetric::sparse(values.clone());
-        let factored = solver.factor_positive(matrix, precision).expect("diagonally dominant");
-        assert!(factored.solve(&mut b.clone()) < 1e-13);
     }
 }

@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::columns::Columns;
+use super::columns::{Columns, Work};
 use super::scalar::Scalar;
 use super::unknown::Unknown;
 
@@ -21,15 +21,15 @@ const COLUMNS: usize = 8;
 pub fn forward<T: Scalar, X: Unknown<T>>(front: Columns<'_, T>, xy: &mut [X]) {
     let width = front.count();
     if xy.len() * width < LARGE {
-        return X::forward(front, 0, xy);
+        return front.work(0, Work::Forward(xy));
     }
     for first in (0..width).step_by(BLOCK) {
         let end = (first + BLOCK).min(width);
         let columns = front.part(first, end - first);
         let (known, rest) = xy[first..].split_at_mut(end - first);
-        X::forward(columns, first, known);
+        columns.work(first, Work::Forward(known));
         let parts = rest.par_chunks_mut(ROWS).enumerate();
-        parts.for_each(|(i, rest)| X::subtract(columns, end + i * ROWS, known, rest));
+        parts.for_each(|(i, y)| columns.work(end + i * ROWS, Work::Subtract { x: known, y }));
     }
 }
 
@@ -37,18 +37,18 @@ pub fn forward<T: Scalar, X: Unknown<T>>(front: Columns<'_, T>, xy: &mut [X]) {
 pub fn backward<T: Scalar, X: Unknown<T>>(front: Columns<'_, T>, xy: &mut [X]) {
     let width = front.count();
     if xy.len() * width < LARGE {
-        return X::backward(front, 0, xy);
+        return front.work(0, Work::Backward(xy));
     }
     for first in (0..width).step_by(BLOCK).rev() {
         let end = (first + BLOCK).min(width);
         let columns = front.part(first, end - first);
         let (sought, known) = xy[first..].split_at_mut(end - first);
         let parts = sought.par_chunks_mut(COLUMNS).enumerate();
-        parts.for_each(|(i, sought)| {
-            let part = columns.part(i * COLUMNS, sought.len());
-            X::subtract_transposed(part, end, known, sought);
+        parts.for_each(|(i, x)| {
+            let part = columns.part(i * COLUMNS, x.len());
+            part.work(end, Work::SubtractTransposed { y: known, x });
         });
-        X::backward(columns, first, sought);
+        columns.work(first, Work::Backward(sought));
     }
 }
 

@@ -18,9 +18,8 @@ pub use search::{BurstSearch, FirstBurst};
 
 use super::limit::Covector;
 use super::spectrum::negative_eigenvalues;
-use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, factor};
-use crate::energy::Multiplier;
-use crate::forward::{Configuration, Failure, Newton, Problem, Workspace};
+use super::tangent_system::{LoadRate, Residual, Row, Step, at_held_load, by_multiplier, factor};
+use crate::forward::{Configuration, Failure, Newton, Problem, Reached, Workspace};
 use crate::math::linear::dot;
 use crate::stretch::LargestStretch;
 
@@ -32,12 +31,8 @@ const SETTLED: f64 = 1e-9;
 /// An equilibrium whose largest stretch is that at break.
 #[derive(Clone, Debug)]
 pub struct Burst {
-    /// Load.
-    pub load: f64,
-    /// Displacement [m].
-    pub u: Vec<f64>,
-    /// Multipliers of the chambers with a prescribed volume.
-    pub multipliers: Vec<Multiplier>,
+    /// The state, by its load.
+    pub at: Reached,
     /// Negative eigenvalues of the tangent: none where the body is stable.
     pub negative: usize,
     /// Newton iterations.
@@ -81,7 +76,11 @@ impl Burst {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
             let before = state.time;
-            state = step(problem, workspace, &state, &now, &largest, over)?;
+            let (by_u, _) = largest.partials(at.space, at.rest, at.u);
+            // supports are held
+            let row = Row { u: problem.restrict(&by_u), load: 0.0 };
+            let step = Step::newton(problem, workspace, &at, &now, row, over)?;
+            state = step.cut(problem, workspace, &state);
             changed = (state.time - before).abs();
         }
         unreachable!("the last iteration returns")
@@ -109,35 +108,15 @@ impl Burst {
         if by_load == 0.0 || !by_load.is_finite() {
             return Err(Failure::Singular);
         }
-        let scaled = |x: &[f64], by: f64| -> Vec<f64> { x.iter().map(|x| by * x).collect() };
-        let mut mu = vec![0.0; state.multipliers.len()];
-        for (constraint, pressure) in constraints.iter().zip(&pressures) {
-            mu[constraint.multiplier] = pressure / by_load;
-        }
+        let pressures: Vec<f64> = pressures.iter().map(|pressure| pressure / by_load).collect();
+        let mu = by_multiplier(state.multipliers.len(), &constraints, &pressures);
         by_rest.iter_mut().for_each(|by| *by /= by_load);
-        let Configuration { time: load, u, multipliers, .. } = state.clone();
-        let lambda = problem.prolong(&scaled(&lambda, -1.0 / by_load));
-        let covector =
-            Covector { u: u.clone(), multipliers: multipliers.clone(), lambda, mu, load };
-        Ok(Self { load, u, multipliers, negative, iterations, covector, by_rest })
+        let lambda: Vec<f64> = lambda.iter().map(|l| -1.0 / by_load * l).collect();
+        let lambda = problem.prolong(&lambda);
+        let at = Reached::of(&at);
+        let covector = Covector { at: at.clone(), lambda, mu };
+        Ok(Self { at, negative, iterations, covector, by_rest })
     }
-}
-
-/// One step of Newton's method on the equations and the stretch, which is `over` that at break.
-fn step<'a>(
-    problem: &Problem,
-    workspace: &mut Workspace,
-    state: &Configuration<'a>,
-    now: &Residual,
-    largest: &LargestStretch,
-    over: f64,
-) -> Result<Configuration<'a>, Failure> {
-    let at = state.iterate(problem);
-    let (by_u, _) = largest.partials(at.space, at.rest, at.u);
-    // supports are held
-    let row = Row { u: problem.restrict(&by_u), load: 0.0 };
-    let step = Step::newton(problem, workspace, &at, now, row, over)?;
-    Ok(step.cut(problem, workspace, state))
 }
 
 #[cfg(test)]

@@ -116,8 +116,7 @@ impl Bracketing<'_> {
     /// The equilibrium at the load of a state near by.
     fn balanced(&self, workspace: &mut Workspace, near: &Reached) -> Result<Stretched, Failure> {
         let start = near.configuration(self.rest, None);
-        let mut solution = solve_from(self.problem, workspace, &start, &self.stepping.newton)?;
-        let found = solution.steps.pop().ok_or(Failure::Singular)?;
+        let found = solve_from(self.problem, workspace, &start, &self.stepping.newton)?;
         Ok(Stretched::of(&found.iterate(self.problem, self.rest)))
     }
 
@@ -164,10 +163,10 @@ impl Bracketing<'_> {
             let start = between.configuration(self.rest, None);
             let loads = [below.at.time, above.at.time];
             match Burst::near(self.problem, workspace, &start, self.at_break, newton) {
-                Ok(found) if found.negative == 0 && is_between(found.load, loads) => {
+                Ok(found) if found.negative == 0 && is_between(found.at.time, loads) => {
                     return FirstBurst::At(Box::new(found));
                 }
-                Ok(found) => log::debug!("a burst at {} is not between {loads:?}", found.load),
+                Ok(found) => log::debug!("a burst at {} is not between {loads:?}", found.at.time),
                 Err(failure) => log::debug!("no burst between {loads:?}: {failure}"),
             }
             match self.balanced(workspace, &between) {

@@ -25,30 +25,6 @@ pub enum Ends {
     AtFullLoad,
 }
 
-/// Why there is none.
-pub enum Missed {
-    /// The path goes beyond the full load, where loads are not defined.
-    PastEnd,
-    /// All else.
-    Failed(Failure),
-}
-
-impl Missed {
-    /// What to say of it.
-    pub fn failure(self) -> Failure {
-        match self {
-            Self::PastEnd => Failure::Singular,
-            Self::Failed(failure) => failure,
-        }
-    }
-}
-
-impl From<Failure> for Missed {
-    fn from(failure: Failure) -> Self {
-        Self::Failed(failure)
-    }
-}
-
 /// Newton's method on the equations of a path.
 pub struct Corrector<'a> {
     pub from: &'a ArcStep<'a>,
@@ -57,13 +33,14 @@ pub struct Corrector<'a> {
 }
 
 impl Corrector<'_> {
-    /// Moves a state to the path, and adds the residual of every iterate [N] to `residuals`.
+    /// Moves a state to the path, and adds the residual of every iterate [N] to `residuals`. None where the path goes
+    /// beyond the full load, where loads are not defined.
     pub fn correct(
         &self,
         workspace: &mut Workspace,
         state: &mut Configuration,
         residuals: &mut Vec<f64>,
-    ) -> Result<Converged, Missed> {
+    ) -> Result<Option<Converged>, Failure> {
         let problem = self.from.problem;
         let (mut peak, mut before) = (0.0_f64, [f64::INFINITY; 2]);
         for iterations in 0..=ITERATIONS {
@@ -71,46 +48,40 @@ impl Corrector<'_> {
             peak = peak.max(now.scale);
             let (residual, wanted) = (now.norm(), self.newton.wanted(now.scale, peak));
             residuals.push(residual);
-            self.notify(workspace, iterations, residual, wanted)?;
+            log::debug!("path {iterations}  |g| {residual:.2e} N");
+            let (time, iteration) = (self.from.last.time, iterations);
+            let event = Event::Iterate { time, iteration, residual, wanted };
+            if workspace.notify(&event).is_break() {
+                return Err(Failure::Interrupted);
+            }
             let (side, _) = self.place(&state.iterate(problem));
             let placed = side.abs() <= ON_SPHERE * self.square();
             if placed && now.largest_gap() <= self.newton.relative {
                 if residual <= wanted {
-                    return Ok(Converged { iterations, residual, wanted, floor: None, peak });
+                    let floor = None;
+                    return Ok(Some(Converged { iterations, residual, wanted, floor, peak }));
                 }
                 let stalled = iterations >= STALLED && residual > 0.5 * before[1];
                 let floor =
                     stalled.then(|| workspace.rounding_floor(problem, &state.iterate(problem)));
                 if floor.is_some_and(|floor| residual <= floor) {
-                    return Ok(Converged { iterations, residual, wanted, floor, peak });
+                    return Ok(Some(Converged { iterations, residual, wanted, floor, peak }));
                 }
             }
             if !residual.is_finite() {
-                return Err(Failure::Inadmissible.into());
+                return Err(Failure::Inadmissible);
             }
             // forces of contact have kinks, at which Newton's method may go to and fro
             let cycles = iterations >= CYCLES && (residual / before[0] - 1.0).abs() < SAME;
-            if iterations < ITERATIONS && !cycles {
-                self.step(workspace, state, &now)?;
-                before = [before[1], residual];
-            } else {
-                return Err(Failure::IterationLimit { iterations, residual, wanted }.into());
+            if iterations == ITERATIONS || cycles {
+                return Err(Failure::IterationLimit { iterations, residual, wanted });
             }
+            if !self.step(workspace, state, &now)? {
+                return Ok(None);
+            }
+            before = [before[1], residual];
         }
         unreachable!("the last iteration returns")
-    }
-
-    fn notify(
-        &self,
-        workspace: &mut Workspace,
-        iteration: usize,
-        residual: f64,
-        wanted: f64,
-    ) -> Result<(), Missed> {
-        log::debug!("path {iteration}  |g| {residual:.2e} N");
-        let time = self.from.last.time;
-        let event = Event::Iterate { time, iteration, residual, wanted };
-        if workspace.notify(&event).is_break() { Err(Failure::Interrupted.into()) } else { Ok(()) }
     }
 
     /// How far a state is from its place, and the derivative of that.
@@ -118,9 +89,8 @@ impl Corrector<'_> {
         let (change, scale) = (self.from.change(at), self.from.progress.scale);
         match self.ends {
             Ends::OnSphere(length) => {
-                let Row { u, load } = change.row(scale);
                 let off = 0.5 * (change.product(&change, scale) - length * length);
-                (off, Row { u, load })
+                (off, change.row(scale))
             }
             Ends::AtFullLoad => {
                 let u = vec![0.0; change.u.len()];
@@ -137,22 +107,23 @@ impl Corrector<'_> {
         }
     }
 
-    /// One step with the exact tangent, cut where surfaces meet or the energy is not finite.
+    /// One step with the exact tangent, cut where surfaces meet or the energy is not finite; false where the path goes
+    /// beyond the full load.
     fn step(
         &self,
         workspace: &mut Workspace,
         state: &mut Configuration,
         now: &Residual,
-    ) -> Result<(), Missed> {
+    ) -> Result<bool, Failure> {
         let problem = self.from.problem;
         let at = state.iterate(problem);
         let (off, row) = self.place(&at);
         let step = Step::newton(problem, workspace, &at, now, row, off)?;
         let whole = step.from(problem, state, 1.0);
         if whole.time > self.from.end && matches!(self.ends, Ends::OnSphere(_)) {
-            return Err(Missed::PastEnd);
+            return Ok(false);
         }
         *state = step.cut(problem, workspace, state);
-        Ok(())
+        Ok(true)
     }
 }

@@ -29,7 +29,7 @@ use std::sync::Arc;
 use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
-use self::corrector::{Corrector, Ends, Missed};
+use self::corrector::{Corrector, Ends};
 use self::direction::Direction;
 use super::spectrum::{negative_eigenvalues, softest};
 use super::tangent_system::{
@@ -130,7 +130,13 @@ impl Continuation {
         let step = stepper.begun(problem, workspace, rest, 1.0);
         let mut progress = match self.progress.take() {
             Some(progress) => progress,
-            None => self.begin(stepper, problem, workspace, rest, &step)?,
+            None => {
+                let at = Iterate { step: Some(&step), ..stepper.iterate(problem, rest) };
+                begun(problem, workspace, &at, self.path.first).map_err(|failure| {
+                    let failed = Failed { failure, u: at.u.to_vec(), residuals: Vec::new() };
+                    stepper.unreached(problem, rest, failed, at.time)
+                })?
+            }
         };
         loop {
             let last = Iterate { step: Some(&step), ..stepper.iterate(problem, rest) };
@@ -154,22 +160,6 @@ impl Continuation {
         }
     }
 
-    /// The direction of the path at the first state, towards more load.
-    fn begin(
-        &self,
-        stepper: &TimeStepper,
-        problem: &Problem,
-        workspace: &mut Workspace,
-        rest: &[Vec3],
-        step: &Arc<TimeStep>,
-    ) -> Result<ArcProgress, Unreached> {
-        let at = Iterate { step: Some(step), ..stepper.iterate(problem, rest) };
-        begun(problem, workspace, &at, self.path.first).map_err(|failure| {
-            let failed = Failed { failure, u: at.u.to_vec(), residuals: Vec::new() };
-            stepper.unreached(problem, rest, failed, at.time)
-        })
-    }
-
     /// One state from the last.
     fn attempt(
         &self,
@@ -178,11 +168,11 @@ impl Continuation {
         workspace: &mut Workspace,
     ) -> Result<Found, Failed> {
         let mut residuals = Vec::new();
-        let failed = |failure, u: Vec<f64>, residuals| Failed { failure, u, residuals };
-        let Predicted { mut state, length, ends } = match from.predict(workspace) {
-            Ok(predicted) => predicted,
-            Err(failure) => return Err(failed(failure, from.last.u.to_vec(), residuals)),
-        };
+        let predicted = from.predict(workspace).map_err(|failure| {
+            let u = from.last.u.to_vec();
+            Failed { failure, u, residuals: Vec::new() }
+        });
+        let Predicted { mut state, length, ends } = predicted?;
         let newton = &stepper.stepping.newton;
         let mut correct = |state: &mut Configuration, ends| {
             let corrector = Corrector { from, newton, ends };
@@ -190,23 +180,18 @@ impl Continuation {
         };
         let start = state.clone();
         let mut balanced = correct(&mut state, ends);
-        if matches!(balanced, Err(Missed::PastEnd)) {
+        if matches!(balanced, Ok(None)) {
             state = from.at_full_load(start);
             balanced = correct(&mut state, Ends::AtFullLoad);
         }
-        let balanced = match balanced {
-            Ok(balanced) => balanced,
-            Err(missed) => return Err(failed(missed.failure(), state.u, residuals)),
-        };
         let first = from.progress.first;
         let limits = Lengths {
             longest: self.path.largest / self.path.first * first,
             across: ACROSS.max(2.0 * self.path.smallest) * first,
         };
-        match from.finish(workspace, state, balanced, length, &limits) {
-            Ok(found) => Ok(found),
-            Err((failure, u)) => Err(failed(failure, u, residuals)),
-        }
+        let balanced = balanced.and_then(|found| found.ok_or(Failure::Singular));
+        let found = balanced.and_then(|by| from.finish(workspace, &state, by, length, &limits));
+        found.map_err(|failure| Failed { failure, u: state.u, residuals })
     }
 }
 
@@ -250,11 +235,8 @@ impl<'a> ArcStep<'a> {
             if length <= FOLDED * self.progress.first {
                 return Err(Failure::Folded);
             }
-            return Ok(Predicted {
-                state: self.moved(length),
-                length,
-                ends: Ends::OnSphere(length),
-            });
+            let state = self.moved(length);
+            return Ok(Predicted { state, length, ends: Ends::OnSphere(length) });
         }
         if reaches {
             let state = self.at_full_load(state);
@@ -300,54 +282,44 @@ impl<'a> ArcStep<'a> {
     fn finish(
         &self,
         workspace: &mut Workspace,
-        state: Configuration,
+        state: &Configuration,
         balanced: Converged,
         length: f64,
         limits: &Lengths,
-    ) -> Result<Found, (Failure, Vec<f64>)> {
+    ) -> Result<Found, Failure> {
         let problem = self.problem;
         let at = state.iterate(problem);
-        let certified = certify(problem, workspace, &at);
-        let smallest_volume_ratio = match certified {
-            Ok(ratio) => ratio,
-            Err(failure) => return Err((failure, state.u)),
-        };
+        let smallest_volume_ratio = certify(problem, workspace, &at)?;
         let moved = self.change(&at).length(self.progress.scale);
-        let Some((direction, stability)) = self.direction_at(workspace, &at) else {
-            return Err((Failure::Singular, state.u));
-        };
+        let (direction, stability) = self.direction_at(workspace, &at).ok_or(Failure::Singular)?;
         let cosine = direction.product(&self.progress.direction, self.progress.scale);
+        let strayed = Failure::Strayed { degrees: cosine.clamp(-1.0, 1.0).acos().to_degrees() };
         if cosine < STRAIGHT || moved > REACH * length {
-            let degrees = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            return Err((Failure::Strayed { degrees }, state.u));
+            return Err(strayed);
         }
         let negative = stability.negative;
         let point = self.point(stability, &direction, moved, state.time);
         let bifurcates = point.passed.iter().any(|p| p.kind == Singularity::Bifurcation);
         if bifurcates && self.progress.negative == 0 && length > limits.across {
-            let degrees = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            return Err((Failure::Strayed { degrees }, state.u));
+            return Err(strayed);
         }
         let eased = (AIM / balanced.iterations.max(1) as f64).sqrt().clamp(0.5, GROWTH);
         let grown = if cosine < NEARLY_STRAIGHT { eased.min(1.0) } else { eased };
         let turning = direction.plus(&self.progress.direction.scaled(-1.0)).scaled(1.0 / moved);
+        // the arc length that the step made, which one to the full load may have cut
+        let made = length.max(moved.min(self.progress.length));
         let progress = ArcProgress {
             turning: Some(turning),
             negative,
             arc: point.arc,
-            length: (grown * length.max(self.shortest(moved))).min(limits.longest),
+            length: (grown * made).min(limits.longest),
             direction,
             ..self.progress.clone()
         };
         let (ends_time_step, path) = (state.time >= self.end, Some(Box::new(point)));
-        let step = LoadStep::new(state, balanced, smallest_volume_ratio);
+        let step = LoadStep::new(state.clone(), balanced, smallest_volume_ratio);
         let step = LoadStep { ends_time_step, path, ..step };
         Ok(Found { step, progress })
-    }
-
-    /// The arc length that a step made, which one to the full load may have cut.
-    fn shortest(&self, moved: f64) -> f64 {
-        moved.min(self.progress.length)
     }
 
     /// The direction of the path at a state, and its stability; none where the tangent is singular.

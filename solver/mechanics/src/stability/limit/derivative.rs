@@ -19,8 +19,7 @@ use mesh::Vec3;
 use nalgebra::DMatrix;
 
 use super::{Limit, factor_pinned, largest_entry, slopes};
-use crate::energy::Multiplier;
-use crate::forward::{Configuration, Failure, Problem, Singularity, Workspace};
+use crate::forward::{Failure, Problem, Reached, Singularity, Workspace};
 use crate::math::linear::dot;
 use crate::stability::tangent_system::{Direction, LoadRate, Residual, across};
 
@@ -31,16 +30,12 @@ const SHORTER: f64 = 0.1;
 /// of the load of a limit or a burst, or of the slope of the pressure.
 #[derive(Clone, Debug)]
 pub struct Covector {
-    /// Displacement [m].
-    pub u: Vec<f64>,
-    /// Multipliers of the prescribed volumes.
-    pub multipliers: Vec<Multiplier>,
+    /// The state, by its load.
+    pub at: Reached,
     /// λ over all degrees of freedom [1/N].
     pub lambda: Vec<f64>,
     /// μ [1/m³].
     pub mu: Vec<f64>,
-    /// The load of the state.
-    pub load: f64,
 }
 
 impl Limit {
@@ -60,16 +55,12 @@ impl Limit {
     /// A multiple of the mode, at a state that is moved along it.
     fn covector(&self, moved: f64, factor: f64) -> Covector {
         let scaled = |x: &[f64], by: f64| x.iter().map(|x| by * x).collect();
-        let mut multipliers = self.multipliers.clone();
-        let pressures = multipliers.iter_mut().zip(&self.mode_pressures);
+        let mut at = self.at.clone();
+        at.u.iter_mut().zip(&self.mode).for_each(|(u, v)| *u += moved * v);
+        let pressures = at.multipliers.iter_mut().zip(&self.mode_pressures);
         pressures.for_each(|(m, p)| m.pressure += moved * p);
-        Covector {
-            u: self.u.iter().zip(&self.mode).map(|(u, v)| u + moved * v).collect(),
-            multipliers,
-            lambda: scaled(&self.mode, factor),
-            mu: scaled(&self.mode_pressures, -factor),
-            load: self.load,
-        }
+        let mu = scaled(&self.mode_pressures, -factor);
+        Covector { at, lambda: scaled(&self.mode, factor), mu }
     }
 
     fn of_bifurcation(
@@ -78,8 +69,7 @@ impl Limit {
         workspace: &mut Workspace,
         rest: &[Vec3],
     ) -> Result<Vec<Covector>, Failure> {
-        let (u, multipliers) = (self.u.clone(), self.multipliers.clone());
-        let state = Configuration { rest, time: self.load, step: None, u, multipliers };
+        let state = self.at.configuration(rest, None);
         let at = state.iterate(problem);
         let constraints = Residual::of(problem, workspace, &at).constraints;
         let pressures = constraints.iter().map(|c| self.mode_pressures[c.multiplier]);

@@ -174,17 +174,16 @@ mod tests {
     fn load_steps_find_the_limit_of_a_balloon() {
         let (problem, rest) = balloon(1, 1, 0.6 * balloon_limit());
         let stepping = Stepping { first: 1.0, largest: 1.0, smallest: 1e-3, newton: NEWTON };
-        let first = solve(&problem, &mut Workspace::new(&problem), &rest, &stepping, |_| {});
+        let steps = solve(&problem, &mut Workspace::new(&problem), &rest, &stepping, &[1.0]);
         let growing: Vec<_> = problem.energies.chambers().map(|(id, _)| id).collect();
         let held = problem.with_scaled_pressures(1.0, &growing);
-        let first = Reached { time: 1.0, u: first.expect("a state").u, multipliers: Vec::new() };
-        let search = LimitSearch { stepping, most: 3.0 };
+        let first = steps.expect("a state").pop().expect("the last").into_reached();
         let zero = vec![0.0; held.dofs()];
         let integrator = Integrator::new(Method::Quasistatic, State::new(zero.clone(), zero));
         let mut searching = Workspace::new(&held);
-        let start = held.iterate(&rest, &first.u, 1.0);
+        let search = LimitSearch { problem: &held, rest: &rest, stepping, most: 3.0, integrator };
         let FirstLimit::Found(found, _) =
-            search.from(&held, &mut searching, &start, integrator, |_| ControlFlow::Continue(()))
+            search.from(&mut searching, first.clone(), |_| ControlFlow::Continue(()))
         else {
             panic!("no limit")
         };
@@ -192,7 +191,7 @@ mod tests {
         let came = by_load.from(&mut searching, first.clone(), |_| ControlFlow::Continue(()));
         // nearly incompressible: Newton's method may fail before it is seen that the sphere balloons
         assert!(!matches!(came.end, End::Most | End::Stopped));
-        let (last, found) = (came.last.time, found.load);
+        let (last, found) = (came.last.time, found.at.time);
         assert!(last < found && found < last * (1.0 + 2.0 * SMALLEST), "{last} {found}");
         let mut loads = Vec::new();
         let by_load = LoadSteps { most: 1.2, ..by_load };

@@ -27,13 +27,14 @@ pub use search::{FirstLimit, LimitSearch};
 
 use nalgebra::DMatrix;
 
-use crate::energy::{Constraint, Hessian, Iterate, Multiplier};
-use crate::forward::{Configuration, Failure, Newton, Problem, Singularity, Workspace};
+use crate::energy::{Constraint, Hessian, Iterate};
+use crate::forward::{Configuration, Failure, Newton, Problem, Reached, Singularity, Workspace};
 use crate::math::linear::{Factorization, Precision, dot, norm};
 use crate::stability::bordered::Bordered;
 use crate::stability::spectrum::{negative_eigenvalues, softest};
 use crate::stability::tangent_system::{
-    DIFFERENCE, Direction, LoadRate, Residual, Step, across, at_held_load, factor, with_supports,
+    DIFFERENCE, Direction, LoadRate, Residual, Step, across, at_held_load, by_multiplier, factor,
+    with_supports,
 };
 
 /// Newton iterations, at most.
@@ -48,12 +49,8 @@ const SETTLED: f64 = 1e-9;
 /// An equilibrium at which the tangent is singular.
 #[derive(Clone, Debug)]
 pub struct Limit {
-    /// Load.
-    pub load: f64,
-    /// Displacement [m].
-    pub u: Vec<f64>,
-    /// Multipliers of the chambers with a prescribed volume.
-    pub multipliers: Vec<Multiplier>,
+    /// The state, by its load.
+    pub at: Reached,
     /// φ over all degrees of freedom.
     pub mode: Vec<f64>,
     /// Pressures of prescribed volumes that go with φ [Pa/m].
@@ -62,7 +59,7 @@ pub struct Limit {
     pub by_load: f64,
     /// Whether the load turns or a branch leaves.
     pub kind: Singularity,
-    /// Other modes whose stiffness is negative: none at the first limit of a path.
+    /// Negative eigenvalues with the softest mode held: none at the first limit of a path.
     pub others: usize,
     /// What each iterate left.
     pub history: Vec<DirectIterate>,
@@ -130,10 +127,15 @@ impl Limit {
                 && now.largest_gap() <= newton.relative
                 && (residual <= wanted || residual <= workspace.rounding_floor(problem, &at));
             if settled {
-                let others = others(problem, workspace, &now.constraints);
-                let rate = LoadRate::of(problem, workspace, &at);
-                let found = Self::at(problem, state, &now, null, &rate, kind, history);
-                return Ok(Self { others, ..found });
+                let factor = workspace.linear().last().ok_or(Failure::Singular)?;
+                let others =
+                    negative_eigenvalues(factor, &at_held_load(problem, factor, &now.constraints));
+                let by_load = null.along(&LoadRate::of(problem, workspace, &at));
+                let Direction { v, pressures } = &null.direction;
+                let count = state.multipliers.len();
+                let mode_pressures = by_multiplier(count, &now.constraints, pressures);
+                let (mode, at) = (problem.prolong(v), Reached::of(&at));
+                return Ok(Self { at, mode, mode_pressures, by_load, kind, others, history });
             }
             if iterations == ITERATIONS {
                 return Err(Failure::IterationLimit { iterations, residual, wanted });
@@ -148,24 +150,6 @@ impl Limit {
             mode = v.iter().map(|v| v / length).collect();
         }
         unreachable!("the last iteration returns")
-    }
-
-    fn at(
-        problem: &Problem,
-        state: Configuration,
-        now: &Residual,
-        null: Null,
-        rate: &LoadRate,
-        kind: Singularity,
-        history: Vec<DirectIterate>,
-    ) -> Self {
-        let mut mode_pressures = vec![0.0; state.multipliers.len()];
-        for (constraint, pressure) in now.constraints.iter().zip(&null.direction.pressures) {
-            mode_pressures[constraint.multiplier] = *pressure;
-        }
-        let (mode, by_load) = (problem.prolong(&null.direction.v), null.along(rate));
-        let Configuration { time: load, u, multipliers, .. } = state;
-        Self { load, u, multipliers, mode, mode_pressures, by_load, kind, others: 0, history }
     }
 }
 
@@ -221,12 +205,6 @@ fn factor_pinned(
     hessian.lower[entry] += stiffness;
     workspace.factor(|linear| linear.factor(hessian, Precision::Double).is_positive());
     Ok(Pin { unknown, stiffness })
-}
-
-/// Negative eigenvalues of the tangent that is factored, with its softest mode held.
-fn others(problem: &Problem, workspace: &Workspace, constraints: &[Constraint]) -> usize {
-    let Some(factor) = workspace.linear().last() else { return 0 };
-    negative_eigenvalues(factor, &at_held_load(problem, factor, constraints))
 }
 
 /// A force without its part along a mode, where that is held.

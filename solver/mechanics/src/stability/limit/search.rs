@@ -10,14 +10,13 @@ use mesh::Vec3;
 
 use super::Limit;
 use super::load_steps::{End, LoadSteps};
-use crate::energy::Iterate;
 use crate::forward::{
     Configuration, Failure, Integrator, LoadStep, Problem, Reached, SingularPoint, Singularity,
     Stepping, TimeStepper, Workspace,
 };
 use crate::stability::{ArcLength, Continuation};
 
-/// FirstLimit step of the load.
+/// First step of the load.
 const FIRST: f64 = 0.05;
 /// States from the start to the limit, at most.
 const STATES: usize = 300;
@@ -42,15 +41,6 @@ pub enum FirstLimit {
     Lost(Option<Failure>),
 }
 
-/// One search on a body whose loads grow.
-struct Search<'a> {
-    problem: &'a Problem,
-    rest: &'a [Vec3],
-    stepping: Stepping,
-    most: f64,
-    integrator: Integrator,
-}
-
 /// Where a path leads.
 enum Along {
     /// To the largest load.
@@ -63,34 +53,24 @@ enum Along {
     To(Reached, FirstLimit),
 }
 
-/// How the first limit is sought.
-#[derive(Clone, Copy, Debug)]
-pub struct LimitSearch {
+/// A search for the first limit.
+pub struct LimitSearch<'a> {
+    /// The body, whose loads grow ([`Problem::with_scaled_pressures`]).
+    pub problem: &'a Problem,
+    /// Rest vertices [m].
+    pub rest: &'a [Vec3],
     /// How equilibria are found.
     pub stepping: Stepping,
     /// The largest load.
     pub most: f64,
+    /// The time step that the states are in.
+    pub integrator: Integrator,
 }
 
-impl LimitSearch {
-    /// The first limit of a problem whose loads grow from a state on ([`Problem::with_scaled_pressures`]). Every state on
-    /// the way is shown to `observe`, which may end it; one that is no point of a path was found by a load step.
+impl LimitSearch<'_> {
+    /// The first limit from a state on. Every state on the way is shown to `observe`, which may end it; one that is no
+    /// point of a path was found by a load step.
     pub fn from(
-        &self,
-        problem: &Problem,
-        workspace: &mut Workspace,
-        start: &Iterate,
-        integrator: Integrator,
-        mut observe: impl FnMut(&LoadStep) -> ControlFlow<()>,
-    ) -> FirstLimit {
-        let Self { stepping, most } = *self;
-        let search = Search { problem, rest: start.rest, stepping, most, integrator };
-        search.from(workspace, Reached::of(start), &mut observe)
-    }
-}
-
-impl Search<'_> {
-    fn from(
         &self,
         workspace: &mut Workspace,
         start: Reached,
@@ -130,7 +110,7 @@ impl Search<'_> {
                 };
                 // next to the limit, the path may be smooth enough for a direct method
                 match self.along(workspace, came.last, |_| ControlFlow::Continue(())) {
-                    Along::To(_, FirstLimit::Found(limit, loads)) if limit.load <= above => {
+                    Along::To(_, FirstLimit::Found(limit, loads)) if limit.at.time <= above => {
                         FirstLimit::Found(limit, loads)
                     }
                     _ => otherwise,
@@ -196,11 +176,11 @@ impl Search<'_> {
         let step = state.step.as_ref();
         let start = Configuration { rest: self.rest, time: state.time, step, u, multipliers };
         match Limit::near(self.problem, workspace, &start, kind, &self.stepping.newton) {
-            Ok(found) if is_between(found.load, loads, kind) => {
+            Ok(found) if is_between(found.at.time, loads, kind) => {
                 return FirstLimit::Found(Box::new(found), loads);
             }
             // that of another point would be a wrong one
-            Ok(found) => log::debug!("the direct method went to {} from {loads:?}", found.load),
+            Ok(found) => log::debug!("the direct method went to {} from {loads:?}", found.at.time),
             Err(failure) => log::debug!("the direct method failed: {failure}"),
         }
         FirstLimit::Between(kind, loads)

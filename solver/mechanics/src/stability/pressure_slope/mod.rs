@@ -24,9 +24,9 @@
 
 use super::limit::Covector;
 use super::spectrum::negative_eigenvalues;
-use super::tangent_system::{Direction, Residual, at_held_load, factor};
+use super::tangent_system::{Direction, Residual, at_held_load, by_multiplier, factor};
 use crate::energy::ChamberId;
-use crate::forward::{Configuration, Failure, Problem, Workspace};
+use crate::forward::{Configuration, Failure, Problem, Reached, Workspace};
 use crate::math::linear::dot;
 
 /// Motion of the difference along the path beside that of differences of tangents.
@@ -82,15 +82,12 @@ impl PressureSlope {
     ) -> Result<Vec<Covector>, Failure> {
         let Self { value, path, compliance, .. } = self;
         let second = self.second_derivative(held, workspace, state)?;
+        let constraints = held.constraints(&state.iterate(held));
         let covector = |state: &Configuration, direction: &Direction, by: f64| {
             let v: Vec<f64> = direction.v.iter().map(|v| by * v).collect();
-            Covector {
-                u: state.u.clone(),
-                multipliers: state.multipliers.clone(),
-                lambda: held.prolong(&v),
-                mu: multiplied(held, state, direction, -by),
-                load: state.time,
-            }
+            let pressures: Vec<f64> = direction.pressures.iter().map(|p| -by * p).collect();
+            let mu = by_multiplier(state.multipliers.len(), &constraints, &pressures);
+            Covector { at: Reached::of(&state.iterate(held)), lambda: held.prolong(&v), mu }
         };
         let of_slope = value / compliance;
         let step = SHORTER * path.step(&state.iterate(held));
@@ -177,16 +174,6 @@ fn work(held: &Problem, state: &Configuration, growing: &[ChamberId]) -> f64 {
 /// A state with half of the pressures that grow. Without any, the other loads would not be held.
 fn with_half<'a>(state: &Configuration<'a>) -> Configuration<'a> {
     Configuration { time: 0.5 * state.time, ..state.clone() }
-}
-
-/// The pressures of a direction times a number, by the places of the multipliers.
-fn multiplied(held: &Problem, state: &Configuration, direction: &Direction, by: f64) -> Vec<f64> {
-    let mut mu = vec![0.0; state.multipliers.len()];
-    let constraints = held.constraints(&state.iterate(held));
-    for (constraint, pressure) in constraints.iter().zip(&direction.pressures) {
-        mu[constraint.multiplier] = by * pressure;
-    }
-    mu
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub(super) fn check(ground: &Ground) -> Result<()> {
     }
     let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
     let (facets, free) = (body.boundary(), vec![false; 3 * space.node_count()]);
-    let surface = Surface::symmetric(&body.planes, space, facets, &parts, Vec::new(), 1, &free);
+    let surface = Surface::new(&body.planes, space, facets, &parts, Vec::new(), 1, &free);
     let rest = surface.rest(space, &body.mesh.vertices);
     if ground.certify {
         check_crossing(&surface, &rest, ground)?;

@@ -30,7 +30,7 @@ pub(super) fn terms(config: &ContactConfig, ground: &Ground) -> Result<Vec<Term>
     let parts: Vec<usize> = body.boundary().iter().map(|f| body.part_of(f[0])).collect();
     let split = config.split.unwrap_or(space.degree());
     let (planes, facets, fixed) = (&body.planes, body.boundary(), ground.supports.fixed());
-    let surface = Surface::symmetric(planes, space, facets, &parts, obstacles, split, &fixed);
+    let surface = Surface::new(planes, space, facets, &parts, obstacles, split, &fixed);
     let surface = Arc::new(surface);
     let barrier = barrier(config, &surface, ground);
     let rest = surface.rest(space, &body.mesh.vertices);

@@ -73,8 +73,7 @@ impl Scene {
         let space = FunctionSpace::new(degree, rest.len(), tets);
         let u = vec![0.0; 3 * space.node_count()];
         let fixed = vec![false; u.len()];
-        let surface =
-            Surface::symmetric(planes, &space, &facets, &bodies, obstacles, degree, &fixed);
+        let surface = Surface::new(planes, &space, &facets, &bodies, obstacles, degree, &fixed);
         let contact = Contact::new(Arc::new(surface), Partners::ThroughAir, barrier);
         Self { case: Case { space, rest, u, step: None }, contact }
     }
