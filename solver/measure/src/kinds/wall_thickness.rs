@@ -123,13 +123,12 @@ impl Quantity for Barrier {
         all.retain(|(d2, _)| self.limits.is_violated(*d2));
         let Some((d2, at)) = all.iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
         Err(format!(
-            "{} pairs of features are too close, the closest {:.3e} m apart at ({:.5}, {:.5}, {:.5}) m; expected more \
-             than {:.3e} m",
-            all.len(),
-            d2.sqrt(),
+            "{} at ({:.5}, {:.5}, {:.5}) m, one of {} such pairs; expected more than {:.3e} m",
+            self.close.in_words(d2.sqrt()),
             at.x,
             at.y,
             at.z,
+            all.len(),
             self.limits.minimum
         ))
     }

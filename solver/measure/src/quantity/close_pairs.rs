@@ -104,6 +104,14 @@ impl ClosePairs {
         };
         (pairs, x)
     }
+
+    /// What a distance [m] of one of them is.
+    pub fn in_words(&self, distance: f64) -> String {
+        match self.which {
+            Which::Between(_) => format!("the wall is {distance:.3e} m thin"),
+            _ => format!("the surface is {distance:.3e} m from itself"),
+        }
+    }
 }
 
 fn face_each_other(facets: &Facets, pair: &Pair, x: &[Vec3]) -> bool {
