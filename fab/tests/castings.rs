@@ -55,11 +55,9 @@ fn castings() {
         assert_eq!(failed.map(|line| line.name.as_str()).collect::<Vec<_>>(), checks[..1]);
     }
     // A half of another body; walls are those of the body, the thinnest of 4 mm, whatever it is cut into.
-    let reports: [(usize, fn(&mut MoldReport)); 2] = [
-        (1, |report| report.cast.volume *= 1.01),
-        (0, |report| report.casting.least_wall = 4.1e-3),
-    ];
-    for (check, (index, change)) in checks.into_iter().zip(reports) {
+    let reports: [fn(&mut MoldReport); 2] =
+        [|report| report.cast.volume *= 1.01, |report| report.casting.least_wall = 4.1e-3];
+    for ((check, index), change) in checks.into_iter().zip([1, 0]).zip(reports) {
         let lines = after_of(halved(), |mold| report_again(mold, index, change));
         assert_fails(&lines, check);
     }

@@ -284,7 +284,7 @@ mod tests {
         let go = |problem: &Problem| {
             solve(problem, &mut Workspace::new(problem), &rest, &stepping, &[1.0])
         };
-        let unreached = go(&problem).err().expect("refused");
+        let unreached = go(&problem).expect_err("refused");
         let inverted = Failure::Uncertified(Uncertified::Inverted {
             element: 0,
             at: Vec3::zeros(),

@@ -172,7 +172,8 @@ mod tests {
         let yeoh = Yeoh { c: [13.5e3, 579.0, -7.6], bulk };
         let gent = Gent { mu: 31.7e3, j_m: 39.6, bulk };
         let long = ArrudaBoyce { mu: 60e3, lambda_m: 1e6, bulk };
-        let laws: [(&dyn Material, &dyn Fn(f64) -> f64); 4] = [
+        type Slope<'a> = &'a dyn Fn(f64) -> f64;
+        let laws: [(&dyn Material, Slope); 4] = [
             (&neo, &|_| 0.5 * neo.0.mu),
             (&yeoh, &|a| 13.5e3 + 2.0 * 579.0 * a - 3.0 * 7.6 * a * a),
             (&gent, &|a| if a < 39.6 { 0.5 * 31.7e3 * 39.6 / (39.6 - a) } else { f64::NAN }),

@@ -389,9 +389,8 @@ fn each_part_of_a_law_has_its_derivatives() {
             split.pointwise.add_parameter_vjp(&k, &bar, &mut by_stress);
             split.add_volumetric_vjp(k.j_minus_1, 1.0, &mut by_pressure);
             let size = pressure(&split).abs() + (law.moduli)(law.sample).shear;
-            let parts: [(&dyn Fn(&Split) -> f64, _); 2] =
-                [(&stress, by_stress), (&pressure, by_pressure)];
-            for (value, by) in parts {
+            let values: [&dyn Fn(&Split) -> f64; 2] = [&stress, &pressure];
+            for (value, by) in values.into_iter().zip([by_stress, by_pressure]) {
                 for (i, by) in by.iter().enumerate() {
                     let value = |law: Box<dyn Material>| value(&law.split().expect("as before"));
                     let (slope, by) = (relative_slope(law, i, value), by * law.sample[i]);
