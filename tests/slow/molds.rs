@@ -16,15 +16,22 @@ use tests::workdir::{program, python, repository};
 
 use crate::{beam, make, run};
 
-/// Scenes with a mold.toml.
-const SCENES: [&str; 6] = ["beam", "chamber", "finger", "frog", "gripper", "worm-segment"];
+/// Scenes with a mold.toml, and what is cast of each; the gripper is simulated by its half.
+const SCENES: [[&str; 2]; 6] = [
+    ["beam", "tagged"],
+    ["chamber", "tagged"],
+    ["finger", "tagged"],
+    ["frog", "tagged"],
+    ["gripper/safe", "whole"],
+    ["worm-segment", "tagged"],
+];
 
 /// The folder with the molds of a scene as it was modelled, in build/judged; made once.
-fn made(scene: &str) -> PathBuf {
+fn made([scene, mesh]: [&'static str; 2]) -> PathBuf {
     static MADE: OnceLock<Mutex<BTreeMap<String, PathBuf>>> = OnceLock::new();
     let mut made = MADE.get_or_init(Mutex::default).lock().unwrap();
     let write = || {
-        let mesh = format!("build/{scene}/tagged.msh");
+        let mesh = format!("build/{scene}/{mesh}.msh");
         make(&mesh);
         let folder = repository().join("build/judged").join(scene);
         let config = repository().join("pipelines").join(scene).join("mold.toml");
@@ -38,7 +45,7 @@ fn made(scene: &str) -> PathBuf {
 
 /// The folders of molds that are made here.
 fn folders() -> Vec<PathBuf> {
-    let modelled = SCENES.iter().map(|scene| made(scene));
+    let modelled = SCENES.into_iter().map(made);
     modelled.chain([beam().join("mold")]).collect()
 }
 
