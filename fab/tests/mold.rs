@@ -106,7 +106,7 @@ fn every_top_gets_a_channel() {
     assert!(!scene.path("mold/upper.3mf").exists());
     // Of a body that is refused nothing is lost.
     let files = files_below(&scene.path("mold"));
-    scene.configure("[sprue]\nat = [1, 0, 0]");
+    scene.configure(&format!("method = \"soluble\"\n{PLANE}\n[sprue]\nat = [1, 0, 0]"));
     scene.mold().ended(2, &["an older mold is still there"]);
     assert_eq!(files_below(&scene.path("mold")), files);
 }
