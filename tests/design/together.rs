@@ -80,3 +80,21 @@ fn shape_and_volume_are_designed_together() {
         / again["chambers"]["cavity"]["volume_rest"].as_f64().unwrap();
     assert!((factor - 1.0 - more).abs() < 1e-6, "{factor} and {more}");
 }
+
+/// A load that a path names is a design variable: its value acts on the run, not its derivative alone.
+#[test]
+fn a_traction_is_designed() {
+    let dir = chamber::workdir();
+    let load = "\n[[traction]]\non = \"top\"\ntraction = [0, 0, 100]\n";
+    dir.write("pulled.toml", &(dir.text("p1.toml") + load));
+    dir.write(
+        "design.toml",
+        "scene = \"pulled.toml\"\n[optimizer]\niterations = 3\n\
+         [[parameter]]\nname = \"traction.top.z\"\nbounds = [-500, 500]\n\
+         [[objective]]\nkind = \"volume\"\nname = \"air\"\nweight = 1e6\non = \"cavity\"\nmeasure = \"deformed\"\n",
+    );
+    dir.solver("-q optimize design.toml -o out").assert_good();
+    let report = dir.json("out/report.json");
+    let of = |key: &str| report[key].as_f64().unwrap();
+    assert!(of("objective_after") < of("objective_before"), "{report}");
+}

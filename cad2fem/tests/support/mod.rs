@@ -35,7 +35,8 @@ impl Workdir {
         packages.iter().try_fold(Self::new(), |dir, package| dir.with_python(package))
     }
 
-    /// The same folder, whose runs use the Python with the meshers if it has a package.
+    /// This folder with runs that use the Python of the meshers; none if that lacks the package, and the test is counted as
+    /// skipped.
     pub fn with_python(self, package: &str) -> Option<Self> {
         Some(Self { python: Some(python_with(package)?), ..self })
     }
@@ -66,7 +67,7 @@ impl Workdir {
         self.run_words(&arguments.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// The same with arguments that may have blanks in them.
+    /// Runs the program with arguments in which blanks may stand.
     pub fn run_words(&self, arguments: &[&str]) -> Run {
         self.finish(Command::new(env!("CARGO_BIN_EXE_cad2fem")).args(arguments))
     }

@@ -133,7 +133,7 @@ impl Columns {
 #[derive(PartialEq)]
 struct Reached {
     level: f64,
-    /// Its column, and which it is there.
+    /// The index of its column, and its own index among the intervals of that column.
     interval: (usize, usize),
 }
 

@@ -10,8 +10,9 @@
 //! A check that uses the same code as what it checks repeats its errors.
 //!
 //! - Independent, but for the crate `mesh` (files, Booleans, distances): `surfaces`, `fit` without
-//!   collars, `demolding`, `filling` but for its columns, which are those of `geometry::columns`. They use the written
-//!   surfaces. `fit` and `filling` take the outlines of channels and gaps from the report.
+//!   collars, `demolding`. They use the written surfaces. `fit` takes the outlines of channels and gaps from the report.
+//! - `filling`: the written surfaces are cut into columns by `geometry::columns`, as height fields of partings are. The
+//!   outlines of channels come from the report.
 //! - `walls`, `castings`: the silicone is measured by `mesh::walls`, by which the plan refuses thin
 //!   bodies.
 //! - `channels`: places and sizes of features come from the report. That there are enough features is not checked.

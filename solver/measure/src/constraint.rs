@@ -8,7 +8,7 @@
 //! n_f   unit normal of a facet, out of the silicone [1]
 //! p     unit vector along which what lies on the facets is pulled [1]
 //!
-//! Of a run a probe of the scene, or the slope of the pressure, at the end stays within bounds.
+//! Two more kinds keep the end of a run within bounds: a probe of the scene, and the slope of the pressure.
 //!
 //! An inequality has no weight. It is met to its tolerance: a thousandth of a `least` wall, or 0.001 of the sine of a draft.
 

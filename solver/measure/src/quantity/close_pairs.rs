@@ -54,11 +54,11 @@ pub struct ClosePairs {
 
 /// Which pairs count.
 enum Which {
-    /// Of parts, each with what it is compared with.
+    /// Pairs between parts: of each part and of all parts after it.
     Between(Vec<[Features; 2]>),
-    /// Of one surface, without a common vertex.
+    /// Pairs of one surface without a common vertex.
     Within(Features),
-    /// Of those the ones that face each other through air.
+    /// Pairs of one surface that face each other through air.
     ThroughAir(Features, Facets),
 }
 

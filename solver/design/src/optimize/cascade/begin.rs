@@ -20,7 +20,7 @@ const ROUNDS: usize = 8;
 const HALVINGS: i32 = 5;
 /// Largest motion of the surface, over its mean edge [1].
 const SPREAD: f64 = 1.0;
-/// The same of a variable of the loads.
+/// Largest motion of a variable of the loads, over the mean edge of the surface [1].
 const LOADS: f64 = 2.0;
 /// How often a motion is halved until the shape is valid.
 const SPREAD_HALVINGS: usize = 8;

@@ -49,7 +49,7 @@ pub enum Near {
     /// From rest through time, next to the states of another run, with tangents of one next to it; without time, the one
     /// equilibrium next to the end of that run.
     Run(Arc<Trajectory>, Arc<Linearizations>),
-    /// The same next to the states of a run on another mesh, with the patience of a run from rest.
+    /// From rest through time, next to the states of a run on another mesh. As many iterations are allowed as from rest.
     Carried(Arc<Trajectory>),
 }
 
