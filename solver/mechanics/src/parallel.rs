@@ -1,5 +1,7 @@
 //! The one parallel loop: results do not depend on the number of threads.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 
 /// Items handed to one task at a time. A constant, so that reductions over
@@ -45,10 +47,24 @@ pub fn map_merge_waves<T: Send>(
 ) {
     for first in (0..len).step_by(WAVE * CHUNK) {
         let wave = first..(first + WAVE * CHUNK).min(len);
-        let chunks: Vec<usize> = wave.clone().step_by(CHUNK).collect();
-        let one = |i: usize| map(i..(i + CHUNK).min(wave.end));
-        merge(wave.clone(), chunks.into_par_iter().map(one).collect());
+        let results: Vec<Mutex<Option<T>>> =
+            wave.clone().step_by(CHUNK).map(|_| Mutex::default()).collect();
+        each(results.len(), &|chunk| {
+            let i = first + chunk * CHUNK;
+            let result = map(i..(i + CHUNK).min(wave.end));
+            *results[chunk].lock().expect(POISONED) = Some(result);
+        });
+        let taken = |result: Mutex<Option<T>>| result.into_inner().expect(POISONED);
+        merge(wave, results.into_iter().filter_map(taken).collect());
     }
+}
+
+/// Never: a panic of `map` ends the loop before.
+const POISONED: &str = "a chunk whose work ended";
+
+/// Calls `work` on each of `0..count` in parallel. Not generic, so that rayon's loop is compiled once for all callers.
+fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(work);
 }
 
 /// Calls `fill` on consecutive index ranges of `0..len` in parallel, with the part of a

@@ -80,21 +80,42 @@ pub(super) fn alone(k: &Kinematics) -> Points<Scalar> {
     Points::new(Scalar, &splat(Scalar, &k.grad_u))
 }
 
+// Of any law, and so compiled here and once, not where a law is chosen.
+
+fn energy_density(law: &dyn Decoupled, k: &Kinematics) -> f64 {
+    let at = Points::invariants(&alone(k))[0];
+    if at.j > 0.0 { law.partials(&at).value } else { f64::INFINITY }
+}
+
+fn first_piola(law: &dyn Decoupled, k: &Kinematics) -> Mat3 {
+    let at = alone(k);
+    lane(&at.first_piola(&at.partials(law)), 0)
+}
+
+fn tangent(law: &dyn Decoupled, k: &Kinematics) -> Mat9 {
+    let at = alone(k);
+    let a = at.tangent(&at.partials(law));
+    Mat9::from_fn(|i, j| a[i.max(j)][i.min(j)].to_array()[0])
+}
+
+fn add_parameter_vjp(law: &dyn Decoupled, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
+    let at = alone(k);
+    let [by_1, by_2] = at.gradients();
+    let bar = [lane(&by_1, 0).dot(p_bar), lane(&by_2, 0).dot(p_bar), k.cofactor.dot(p_bar)];
+    law.add_partials_vjp(&at.invariants()[0], bar, out);
+}
+
 impl<T: Decoupled + Clone + 'static> Material for T {
     fn energy_density(&self, k: &Kinematics) -> f64 {
-        let at = Points::invariants(&alone(k))[0];
-        if at.j > 0.0 { self.partials(&at).value } else { f64::INFINITY }
+        energy_density(self, k)
     }
 
     fn first_piola(&self, k: &Kinematics) -> Mat3 {
-        let at = alone(k);
-        lane(&at.first_piola(&at.partials(self)), 0)
+        first_piola(self, k)
     }
 
     fn tangent(&self, k: &Kinematics) -> Mat9 {
-        let at = alone(k);
-        let a = at.tangent(&at.partials(self));
-        Mat9::from_fn(|i, j| a[i.max(j)][i.min(j)].to_array()[0])
+        tangent(self, k)
     }
 
     fn parameter_count(&self) -> usize {
@@ -102,10 +123,7 @@ impl<T: Decoupled + Clone + 'static> Material for T {
     }
 
     fn add_parameter_vjp(&self, k: &Kinematics, p_bar: &Mat3, out: &mut [f64]) {
-        let at = alone(k);
-        let [by_1, by_2] = at.gradients();
-        let bar = [lane(&by_1, 0).dot(p_bar), lane(&by_2, 0).dot(p_bar), k.cofactor.dot(p_bar)];
-        self.add_partials_vjp(&at.invariants()[0], bar, out);
+        add_parameter_vjp(self, k, p_bar, out);
     }
 
     fn decoupled(&self) -> Option<&dyn Decoupled> {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use mesh::Vec3;
 use pulp::{Simd, WithSimd};
 
-use super::{Energy, Hessian, Iterate, Nature, Slot};
+use super::{Elastic, Energy, Fibres, Hessian, Iterate, Nature, Slot};
 use crate::element::{FunctionSpace, add_at};
 use crate::math::lanes::{Lanes, MOST, widest};
 use crate::math::pool::Pool;
@@ -267,32 +267,41 @@ macro_rules! with_nodes {
     };
 }
 
-impl<E: ElementEnergy + 'static> Energy for E {
-    fn kind(&self) -> (&'static str, Nature) {
-        (E::NAME, Nature::Elastic)
-    }
+/// Makes a type an energy by what it is on elements. As text, not as a generic implementation: that would be compiled
+/// where terms are put together, with the settings of a crate that computes nothing.
+macro_rules! energy_of_elements {
+    ($energy:ty) => {
+        impl Energy for $energy {
+            fn kind(&self) -> (&'static str, Nature) {
+                (<$energy as ElementEnergy>::NAME, Nature::Elastic)
+            }
 
-    fn value(&self, iterate: &Iterate) -> f64 {
-        with_nodes!(iterate.space, total::<E>(self, iterate))
-    }
+            fn value(&self, iterate: &Iterate) -> f64 {
+                with_nodes!(iterate.space, total::<$energy>(self, iterate))
+            }
 
-    fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
-        with_nodes!(iterate.space, merge_gradients::<E>(self, iterate, out));
-    }
+            fn add_gradient(&self, iterate: &Iterate, out: &mut [f64]) {
+                with_nodes!(iterate.space, merge_gradients::<$energy>(self, iterate, out));
+            }
 
-    fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
-        with_nodes!(iterate.space, merge_hessians::<E>(self, iterate, kind, out));
-    }
+            fn add_hessian(&self, iterate: &Iterate, kind: Hessian, out: &mut BlockMatrix) {
+                with_nodes!(iterate.space, merge_hessians::<$energy>(self, iterate, kind, out));
+            }
 
-    fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
-        merge_mixed(self, iterate, lambda, out);
-    }
+            fn add_mixed_vjp(&self, iterate: &Iterate, lambda: &[f64], out: &mut [f64]) {
+                merge_mixed(self, iterate, lambda, out);
+            }
 
-    fn slots(&self) -> Vec<Slot> {
-        ElementEnergy::slots(self)
-    }
+            fn slots(&self) -> Vec<Slot> {
+                ElementEnergy::slots(self)
+            }
 
-    fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
-        merge_parameters(self, iterate, lambda)
-    }
+            fn parameter_vjp(&self, iterate: &Iterate, lambda: &[f64]) -> Vec<f64> {
+                merge_parameters(self, iterate, lambda)
+            }
+        }
+    };
 }
+
+energy_of_elements!(Elastic);
+energy_of_elements!(Fibres);
