@@ -18,7 +18,7 @@ from .runs import Run, steps, words
 
 #: Files that make imports as the model of a body.
 KINDS = ("step", "stp", "brep", "iges", "3mf", "stl", "obj", "ply")
-LARGEST = 200 * 1024 * 1024
+LARGEST = 200_000_000
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
 #: What of `cad2fem new` belongs to its own model, and not to one that comes from elsewhere.
 _OF_THE_TEMPLATE = ("model.toml", "sim.blocked.toml", "tags.toml")
@@ -183,8 +183,8 @@ class Body:
         models, report, page = self.models(), self.build / "report.html", self.build / "pick.html"
         return {
             "name": self.name,
+            "above": os.getcwd(),
             "models": models,
-            "kinds": KINDS,
             "page": _date(page) if all(_date(self.folder / model) <= _date(page) for model in models) else 0,
             "pick": words("cad2fem", *self.pick_command()),
             "tags": tags,

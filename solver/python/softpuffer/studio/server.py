@@ -37,7 +37,7 @@ _OURS = (
 #: What a body's files may do: a page of theirs runs its scripts, but is not of our origin.
 _THEIRS = "sandbox allow-scripts allow-downloads allow-popups; frame-ancestors 'self'"
 #: A text that is edited has fewer bytes.
-_LONGEST = 4 * 1024 * 1024
+_LONGEST = 4_000_000
 
 
 class Studio(ThreadingHTTPServer):

@@ -90,7 +90,7 @@ function show() {
   const ready = state.page > 0 && !(picks && run.running);
   const tagged = files['tags.toml'] !== '0';
   const sound = tagged && state.missing.length === 0 && state.unfilled.length === 0;
-  at('place').textContent = `its folder is ${name}; commands are for a terminal in the folder above it`;
+  at('place').textContent = `in ${state.above}, as are the commands below`;
   const marks = { model: [ready, true], faces: [tagged, ready], settings: [sound, tagged], make: [state.report && !state.old && !run.running, sound], results: [state.report, state.report], files: [false, true] };
   for (const [key, [done, open]] of Object.entries(marks)) {
     step(key).classList.toggle('done', Boolean(done));
@@ -103,6 +103,7 @@ function show() {
     if (page && !kept) at('pick').src = `bodies/${name}/files/build/pick.html?${page}`;
   });
   part('faces', '.command').textContent = state.pick;
+  at('wanted').textContent = tagged ? '' : ` sim.toml and mold.toml speak of ${[...new Set(state.missing.map((one) => one.name))].join(', ')}.`;
   at('read').hidden = ready || run.running || models.length !== 1;
   once('settings', [name, tagged, state.tags, state.missing, state.chambers, state.unfilled, state.silicone, state.cast, files, silicones], () => tagged && settings());
   at('make').textContent = run.running ? 'Stop' : state.report ? 'Make again what has changed' : 'Make all of it';
@@ -121,7 +122,7 @@ function show() {
 /** What runs, or how it ended. */
 function running(root, run) {
   const before = root.querySelector('.log');
-  const open = root.querySelector('details')?.open;
+  const open = root.querySelector('details')?.open ?? true;
   root.replaceChildren();
   if (!run) return;
   const ended = run.running ? '' : run.code === 0 ? 'Done.' : run.code === null ? 'It was stopped. Make it again: it goes on where it was.' : `It failed. ${run.why}`;
@@ -129,7 +130,7 @@ function running(root, run) {
   root.append(run.running ? make('p', {}, make('progress', { max: Math.max(run.steps, 1), ...(run.steps > 1 ? { value: Math.max(run.done - 0.5, 0) } : {}) }), ` ${where}`)
     : make('p', { className: run.code === 0 ? 'good said' : 'bad said', textContent: ended }));
   const log = make('pre', { className: 'log', textContent: run.log });
-  root.append(make('details', { open: open ?? run.running }, make('summary', { textContent: 'what it says' }), log));
+  root.append(make('details', { open: run.code !== 0 && open }, make('summary', { textContent: 'what it says' }), log));
   log.scrollTop = before && before.scrollTop + before.clientHeight < before.scrollHeight - 30 ? before.scrollTop : log.scrollHeight;
 }
 
@@ -180,7 +181,7 @@ function settings() {
     row('', fill);
   }
   at('settings').replaceChildren(...rows);
-  part('settings', '.command').textContent = `grep -n 'material\\|silicone\\|pressure' ${state.name}/sim.toml ${state.name}/mold.toml    # these lines were changed`;
+  part('settings', '.command').textContent = `solver list --silicones    # a name is a line of ${state.name}/sim.toml and of mold.toml, the pressure one of sim.toml`;
 }
 
 function results([name, report, old, pictures, parts, zip]) {
@@ -258,7 +259,9 @@ addEventListener('message', async ({ source, data }) => {
   if (source !== at('pick').contentWindow || typeof data?.tags !== 'string') return;
   // the page of the faces stays as it is: it shows these tags already
   kept = true;
-  await post('save/tags.toml', data.tags, part('faces', '.said'), `${state.name}/tags.toml is saved`, state.files['tags.toml']);
+  if (await post('save/tags.toml', data.tags, part('faces', '.said'), `${state.name}/tags.toml is saved`, state.files['tags.toml'])) {
+    step('settings').scrollIntoView({ behavior: 'smooth' });
+  }
   kept = false;
 });
 addEventListener('hashchange', () => { Object.keys(drawn).forEach((key) => delete drawn[key]); refresh(); });
