@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 import tempfile
 import webbrowser
@@ -50,6 +51,7 @@ def _serve(port: int, browse: bool) -> None:
     with server, tempfile.TemporaryDirectory(prefix="puffer-studio-") as private:
         if browse:
             _open(server.address, Path(private) / "open.html")
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             server.serve_forever()
         except KeyboardInterrupt:

@@ -13,8 +13,7 @@ from typing import IO, Any, Iterable, Iterator
 
 from .. import programs
 from . import settings
-from .refused import Refused
-from .runs import Run, steps, words
+from .runs import Refused, Run, steps, words
 
 #: Files that make imports as the model of a body.
 KINDS = ("step", "stp", "brep", "iges", "3mf", "stl", "obj", "ply")
@@ -149,7 +148,7 @@ class Body:
                     raise Refused(422, str(error).replace(str(kept), str(self.folder / name))) from None
         if name == "tags.toml" and (self.build / "model/model.json").is_file():
             try:
-                programs.run("cad2fem", self.pick_command(kept, str(self.build / "model")))
+                programs.run("cad2fem", ["-q", *self.pick_command(kept, str(self.build / "model"))])
             except programs.ProgramError as error:
                 raise Refused(422, str(error).replace(str(kept), str(self.folder / name))) from None
 

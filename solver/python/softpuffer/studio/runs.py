@@ -16,15 +16,22 @@ import time
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
-from .refused import Refused
-
-#: A line by which make says which program it runs.
-_STEP = re.compile(r"(?:^|[ ;/])(cad2fem|tagger|solver|fab) ([a-z]+) .*-o ", re.MULTILINE)
-#: With what a program says why it ended.
-_WHY = re.compile(r"^(?:cad2fem|tagger|solver|fab|make|puffer)[\w.]*: .*(?:\n(?![\w/]+:).+)*", re.MULTILINE)
+#: A line by which make, or the studio, says which program it runs.
+_STEP = re.compile(r"(?:/|^\$ )(cad2fem|tagger|solver|fab) ([a-z]+) .*-o ", re.MULTILINE)
+#: With what a program says why it ended, and make.
+_WHY = re.compile(r"^(?:cad2fem|tagger|solver|fab): .*(?:\n(?![\w/]+:|#).+)*", re.MULTILINE)
+_MAKE = re.compile(r"\*\*\* (.*)")
 #: Of a long log the page has the end.
 _SHOWN = 20_000
 _SCRIPT = 'echo "# group $$, steps $0"; echo "$ $1"; shift; "$@"; echo "# exit code $?"'
+
+
+class Refused(Exception):
+    """A request that is refused, with a status of HTTP and a message for the person."""
+
+    def __init__(self, status: int, message: str):
+        self.status = status
+        super().__init__(message)
 
 
 class Run:
@@ -72,12 +79,12 @@ class Run:
         head, command, *_ = (text + "\n\n").splitlines()
         code = re.search(r"^# exit code (\d+)\n\Z", text, re.MULTILINE)
         steps = [" ".join(step) for step in _STEP.findall(text)]
-        why = _WHY.findall(text)
+        why = [*_WHY.findall(text)[-1:], *_MAKE.findall(text)[-1:]]
         return {
             "running": running,
             "command": command[2:],
             "code": int(code[1]) if code and not running else None,
-            "why": why[-1] if why else "",
+            "why": "\n".join(why),
             "step": steps[-1] if steps else "",
             "done": len(steps),
             "steps": int(head.rpartition(" ")[2] or 0) if head else 0,

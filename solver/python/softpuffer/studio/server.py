@@ -21,7 +21,7 @@ from urllib.parse import quote, unquote
 from .. import programs
 from . import settings
 from .bodies import CHANGING, LARGEST, Body, all_bodies, version
-from .refused import Refused
+from .runs import Refused
 
 _PAGE = Path(__file__).parent / "page"
 _TEXT = "text/plain; charset=utf-8"
@@ -88,7 +88,7 @@ class _Handler(BaseHTTPRequestHandler):
         except ConnectionError:
             raise
         except OSError as error:
-            self._send(500, {"message": f"{error.filename or 'this machine'}: {error.strerror or error}"})
+            self._send(500, {"message": f"{error.filename}: {error.strerror}" if error.filename else str(error)})
 
     def _asked(self) -> list[str]:
         """The parts of the path after the token, of a request that may be answered."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Iterable, Iterator
 
 from .. import programs
-from .refused import Refused
+from .runs import Refused
 
 _TABLE = re.compile(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?$")
 _VALUE = re.compile(r"(\s*([\w-]+)\s*=\s*)(\"[^\"]*\"|\[[^\]#]*\]|[^\s#]+)")

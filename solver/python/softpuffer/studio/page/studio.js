@@ -187,6 +187,7 @@ function settings() {
 function results([name, report, old, pictures, parts, zip]) {
   const file = (path, text = path) => make('a', { href: `bodies/${name}/files/${path.split('/').map(encodeURIComponent).join('/')}`, textContent: text, target: '_blank' });
   at('result').replaceChildren(...(report ? [old ? 'These are older than what is above: make again. ' : '', file('build/report.html', 'The page by itself'), zip ? ' · ' : '', ...(zip ? [make('a', { ...{ textContent: `${zip.split('/').pop()}, all of it to send` }, href: file(zip).href, download: '' })] : [])] : ['Nothing is made yet.']));
+  document.querySelectorAll('.mold').forEach((line) => { line.hidden = parts.length === 0; });
   at('pictures').replaceChildren(...pictures.map((path) => make('img', { src: `${file(path).href}?${report}`, alt: path })));
   at('parts').replaceChildren(...parts.map(([path, size]) => make('li', {}, file(path, path.replace('build/mold/', '')), ` ${Math.ceil(size / 1000)} kB`)));
   part('results', '.command').textContent = report ? `xdg-open ${name}/build/report.html` : '';
@@ -207,8 +208,8 @@ async function listed([name, files, shown]) {
 
 async function load(file) {
   const answer = await ask(`bodies/${state.name}/files/${encodeURIComponent(file)}`);
-  Object.assign(edited, { body: state.name, name: file, text: await answer.text(), version: answer.headers.get('ETag') });
-  Object.assign(at('text'), { value: edited.text, readOnly: state.shown.includes(file) });
+  Object.assign(at('text'), { value: await answer.text(), readOnly: state.shown.includes(file) });
+  Object.assign(edited, { body: state.name, name: file, text: at('text').value, version: answer.headers.get('ETag') });
   at('stands').textContent = at('text').readOnly ? 'A Makefile is a program: change it in an editor.' : '';
   at('save').disabled = true;
   for (const button of at('files').children) button.setAttribute('aria-pressed', button.textContent === file);
