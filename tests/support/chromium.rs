@@ -183,9 +183,11 @@ impl Chromium {
     /// Drops a file at a place [px].
     pub fn drop_file(&mut self, [x, y]: [f64; 2], file: &Path) {
         let data = json!({ "items": [], "files": [file], "dragOperationsMask": 1 });
-        for kind in ["dragEnter", "dragOver", "drop"] {
+        // the page has to have taken one move before the file is let go
+        for kind in ["dragEnter", "dragOver", "dragOver", "drop"] {
             let event = json!({ "type": kind, "x": x, "y": y, "data": data });
             self.call("Input.dispatchDragEvent", &event);
+            std::thread::sleep(Duration::from_millis(300));
         }
     }
 

@@ -12,6 +12,7 @@ import signal
 import sys
 import tempfile
 import webbrowser
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Sequence
 
@@ -46,10 +47,11 @@ def _serve(port: int, browse: bool) -> None:
     try:
         server = Studio(port)
     except (OSError, OverflowError) as error:
-        _refuse(f"port {port}: {error}; give another --port, or none for one that is free")
+        _refuse(f"port {port}: {str(error).rstrip('.')}; give another --port, or none for one that is free")
     print(f"{server.address}\nThe address is for you alone. Ctrl-C ends the studio.", flush=True)
-    with server, tempfile.TemporaryDirectory(prefix="puffer-studio-") as private:
+    with server, ExitStack() as until_the_end:
         if browse:
+            private = until_the_end.enter_context(tempfile.TemporaryDirectory(prefix="puffer-studio-"))
             _open(server.address, Path(private) / "open.html")
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:

@@ -48,7 +48,9 @@ class Studio(ThreadingHTTPServer):
     def __init__(self, port: int):
         super().__init__(("127.0.0.1", port), _Handler)
         self.token = secrets.token_urlsafe(24)
-        self.hosts = [f"{name}:{self.server_port}" for name in ("127.0.0.1", "localhost")]
+        # browsers leave the usual port out
+        port_text = "" if self.server_port == 80 else f":{self.server_port}"
+        self.hosts = [f"{name}{port_text}" for name in ("127.0.0.1", "localhost")]
 
     @property
     def address(self) -> str:
