@@ -117,7 +117,7 @@ class Requests(unittest.TestCase):
         self.refused(post("bodies/other/new/sh", b"#!"), 400, "no such CAD file", ".step")
         self.refused(post("bodies/other/new/step", b"", Content_Length=str(10**9)), 413, "1000 MB", "200 MB")
         self.refused(post("bodies/mine/new"), 422, "is there already")
-        self.refused(post("bodies/mine/model/step", b"ISO"), 409, "has a model as text")
+        self.refused(post("bodies/mine/model/step", b"ISO"), 409, "mine/model.toml is this body's model")
         self.assertEqual(sorted(os.listdir(self.folder)), ["away", "mine", "secret.toml"])
 
     def test_a_port_that_is_taken(self):

@@ -45,17 +45,17 @@ def _serve(port: int, browse: bool) -> None:
     from .server import Studio
 
     try:
-        server = Studio(port)
+        page = Studio(port)
     except (OSError, OverflowError) as error:
         _refuse(f"port {port}: {str(error).rstrip('.')}; give another --port, or none for one that is free")
-    print(f"{server.address}\nThe address is for you alone. Ctrl-C ends the studio.", flush=True)
-    with server, ExitStack() as until_the_end:
+    print(f"{page.address}\nThe address is for you alone. Ctrl-C ends the studio.", flush=True)
+    with page, ExitStack() as until_the_end:
         if browse:
             private = until_the_end.enter_context(tempfile.TemporaryDirectory(prefix="puffer-studio-"))
-            _open(server.address, Path(private) / "open.html")
+            _open(page.address, Path(private) / "open.html")
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
-            server.serve_forever()
+            page.serve_forever()
         except KeyboardInterrupt:
             print()
     for body in bodies.all_bodies():

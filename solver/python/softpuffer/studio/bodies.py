@@ -85,7 +85,7 @@ class Body:
         self.not_running()
         before = self.models()
         if own := {"model.toml", "model.geo"} & set(before):
-            raise Refused(409, f"{self.folder}/{own.pop()}: this body has a model as text; begin a new one for a CAD file")
+            raise Refused(409, f"{self.folder}/{own.pop()} is this body's model: begin a new body for a CAD file")
         kept = _received(self.folder, kind, source, size)
         kept.replace(self.folder / f"model.{kind}")
         for other in set(before) - {f"model.{kind}"}:
@@ -127,30 +127,26 @@ class Body:
             kept.unlink(missing_ok=True)
 
     def _check(self, name: str, kept: Path) -> None:
-        """Has a text read by the program that will read it."""
+        """Has a text read by the programs that will read it."""
         with tempfile.TemporaryDirectory(prefix="puffer-") as folder:
             # programs read their settings first: one that finds no mesh has found nothing wrong in them
             nowhere, out = f"{folder}/nowhere.msh", f"{folder}/out"
-            readers = {
-                "cad2fem": ("cad2fem", "tetmesh", nowhere, "--config", kept, "-o", f"{out}.msh"),
-                "tags": ("tagger", "tag", nowhere, "--config", kept, "-o", f"{out}.msh"),
-                "sim": ("solver", "simulate", kept, "--mesh", nowhere, "-o", out),
-                "design": ("solver", "check", kept, "--mesh", nowhere),
-                "mold": ("fab", "plan", nowhere, "--config", kept, "-o", out),
-                "model": ("cad2fem", "model", kept, "-o", out, *(("--unit", "mm") if name.endswith(".geo") else ())),
+            readers: dict[str, list[tuple[str | Path, ...]]] = {
+                "cad2fem": [("cad2fem", "tetmesh", nowhere, "--config", kept, "-o", f"{out}.msh")],
+                "tags": [("tagger", "tag", nowhere, "--config", kept, "-o", f"{out}.msh")],
+                "sim": [("solver", "simulate", kept, "--mesh", nowhere, "-o", out)],
+                "design": [("solver", "check", kept, "--mesh", nowhere)],
+                "mold": [("fab", "plan", nowhere, "--config", kept, "-o", out)],
+                "model": [("cad2fem", "model", kept, "-o", out, *(("--unit", "mm") if name.endswith(".geo") else ()))],
             }
-            reader = readers.get(name.split(".")[0], ()) if not name.endswith(".md") else ()
-            try:
-                if reader:
-                    programs.run(str(reader[0]), [str(word) for word in reader[1:]])
-            except programs.ProgramError as error:
-                if nowhere not in str(error):
-                    raise Refused(422, str(error).replace(str(kept), str(self.folder / name))) from None
-        if name == "tags.toml" and (self.build / "model/model.json").is_file():
-            try:
-                programs.run("cad2fem", ["-q", *self.pick_command(kept, str(self.build / "model"))])
-            except programs.ProgramError as error:
-                raise Refused(422, str(error).replace(str(kept), str(self.folder / name))) from None
+            if (self.build / "model/model.json").is_file():
+                readers["tags"] += [("cad2fem", "-q", *self.pick_command(kept, str(self.build / "model")))]
+            for program, *arguments in readers.get(name.split(".")[0], []) if not name.endswith(".md") else []:
+                try:
+                    programs.run(str(program), [str(word) for word in arguments])
+                except programs.ProgramError as error:
+                    if nowhere not in str(error):
+                        raise Refused(422, str(error).replace(str(kept), str(self.folder / name))) from None
 
     def edited(self) -> list[str]:
         """Files that people edit. A Makefile is a program, which no page writes."""
@@ -198,7 +194,7 @@ class Body:
             "report": _date(report),
             "old": any(_date(self.folder / name) > _date(report) for name in [*here, *models]),
             "pictures": [name for name in files if re.fullmatch(r"build/pictures/mold.*\.png", name)],
-            "parts": [[name, (self.folder / name).stat().st_size] for name in files if re.fullmatch(r"build/mold/.*\.stl", name)],
+            "parts": [[name, _size(self.folder / name)] for name in files if re.fullmatch(r"build/mold/.*\.stl", name)],
             "zip": next((name for name in files if re.fullmatch(r"build/[^/]*\.zip", name)), None),
         }
 
@@ -216,6 +212,10 @@ def version(content: bytes) -> str:
 
 def _date(path: Path) -> float:
     return path.stat().st_mtime if path.is_file() else 0
+
+
+def _size(path: Path) -> int:
+    return path.stat().st_size if path.is_file() else 0
 
 
 def _received(folder: Path, kind: str, source: IO[bytes], size: int) -> Path:

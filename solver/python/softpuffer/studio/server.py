@@ -26,13 +26,13 @@ from .runs import Refused
 _PAGE = Path(__file__).parent / "page"
 _TEXT = "text/plain; charset=utf-8"
 _TYPES = {
-    ".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8",
-    ".png": "image/png", ".svg": "image/svg+xml", ".pdf": "application/pdf",
-    **dict.fromkeys((".toml", ".geo", ".md", ".txt", ".json", ".jsonl", ".csv", ".log", ".ini", ".mk", ""), _TEXT),
+    ".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8", ".png": "image/png", ".svg": "image/svg+xml", ".pdf": "application/pdf",
+    **dict.fromkeys(".toml .geo .md .txt .json .jsonl .csv .log .ini .mk".split(), _TEXT), "": _TEXT,
 }
 _OURS = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; frame-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 #: What a body's files may do: a page of theirs runs its scripts, but is not of our origin.
 _THEIRS = "sandbox allow-scripts allow-downloads allow-popups; frame-ancestors 'self'"
@@ -65,9 +65,13 @@ class Studio(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    server: Studio
     server_version, sys_version = "puffer", ""
     timeout = 20
+
+    @property
+    def studio(self) -> Studio:
+        """Whose requests these are."""
+        return cast(Studio, self.server)
 
     def do_GET(self) -> None:
         self._answer(self._get)
@@ -95,10 +99,10 @@ class _Handler(BaseHTTPRequestHandler):
     def _asked(self) -> list[str]:
         """The parts of the path after the token, of a request that may be answered."""
         host = self.headers.get("Host", "")
-        if host not in self.server.hosts:
-            raise Refused(403, f"{host!a}: the studio is called {self.server.hosts[0]}")
+        if host not in self.studio.hosts:
+            raise Refused(403, f"{host!a}: the studio is called {self.studio.hosts[0]}")
         token, _, path = unquote(self.path.partition("?")[0]).removeprefix("/").partition("/")
-        if not hmac.compare_digest(token.encode(), self.server.token.encode()):
+        if not hmac.compare_digest(token.encode(), self.studio.token.encode()):
             raise Refused(403, "this is not the address that puffer studio printed when it was started last")
         ours = self.headers.get("Origin") == f"http://{host}" and self.headers.get("X-Puffer") == "studio"
         if self.command == "POST" and not ours:
@@ -187,8 +191,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _begin(self, status: int, kind: str, size: int, policy: str, more: Mapping[str, str] = {}) -> None:
         self.send_response(status)
         headers = {
-            "Content-Type": kind, "Content-Length": str(size), "Content-Security-Policy": policy, "Cache-Control": "no-store",
-            "X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin", **more,
+            "Content-Type": kind, "Content-Length": str(size), "Cache-Control": "no-store",
+            "Content-Security-Policy": policy, "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "same-origin", **more,
         }
         for name, value in headers.items():
             self.send_header(name, value)

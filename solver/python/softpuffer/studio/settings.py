@@ -70,7 +70,8 @@ def left_out(text: str, number: int) -> str:
 
 def with_chamber(text: str, tag: str, pressure: float) -> str:
     """The text of a scene with a chamber more."""
-    return f"{text.rstrip()}\n\n# Air behind a wall.\n[[chamber]]\non = {json.dumps(tag)}\npressure = {pressure!r}    # gauge [Pa]\n"
+    chamber = f"[[chamber]]\non = {json.dumps(tag)}\npressure = {pressure!r}    # gauge [Pa]\n"
+    return f"{text.rstrip()}\n\n# Air behind a wall.\n{chamber}"
 
 
 def tags(text: str) -> list[dict[str, Any]]:
@@ -108,7 +109,7 @@ def unknown(file: str, text: str, known: Iterable[str]) -> list[dict[str, Any]]:
         names = entry.key in _NAMING and entry.table or (file, entry.table, entry.key) == ("mold.toml", "", "chamber")
         for name in entry.names if names else ():
             if name not in known:
-                found.append({"file": file, "table": entry.table, "number": entry.number, "key": entry.key, "name": name})
+                found.append({"file": file, **vars(entry), "name": name})
     return found
 
 
