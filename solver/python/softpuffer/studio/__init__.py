@@ -14,7 +14,7 @@ import tempfile
 import webbrowser
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Sequence
+from typing import NoReturn, Sequence
 
 
 def studio(arguments: Sequence[str]) -> None:
@@ -70,6 +70,6 @@ def _open(address: str, file: Path) -> None:
     webbrowser.open(file.as_uri())
 
 
-def _refuse(why: str) -> None:
+def _refuse(why: str) -> NoReturn:
     print(f"puffer studio: {why}", file=sys.stderr)
     sys.exit(2)
