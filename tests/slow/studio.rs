@@ -134,6 +134,7 @@ fn tags_are_clicked(page: &mut Chromium) {
 
 /// Gives the first list or field of the settings another value, as a person does.
 fn choose(browser: &mut Chromium, kind: &str, value: &str) {
+    browser.wait(&format!("document.querySelector('#settings {kind}')"));
     browser.evaluate(&format!(
         "(() => {{ const field = document.querySelector('#settings {kind}'); field.value = '{value}'; \
          field.dispatchEvent(new Event('change')); }})()"
