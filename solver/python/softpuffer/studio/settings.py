@@ -99,13 +99,14 @@ def chambers(scene: str) -> list[dict[str, Any]]:
 
 def filled(scene: str) -> list[str]:
     """Tags behind which a scene has air."""
-    return [name for entry in entries(scene) if (entry.table, entry.key) == ("chamber", "on") for name in entry.names]
+    on = [entry.names for entry in entries(scene) if (entry.table, entry.key) == ("chamber", "on")]
+    return [name.rpartition(".")[2] for names in on for name in names]
 
 
 def unknown(file: str, text: str, known: Iterable[str]) -> list[dict[str, Any]]:
-    """What names tags that are not there."""
-    known, found = set(known), []
-    for entry in entries(text):
+    """What names tags that are not there. In a scene of several bodies they have other names."""
+    known, found, all_entries = set(known), [], list(entries(text))
+    for entry in all_entries if all(entry.table != "body" for entry in all_entries) else ():
         names = entry.key in _NAMING and entry.table or (file, entry.table, entry.key) == ("mold.toml", "", "chamber")
         for name in entry.names if names else ():
             if name not in known:

@@ -107,8 +107,8 @@ function show() {
   at('read').hidden = ready || run.running || models.length !== 1;
   once('settings', [name, tagged, state.tags, state.missing, state.chambers, state.unfilled, state.silicone, state.cast, files, silicones], () => tagged && settings());
   at('make').textContent = run.running ? 'Stop' : state.report ? 'Make again what has changed' : 'Make all of it';
-  at('make').disabled = !run.running && !sound;
-  at('why').textContent = run.running || sound ? '' : tagged ? 'Mend what is red above.' : 'Save tags.toml first.';
+  at('make').disabled = !run.running && !tagged;
+  at('why').textContent = run.running || sound ? '' : tagged ? 'What is red above will stop it.' : 'Save tags.toml first.';
   part('make', '.command').textContent = `puffer make -C ${name}`;
   for (const [key, mine] of [['model', picks], ['make', !picks]]) once(`run ${key}`, mine ? [name, run] : null, () => running(part(key, '.runs'), mine && run.command ? run : null));
   once('report', [name, state.report], ([, report]) => {
