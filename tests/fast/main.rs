@@ -53,6 +53,7 @@ mod set_from_outside;
 mod solver_bad_input;
 mod solver_cli;
 mod solver_tools;
+mod studio;
 mod sweep;
 mod symmetric_contact;
 mod symmetry;

@@ -21,13 +21,7 @@ fn package() -> Workdir {
     let cargo = ["build", "--release", "--locked", "--workspace", "--lib"];
     let built = Command::new(env!("CARGO")).args(cargo).current_dir(repository()).output().unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let to = dir.path("softpuffer");
-    std::fs::create_dir(&to).unwrap();
-    for entry in repository().join("solver/python/softpuffer").read_dir().unwrap().flatten() {
-        if entry.file_type().unwrap().is_file() {
-            std::fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
-        }
-    }
+    let to = dir.put_python();
     let module = compiled().join("lib_native.so");
     std::os::unix::fs::symlink(module, to.join("_native.abi3.so")).unwrap();
     dir

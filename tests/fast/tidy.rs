@@ -453,7 +453,8 @@ fn pages_make_no_markup_of_texts() {
         "javascript:",
         "import(",
     ];
-    for folder in ["cad2fem/page/web", "pipelines/sweep/web"] {
+    let studio = "solver/python/softpuffer/studio/page";
+    for folder in ["cad2fem/page/web", "pipelines/sweep/web", studio] {
         for path in files(&top.join(folder), "js") {
             let text = fs::read_to_string(&path).unwrap();
             let found: Vec<&&str> = sinks.iter().filter(|sink| text.contains(**sink)).collect();

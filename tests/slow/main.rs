@@ -16,6 +16,7 @@ mod molds;
 mod new;
 mod notebooks;
 mod results;
+mod studio;
 mod sweep;
 mod validation;
 mod wheel;

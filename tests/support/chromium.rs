@@ -151,6 +151,46 @@ impl Chromium {
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
     }
 
+    /// Opens an address of this machine.
+    pub fn visit(&mut self, address: &str) {
+        self.call("Page.navigate", &json!({ "url": address }));
+    }
+
+    /// Does something in a page that the shown one embeds, whose address has a word; places are as seen from that.
+    pub fn within<T>(&mut self, word: &str, act: impl FnOnce(&mut Self) -> T) -> T {
+        let outer = self.session.take();
+        let start = Instant::now();
+        let target = loop {
+            let all = self.call("Target.getTargets", &json!({}))["targetInfos"].take();
+            let is_it = |t: &&Value| {
+                t["type"] == "iframe" && t["url"].as_str().is_some_and(|url| url.contains(word))
+            };
+            if let Some(found) = all.as_array().and_then(|all| all.iter().find(is_it)) {
+                break found["targetId"].clone();
+            }
+            assert!(start.elapsed() < Duration::from_secs(30), "no page with {word}: {all:#}");
+            std::thread::sleep(Duration::from_millis(100));
+        };
+        let to = json!({ "targetId": target, "flatten": true });
+        let session = self.call("Target.attachToTarget", &to);
+        self.session = session["sessionId"].as_str().map(str::to_owned);
+        self.call("Runtime.enable", &json!({}));
+        let done = act(self);
+        self.session = outer;
+        done
+    }
+
+    /// Drops a file at a place [px].
+    pub fn drop_file(&mut self, [x, y]: [f64; 2], file: &Path) {
+        let data = json!({ "items": [], "files": [file], "dragOperationsMask": 1 });
+        // the page has to have taken one move before the file is let go
+        for kind in ["dragEnter", "dragOver", "dragOver", "drop"] {
+            let event = json!({ "type": kind, "x": x, "y": y, "data": data });
+            self.call("Input.dispatchDragEvent", &event);
+            std::thread::sleep(Duration::from_millis(300));
+        }
+    }
+
     /// Opens a page of ours and waits for its first picture.
     pub fn show(&mut self, page: &Path) {
         self.open(page);

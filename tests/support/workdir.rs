@@ -91,6 +91,21 @@ impl Workdir {
         write_tets(&self.path(name), &body.mesh, &body.tags).expect("a sound body");
     }
 
+    /// Copies the Python package as it is in the sources: neither its compiled module nor the programs are in it.
+    pub fn put_python(&self) -> PathBuf {
+        let (from, to) = (repository().join("solver/python/softpuffer"), self.path("softpuffer"));
+        for folder in ["", "studio", "studio/page"] {
+            std::fs::create_dir(to.join(folder)).expect("the folder is writable");
+            for file in from.join(folder).read_dir().expect("a folder").flatten() {
+                if file.file_type().is_ok_and(|kind| kind.is_file()) {
+                    let copy = to.join(folder).join(file.file_name());
+                    std::fs::copy(file.path(), copy).expect("the folder is writable");
+                }
+            }
+        }
+        to
+    }
+
     /// A path in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)

@@ -18,6 +18,7 @@ HELP = """\
 Puffer: from a model of a soft actuator to printable molds.
 
   puffer new FOLDER [--like BODY]   write a folder to begin with: puffer new mine --like beam
+  puffer studio [FOLDER]            the same on a page in your browser: drop a CAD file, click faces, make
   puffer make [-C FOLDER]           make all of it, as `make -C FOLDER` does
   puffer sweep FOLDER [--retry]     many cases of it, by FOLDER/sweep.toml (pip install 'softpuffer[sweep]')
   puffer gallery FOLDER ...         one page that shows the bodies that were made, gallery/index.html
@@ -76,6 +77,10 @@ def puffer() -> None:
         _run_program("cad2fem", [word, *rest])
     elif word == "make":
         _make(rest)
+    elif word == "studio":
+        from .studio import studio
+
+        studio(rest)
     elif word == "sweep":
         _sweep(rest)
     elif word == "gallery":
@@ -128,14 +133,25 @@ def _environment() -> dict[str, str]:
 
 
 def _make(arguments: list[str]) -> None:
-    """Runs make with the programs of this package before others; a folder without a Makefile gets the rules."""
-    make = shutil.which("make") or _refuse("make is missing: on Debian, apt install make")
+    """Runs make with the programs of this package before others."""
+    try:
+        command, environment = make_command(arguments)
+    except FileNotFoundError as error:
+        _refuse(error)
+    _run(command[0], command[1:], environment)
+
+
+def make_command(arguments: list[str]) -> tuple[list[str], dict[str, str]]:
+    """What `puffer make` runs, and its environment; a folder without a Makefile gets the rules."""
+    make = shutil.which("make")
+    if make is None:
+        raise FileNotFoundError("make is missing: on Debian, apt install make")
     environment = _environment()
     environment["PATH"] = os.pathsep.join(filter(None, (str(BIN), environment.get("PATH"))))
     folder = Path(arguments[arguments.index("-C") + 1]) if "-C" in arguments[:-1] else Path()
     ruled = any((folder / name).exists() for name in ("GNUmakefile", "makefile", "Makefile"))
     own = [] if ruled else ["-f", str(SHARE / "folder.mk"), f"BIN={BIN}"]
-    _run(make, [*own, *arguments], environment)
+    return [make, *own, *arguments], environment
 
 
 def _sweep(arguments: list[str]) -> None:

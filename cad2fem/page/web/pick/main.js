@@ -206,6 +206,7 @@ async function begin() {
   at('undo').addEventListener('click', () => tags.undo());
   at('redo').addEventListener('click', () => tags.redo());
   document.addEventListener('keydown', key);
+  at('lead').hidden = parent !== window;
   tools();
   // before anything new is kept
   if (!restored()) refresh();

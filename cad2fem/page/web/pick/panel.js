@@ -9,6 +9,9 @@ const AXES = ['x', 'y', 'z'];
 /** Names that most bodies need, as `cad2fem new` writes them into sim.toml; a chamber is the wall of an air space. */
 const USUAL = [['fixed', 'what is held', {}], ['cavity', 'the wall of a chamber', { chamber: true }], ['tip', 'the free end', {}], ['skin', 'the outside', {}]];
 
+/** The page that this one is embedded in, such as that of puffer studio, takes the file in place of a download. */
+const embedded = parent !== window;
+
 const number = (value) => String(Number(value.toPrecision(4))).replace('-', '−');
 
 export class Panel {
@@ -22,7 +25,7 @@ export class Panel {
     this.found = make('div', { id: 'found' });
     this.remarks = make('ul', { id: 'remarks' });
     this.text = make('pre', { id: 'toml', tabIndex: 0 });
-    this.download = button('Download tags.toml', () => this.save());
+    this.download = button(`${embedded ? 'Save' : 'Download'} tags.toml`, () => this.save());
     this.download.id = 'download';
     this.copy = button('Copy', () => this.copied());
     root.append(
@@ -241,6 +244,8 @@ export class Panel {
   }
 
   save() {
+    // of no origin in a sandbox, and the file is no secret: names of faces
+    if (embedded) return parent.postMessage({ tags: written(this.tags, this.data) }, '*');
     const url = URL.createObjectURL(new Blob([written(this.tags, this.data)], { type: 'application/toml' }));
     make('a', { href: url, download: 'tags.toml' }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
