@@ -1,5 +1,6 @@
 //! `cad2fem doctor`: what this machine lacks.
 
+use std::env::consts::EXE_SUFFIX;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -77,6 +78,7 @@ fn findings() -> Vec<Finding> {
 
 /// The program of this name beside this one.
 fn beside(name: &str) -> Result<String, String> {
+    let name = format!("{name}{EXE_SUFFIX}");
     let path = std::env::current_exe().map(|own| own.with_file_name(name)).unwrap_or_default();
     let found = path.is_file().then(|| path.display().to_string());
     found.ok_or_else(|| format!("{} is not there; run `make setup`", path.display()))
@@ -84,9 +86,10 @@ fn beside(name: &str) -> Result<String, String> {
 
 /// A program in a folder of PATH.
 fn in_path(name: &str, remedy: &str) -> Result<String, String> {
+    let name = format!("{name}{EXE_SUFFIX}");
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let found: Option<PathBuf> =
-        std::env::split_paths(&folders).map(|folder| folder.join(name)).find(|p| p.is_file());
+        std::env::split_paths(&folders).map(|folder| folder.join(&name)).find(|p| p.is_file());
     found.map(|path| path.display().to_string()).ok_or_else(|| remedy.to_owned())
 }
 
