@@ -170,7 +170,7 @@ schemas: setup  ## JSON Schemas of all files that people write, for editors, in 
 	@$(foreach s,$(SCHEMAS),$(BIN)/$(patsubst %/,%,$(dir $(s))) schema $(notdir $(s)) > build/schemas/$(notdir $(s)).json;)
 	@$(PYTHON) pipelines/sweep/schema.py > build/schemas/sweep.json
 
-wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu)
+wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu|x86_64-pc-windows-gnu|aarch64-apple-darwin, RELEASE=yes: to be published)
 	.ci/wheel $(TARGET)
 
 dist:  ## programs with licences and a checksum, in build/dist (TARGET=aarch64-unknown-linux-musl|x86_64-pc-windows-gnu|aarch64-apple-darwin)
