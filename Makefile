@@ -180,8 +180,8 @@ clean:  ## remove all results; keeps .venv, programs and the cache of meshes
 	rm -rf build
 
 .venv/installed: requirements.txt
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' || \
-		{ echo "setup: $(PYTHON) is $$($(PYTHON) --version 2>&1), needed is Python 3.10 to 3.13: make PYTHON=..."; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 14))' || \
+		{ echo "setup: $(PYTHON) is $$($(PYTHON) --version 2>&1), needed is Python 3.10 to 3.14: make PYTHON=..."; exit 1; }
 	@$(PYTHON) -c 'import ensurepip' || { echo "setup: Python's venv is missing: apt install python3-venv"; exit 1; }
 	rm -rf .venv
 	@echo "setup: downloading Python packages (meshers, readers) into .venv, 330 MB"

@@ -44,11 +44,16 @@ pub fn rules() -> Option<PathBuf> {
 }
 
 /// The Python of the environment that this program was installed into by pip: of
-/// `PREFIX/lib/python3.11/site-packages/softpuffer/bin/cad2fem` this is `PREFIX/bin/python3.11`.
+/// `PREFIX/lib/python3.11/site-packages/softpuffer/bin/cad2fem` this is `PREFIX/bin/python3.11`. On Windows it is
+/// `python.exe` in `PREFIX` or `PREFIX/Scripts`, of `PREFIX/Lib/site-packages/softpuffer/bin/cad2fem.exe`.
 pub fn python() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let packages = program.ancestors().nth(3)?;
     let library = packages.parent().filter(|_| packages.ends_with("site-packages"))?;
+    if cfg!(windows) {
+        let places = ["Scripts/python.exe", "python.exe"].map(|name| library.with_file_name(name));
+        return places.into_iter().find(|place| place.is_file());
+    }
     let name = library.file_name()?.to_str().filter(|name| name.starts_with("python3"))?;
     let python = library.parent()?.parent()?.join("bin").join(name);
     python.is_file().then_some(python)

@@ -179,7 +179,7 @@ fn a_torn_surface_is_welded_and_a_broken_one_is_remade() {
     dir.run("import flat.stl --unit mm -o never").fails(1, "which is no body");
     assert!(!dir.path("never").exists());
 
-    let Some(dir) = dir.with_python("wildmeshing") else { return };
+    let Some(dir) = dir.with_python("ftetwild") else { return };
     // one vertex is pushed through the far side
     let mut pierced = open;
     let top = (0..pierced.vertices.len())

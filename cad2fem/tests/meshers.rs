@@ -15,7 +15,7 @@ use mesh::{TetMesh, Vec3};
 
 #[test]
 fn ftetwild_fills_the_beam_and_the_cache_keeps_it() {
-    let Some(dir) = Workdir::with(&["wildmeshing"]) else { return };
+    let Some(dir) = Workdir::with(&["ftetwild"]) else { return };
     dir.run(&format!("model {} -o model", scene("beam", "model.toml"))).succeeds();
     let config = scene("beam", "cad2fem.toml");
     let mesh = format!("tetmesh model/model.stl --config {config} -o");
@@ -94,7 +94,7 @@ fn made(dir: &Workdir) -> (String, f64) {
 
 #[test]
 fn gmsh_takes_well_shaped_surfaces_first_and_ftetwild_what_it_refuses() {
-    let Some(dir) = Workdir::with(&["gmsh", "wildmeshing"]) else { return };
+    let Some(dir) = Workdir::with(&["gmsh", "ftetwild"]) else { return };
     let ball = |radius: f64| Solid::sphere(&Vec3::zeros(), radius, 48);
     write_surface(&dir.path("ball.stl"), &ball(0.02).to_surface()).unwrap();
     dir.run("tetmesh ball.stl -o out.msh").succeeds();
@@ -196,7 +196,7 @@ fn surfaces_inside_are_facets_of_both_meshers() {
         volume(&TetMesh { vertices: mesh.vertices.clone(), tets })
     };
     for mesher in ["gmsh", "ftetwild"] {
-        if mesher == "ftetwild" && Workdir::with(&["wildmeshing"]).is_none() {
+        if mesher == "ftetwild" && Workdir::with(&["ftetwild"]).is_none() {
             continue;
         }
         // The sheet, and the boundary of a part, most of which is on that of the body.
@@ -215,10 +215,50 @@ fn surfaces_inside_are_facets_of_both_meshers() {
         .fails(2, "surfaces inside cross each other or the boundary");
 }
 
+/// A Python that has numpy and pytetwild and nothing else, as where wildmeshing has no wheel.
+#[test]
+fn pytetwild_takes_the_place_of_wildmeshing() {
+    let Some(dir) = Workdir::with_pytetwild() else { return };
+    let doctor = dir.run("doctor").stdout;
+    assert!(doctor.contains("ok       fTetWild       pytetwild 0."), "{doctor}");
+    let skin = Solid::cube(&Vec3::zeros(), &Vec3::new(0.02, 0.01, 0.01));
+    let body = skin.difference(&Solid::sphere(&Vec3::new(0.006, 0.005, 0.005), 0.003, 24));
+    write_surface(&dir.path("body.stl"), &body.to_surface()).unwrap();
+    let beyond = Solid::cube(&Vec3::new(0.0124, -0.001, -0.001), &Vec3::new(0.021, 0.011, 0.011));
+    write_surface(&dir.path("beyond.stl"), &beyond.to_surface()).unwrap();
+    let ball = "refine = [{ center = [0.02, 0.01, 0.01], radius = 0.004, edge_length = 0.0006 }]";
+    dir.write("plain.toml", "[tetmesh]\nmesher = 'ftetwild'\nedge_length = 0.002\n");
+    dir.write(
+        "ball.toml",
+        &format!("[tetmesh]\nmesher = 'ftetwild'\nedge_length = 0.002\n{ball}\n"),
+    );
+    let made = |name: &str, options: &str| {
+        dir.run(&format!("tetmesh body.stl -o {name}.msh --no-cache --config {options}"))
+            .says("by ftetwild (pytetwild 0.");
+        read_tets(&dir.path(&format!("{name}.msh"))).unwrap().mesh
+    };
+    let near = |mesh: &TetMesh| {
+        let corner = Vec3::new(0.02, 0.01, 0.01);
+        mesh.vertices.iter().filter(|&p| (p - corner).norm() < 0.004).count()
+    };
+    let (plain, fine) =
+        (made("plain", "plain.toml --inside beyond.stl"), made("ball", "ball.toml"));
+    assert!(near(&fine) > 8 * near(&plain), "{} {}", near(&fine), near(&plain));
+    // no tetrahedron is cut by the surface inside, but for the envelope
+    let cut = |t: &usize| {
+        let x = plain.corners(*t).map(|p| p.x - 0.0124);
+        x.iter().any(|x| *x < -5e-5) && x.iter().any(|x| *x > 5e-5)
+    };
+    assert_eq!((0..plain.tets.len()).filter(cut).count(), 0);
+    assert!((volume(&plain) / volume(&fine) - 1.0).abs() < 2e-3);
+    // made twice, with the same bits
+    assert_eq!(made("again", "ball.toml"), fine);
+}
+
 /// A skin and a chamber from two files, and the volume of a selection, which reaches out of the body.
 #[test]
 fn several_files_and_a_selection_go_to_the_mesher_together() {
-    let Some(dir) = Workdir::with(&["wildmeshing"]) else { return };
+    let Some(dir) = Workdir::with(&["ftetwild"]) else { return };
     let cuboid = |name: &str, low: [f64; 3], high: [f64; 3]| {
         let surface = Solid::cube(&Vec3::from(low), &Vec3::from(high)).to_surface();
         write_surface(&dir.path(name), &surface).unwrap();

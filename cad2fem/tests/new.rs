@@ -71,11 +71,16 @@ fn what_is_missing_is_named_with_its_remedy() {
     let python = dir.program("python", "echo 'ModuleNotFoundError: gmsh' >&2; exit 1");
     let run = dir.run_with("PUFFER_PYTHON", &python, "doctor");
     run.fails(1, "are missing");
-    for line in ["ok       Python", "missing  gmsh", "in a checkout `make setup`"] {
+    for line in [
+        "ok       Python",
+        "missing  fTetWild       for cad2fem tetmesh",
+        "has no package wildmeshing or pytetwild; pip install softpuffer, in a checkout `make setup`",
+        "missing  gmsh",
+    ] {
         assert!(run.stdout.contains(line), "{line}: {}", run.stdout);
     }
     // one whose gmsh lacks a library
-    let script = "case \"$*\" in *metadata*) echo 4.15;; *) echo 'OSError: libGLU.so.1: cannot open' >&2; exit 1;; esac";
+    let script = "case \"$*\" in *metadata*) echo $4 4.15;; *) echo 'OSError: libGLU.so.1: cannot open' >&2; exit 1;; esac";
     let python = dir.program("python", script);
     let run = dir.run_with("PUFFER_PYTHON", &python, "doctor");
     run.fails(1, "are missing");

@@ -8,6 +8,9 @@ use anyhow::{Context, Result};
 use program::Unusable;
 
 use crate::installation::rules;
+use crate::mesher::TetMesher as _;
+use crate::mesher::ftetwild::FTetWild;
+use crate::mesher::gmsh::Gmsh;
 use crate::mesher::python::Python;
 
 /// Prints what the programs need and whether it is there, and how to get what is missing; exit
@@ -24,12 +27,28 @@ struct Finding {
     for_what: &'static str,
 }
 
-/// Packages that the meshers are called with: as pip and as Python name them.
-const PACKAGES: [(&str, &str); 3] =
-    [("wildmeshing", "cad2fem tetmesh"), ("gmsh", "CAD files"), ("numpy", "both meshers")];
+/// Packages that the meshers are called with, of which one is needed, and what for.
+fn packages() -> [(&'static str, &'static [&'static str], &'static str); 3] {
+    [
+        ("fTetWild", FTetWild.packages(), "cad2fem tetmesh"),
+        ("gmsh", Gmsh.packages(), "CAD files and .geo models"),
+        ("numpy", &["numpy"], "both meshers"),
+    ]
+}
+
+/// What pip cannot install here.
+const NO_WHEEL: &str = if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
+    " (gmsh has no wheel for Linux on ARM: make CAD files STL, OBJ, PLY or 3MF elsewhere)"
+} else {
+    ""
+};
 
 /// What gmsh loads, which a Debian without a desktop lacks.
 const LIBRARIES: &str = "apt install libglu1-mesa libgl1 libgomp1 libxcursor1 libxft2 libxinerama1";
+
+/// How to get make.
+const MAKE: &str =
+    if cfg!(target_os = "linux") { "apt install make" } else { "install GNU Make, in PATH" };
 
 /// Memory below which the frog's design does not fit [MB].
 const MEMORY: usize = 2000;
@@ -62,13 +81,13 @@ fn findings() -> Vec<Finding> {
     let found = rules().map(|file| file.display().to_string());
     let remedy = "pip install softpuffer, or clone Puffer and run `make setup` there";
     add("rules for make", "make -C of a body", found.ok_or_else(|| remedy.into()));
-    add("make", "make -C of a body", in_path("make", "apt install make"));
+    add("make", "make -C of a body", in_path("make", MAKE));
     match Python::find() {
         Err(error) => add("Python", "meshes", Err(format!("{error:#}"))),
         Ok(python) => {
             add("Python", "meshes", Ok(python.name()));
-            for (package, for_what) in PACKAGES {
-                add(package, for_what, importable(&python, package));
+            for (what, names, for_what) in packages() {
+                add(what, for_what, loadable(&python, names));
             }
         }
     }
@@ -93,16 +112,16 @@ fn in_path(name: &str, remedy: &str) -> Result<String, String> {
     found.map(|path| path.display().to_string()).ok_or_else(|| remedy.to_owned())
 }
 
-fn importable(python: &Python, package: &str) -> Result<String, String> {
-    let version = python.version_of(package).map_err(|error| format!("{error:#}"))?;
-    match python.import(package).context(package.to_owned()) {
-        Ok(()) => Ok(version),
-        Err(error) => {
-            let why = format!("{error:#}");
-            let is_library = why.contains(".so");
-            Err(if is_library { format!("{why}: {LIBRARIES}") } else { why })
-        }
-    }
+/// The first of some packages that is installed, if it can be loaded.
+fn loadable(python: &Python, names: &'static [&'static str]) -> Result<String, String> {
+    let missing = if names.contains(&"gmsh") { NO_WHEEL } else { "" };
+    let package = python.first_of(names).map_err(|error| format!("{error:#}{missing}"))?;
+    package.load().context(package.name).map_err(|error| {
+        let why = format!("{error:#}");
+        if why.contains(".so") { format!("{why}: {LIBRARIES}") } else { why }
+    })?;
+    let which = if names.len() > 1 { format!("{} ", package.name) } else { String::new() };
+    Ok(which + &package.version)
 }
 
 /// Memory that is free [MB].

@@ -174,11 +174,13 @@ impl Repair {
         let coarse = Tetmesh { envelope: Some(envelope), coarsen: true, ..Tetmesh::default() };
         let mut options = coarse.options(size)?;
         let (python, timeout) = (Python::find()?, Duration::from_secs(self.timeout));
+        let package = python.first_of(FTetWild.packages())?;
         let oriented = oriented(raw);
         let mut attempt = 1;
         let surface = loop {
             let layers = Layers::default();
-            let mut mesh = FTetWild.mesh(&python, &oriented.surface, &layers, &options, timeout)?;
+            let mut mesh =
+                FTetWild.mesh(&package, &oriented.surface, &layers, &options, timeout)?;
             settle(&mut mesh, envelope);
             let rough = mesh.clone();
             tidy(&mut mesh, &oriented.surface, envelope);

@@ -1,5 +1,5 @@
 //! fTetWild (Hu et al. 2020, doi:10.1145/3386569.3392385) from the Python package
-//! `wildmeshing`, MPL-2.0.
+//! `wildmeshing`, or from `pytetwild` where that has no wheel; both are under the MPL-2.0.
 //!
 //! Robust for any input; its boundary stays within an envelope of the input
 //! surface and is not the input surface. The order in which it inserts triangles is
@@ -14,7 +14,7 @@ use mesh::{SurfaceMesh, TetMesh, Vec3};
 use serde_json::json;
 
 use super::job::Job;
-use super::python::Python;
+use super::python::Package;
 use super::{Options, TetMesher};
 use crate::mesher::layers::Layers;
 
@@ -26,25 +26,17 @@ impl TetMesher for FTetWild {
         "ftetwild"
     }
 
-    fn package(&self) -> &'static str {
-        "wildmeshing"
+    fn packages(&self) -> &'static [&'static str] {
+        &["wildmeshing", "pytetwild"]
     }
 
-    fn script(&self, inside: bool) -> &'static str {
-        if inside {
-            concat!(
-                include_str!("fixed_seed.py"),
-                include_str!("ftetwild.py"),
-                include_str!("ftetwild_inside.py")
-            )
-        } else {
-            concat!(include_str!("fixed_seed.py"), include_str!("ftetwild.py"))
-        }
+    fn script(&self) -> &'static str {
+        concat!(include_str!("load.py"), include_str!("fixed_seed.py"), include_str!("ftetwild.py"))
     }
 
     fn mesh(
         &self,
-        python: &Python,
+        package: &Package,
         surface: &SurfaceMesh,
         layers: &Layers,
         options: &Options,
@@ -55,20 +47,22 @@ impl TetMesher for FTetWild {
         job.put_surface(&all)?;
         let size = diagonal(&surface.vertices);
         let settings = json!({
+            "package": package.name,
+            "inside": inside > 0,
             // It has absolute tolerances meant for sizes near one; a power of two
             // scales without rounding.
             "scale": (1.0 / size).log2().round().exp2(),
             "edge_length": options.edge_length,
             "refine": options.refine,
-            "edge_length_r": options.edge_length / size,
-            "epsilon": options.envelope / size,
-            "stop_quality": options.stop_energy,
-            "max_its": options.max_iterations,
+            "relative_edge_length": options.edge_length / size,
+            "envelope": options.envelope / size,
+            "stop_energy": options.stop_energy,
+            "max_iterations": options.max_iterations,
             "coarsen": options.coarsen,
-            "max_threads": options.threads,
+            "threads": options.threads,
             "seed": options.seed,
         });
-        job.run(python, self.script(inside > 0), &settings, timeout)?;
+        job.run(package.python, self.script(), &settings, timeout)?;
         if job.file("unseeded").exists() {
             log::warn!("fTetWild takes no seed on this machine: another run gives another mesh");
         }

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::job::Job;
-use super::python::Python;
+use super::python::{Package, Python};
 use super::{Options, TetMesher};
 use crate::mesher::layers::{Layers, require_conforming};
 use crate::mesher::script::without_reach;
@@ -34,17 +34,17 @@ impl TetMesher for Gmsh {
         true
     }
 
-    fn package(&self) -> &'static str {
-        "gmsh"
+    fn packages(&self) -> &'static [&'static str] {
+        &["gmsh"]
     }
 
-    fn script(&self, _inside: bool) -> &'static str {
+    fn script(&self) -> &'static str {
         concat!(include_str!("gmsh_import.py"), include_str!("gmsh_volume.py"))
     }
 
     fn mesh(
         &self,
-        python: &Python,
+        package: &Package,
         surface: &SurfaceMesh,
         layers: &Layers,
         options: &Options,
@@ -62,7 +62,7 @@ impl TetMesher for Gmsh {
             "edge_length": options.edge_length,
             "refine": options.refine,
         });
-        job.run(python, self.script(inside > 0), &settings, timeout)?;
+        job.run(package.python, self.script(), &settings, timeout)?;
         Ok(TetMesh { vertices: job.points("points.npy")?, tets: job.indices("tets.npy")? })
     }
 }

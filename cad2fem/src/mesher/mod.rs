@@ -15,7 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesher::layers::Layers;
-use python::Python;
+use python::Package;
 
 /// What is asked of a tetrahedral mesher; everything that decides its result.
 #[derive(Clone, Debug, Serialize)]
@@ -59,15 +59,15 @@ pub trait TetMesher: Sync {
     fn keeps_triangles(&self) -> bool {
         false
     }
-    /// Python package that carries it.
-    fn package(&self) -> &'static str;
-    /// Script that drives it, with or without surfaces inside; part of what decides the result.
-    fn script(&self, inside: bool) -> &'static str;
+    /// Python packages that carry it, of which the first that is installed is used.
+    fn packages(&self) -> &'static [&'static str];
+    /// Script that drives it; part of what decides the result.
+    fn script(&self) -> &'static str;
     /// Meshes a closed surface whose shells are oriented by nesting; of `layers` the triangles
     /// become facets of tetrahedra. Positive volumes are up to the caller.
     fn mesh(
         &self,
-        python: &Python,
+        package: &Package,
         surface: &SurfaceMesh,
         layers: &Layers,
         options: &Options,

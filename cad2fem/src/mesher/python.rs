@@ -11,11 +11,24 @@ use crate::installation;
 pub const PYTHON_VARIABLE: &str = "PUFFER_PYTHON";
 
 /// Path of the Python of a checkout.
-const PYTHON: &str = ".venv/bin/python";
+const PYTHON: &str = if cfg!(windows) { ".venv/Scripts/python.exe" } else { ".venv/bin/python" };
+
+/// Defines `load`, which loads a package.
+const LOAD: &str = include_str!("load.py");
 
 /// A Python interpreter.
 pub struct Python {
     pub(crate) path: PathBuf,
+}
+
+/// A package that a Python has.
+pub struct Package<'a> {
+    /// Which Python.
+    pub python: &'a Python,
+    /// Its name.
+    pub name: &'static str,
+    /// Its version.
+    pub version: String,
 }
 
 impl Python {
@@ -37,34 +50,41 @@ impl Python {
         self.path.display().to_string()
     }
 
-    /// Loads a package: libraries of the system that it needs may be missing.
-    pub fn import(&self, package: &str) -> Result<()> {
-        let output = self.ask("import importlib as m; m.import_module(package)", package)?;
+    /// The first of some packages that is installed.
+    pub fn first_of(&self, names: &'static [&'static str]) -> Result<Package<'_>> {
+        let line = "import importlib.metadata as m, sys
+for name in sys.argv[1:]:
+    try: print(name, m.version(name)); break
+    except m.PackageNotFoundError: pass";
+        let output = self.ask(line, names)?;
+        let found = String::from_utf8_lossy(&output.stdout);
+        let (found, version) = found.trim().split_once(' ').unwrap_or_default();
+        let name = names.iter().find(|name| **name == found).with_context(|| {
+            format!(
+                "{} has no package {}; pip install softpuffer, in a checkout `make setup`, or set \
+                 {PYTHON_VARIABLE} to a Python that has it",
+                self.path.display(),
+                names.join(" or ")
+            )
+        })?;
+        Ok(Package { python: self, name, version: version.to_owned() })
+    }
+
+    /// Runs a script, with nothing from the working directory.
+    fn ask(&self, script: &str, arguments: &[&str]) -> Result<Output> {
+        let output = Command::new(&self.path).args(["-I", "-c", script]).args(arguments).output();
+        output.with_context(|| format!("cannot run {}", self.path.display()))
+    }
+}
+
+impl Package<'_> {
+    /// Loads it: libraries of the system that it needs may be missing.
+    pub fn load(&self) -> Result<()> {
+        let output = self.python.ask(&format!("{LOAD}load(sys.argv[1])"), &[self.name])?;
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.trim_end().lines().last().unwrap_or("it says nothing");
         ensure!(output.status.success(), "cannot be loaded: {last}");
         Ok(())
-    }
-
-    /// The installed version of a package.
-    pub fn version_of(&self, package: &str) -> Result<String> {
-        let output =
-            self.ask("import importlib.metadata as m; print(m.version(package))", package)?;
-        if output.status.success() {
-            return Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned());
-        }
-        bail!(
-            "{} has no package {package}; pip install softpuffer, in a checkout `make setup`, or set \
-             {PYTHON_VARIABLE} to a Python that has it",
-            self.path.display()
-        )
-    }
-
-    /// Runs a line about a package, with nothing from the working directory.
-    fn ask(&self, line: &str, package: &str) -> Result<Output> {
-        let script = format!("import sys; package = sys.argv[1]; {line}");
-        let output = Command::new(&self.path).args(["-I", "-c", &script, package]).output();
-        output.with_context(|| format!("cannot run {}", self.path.display()))
     }
 }
 

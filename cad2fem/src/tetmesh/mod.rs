@@ -18,7 +18,7 @@ use program::Unusable;
 use serde::Serialize;
 
 use crate::mesher::layers::{Layers, exact_facets};
-use crate::mesher::python::Python;
+use crate::mesher::python::{Package, Python};
 use crate::mesher::{Options, TetMesher};
 use crate::report::findings;
 use crate::tetmesh::cache::{Cache, key};
@@ -171,11 +171,11 @@ fn tetrahedralize_by(
     request: &Request,
 ) -> Result<(TetMesh, Outcome)> {
     let start = Instant::now();
-    let version = request.python.version_of(mesher.package())?;
-    let name = format!("{} ({} {version})", mesher.name(), mesher.package());
+    let package = request.python.first_of(mesher.packages())?;
+    let name = format!("{} ({} {})", mesher.name(), package.name, package.version);
     let (all, inside) = request.layers.beside(surface);
-    let script = mesher.script(inside > 0);
-    let key = key(&all, &(REVISION, &name, script, &request.options, request.improve_passes))?;
+    let asked = (&request.options, request.improve_passes, inside);
+    let key = key(&all, &(REVISION, &name, mesher.script(), asked))?;
     let kept = request.cache.as_ref().and_then(|cache| cache.get(&key));
     let cached = kept.is_some();
     let (mesh, mut outcome) = match kept {
@@ -183,7 +183,7 @@ fn tetrahedralize_by(
             let outcome = verify(&mesh, surface, request, name)?;
             (mesh, outcome)
         }
-        None => make(mesher, surface, request, &name)?,
+        None => make(mesher, &package, surface, request, &name)?,
     };
     if let (Some(cache), false) = (&request.cache, cached)
         && let Err(error) = cache.put(&key, &mesh)
@@ -199,6 +199,7 @@ fn tetrahedralize_by(
 /// another seed, the last one shorter edges, too.
 fn make(
     mesher: &dyn TetMesher,
+    package: &Package,
     surface: &SurfaceMesh,
     request: &Request,
     name: &str,
@@ -206,8 +207,8 @@ fn make(
     let mut options = request.options.clone();
     let mut refused = Vec::new();
     for attempt in 1.. {
-        let Request { python, layers, timeout, .. } = request;
-        let mut mesh = mesher.mesh(python, surface, layers, &options, *timeout)?;
+        let Request { layers, timeout, .. } = request;
+        let mut mesh = mesher.mesh(package, surface, layers, &options, *timeout)?;
         finish(&mut mesh, surface, request, options.envelope);
         let error = match verify(&mesh, surface, request, name.to_owned()) {
             Ok(outcome) => return Ok((mesh, Outcome { refused, ..outcome })),
@@ -389,11 +390,12 @@ impl Outcome {
     pub fn log(&self) {
         let origin = if self.cached { ", from the cache" } else { "" };
         log::info!(
-            "{} tets, {} vertices, {} boundary facets in {} shell(s), {:.1} s{origin}",
+            "{} tets, {} vertices, {} boundary facets in {} shell(s), by {}, {:.1} s{origin}",
             self.tets,
             self.vertices,
             self.boundary_facets,
             self.shells,
+            self.mesher,
             self.wall_s
         );
         log::info!(

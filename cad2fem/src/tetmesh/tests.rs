@@ -35,15 +35,15 @@ impl TetMesher for Stub<'_> {
     fn name(&self) -> &'static str {
         "stub"
     }
-    fn package(&self) -> &'static str {
-        "stub"
+    fn packages(&self) -> &'static [&'static str] {
+        &["stub"]
     }
-    fn script(&self, _: bool) -> &'static str {
+    fn script(&self) -> &'static str {
         ""
     }
     fn mesh(
         &self,
-        _: &Python,
+        _: &Package,
         _: &SurfaceMesh,
         _: &Layers,
         options: &Options,
@@ -71,8 +71,9 @@ fn made(spoiled: usize, spoil: fn(&mut TetMesh)) -> (Result<Outcome>, Vec<(f64, 
     let surface = boundary(&surface).surface(&surface).0;
     let stub = Stub { spoiled, spoil, asked: Vec::new().into(), body: &body };
     let settings = crate::tetmesh::config::Tetmesh { envelope: Some(1e-4), ..Default::default() };
+    let python = || Python { path: "none".into() };
     let request = Request {
-        python: Python { path: "none".into() },
+        python: python(),
         meshers: Vec::new(),
         options: settings.options(0.03).unwrap(),
         improve_passes: 0,
@@ -80,7 +81,8 @@ fn made(spoiled: usize, spoil: fn(&mut TetMesh)) -> (Result<Outcome>, Vec<(f64, 
         cache: None,
         timeout: Duration::ZERO,
     };
-    let outcome = make(&stub, &surface, &request, "stub").map(|(_, outcome)| outcome);
+    let package = Package { python: &python(), name: "stub", version: "1".into() };
+    let outcome = make(&stub, &package, &surface, &request, "stub").map(|(_, outcome)| outcome);
     (outcome, stub.asked.into_inner().unwrap())
 }
 

@@ -41,6 +41,23 @@ impl Workdir {
         Some(Self { python: Some(python_with(package)?), ..self })
     }
 
+    /// One whose runs use a Python with numpy and pytetwild alone, installed by the hashes of the checkout; none if pip
+    /// cannot get it, and the test is counted as skipped.
+    pub fn with_pytetwild() -> Option<Self> {
+        let dir = Self::with(&["numpy"])?;
+        let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../requirements.txt");
+        let mut python = Command::new(dir.python.as_ref()?);
+        let made = python.args(["-c", PYTETWILD]).arg(list).current_dir(dir.folder.path()).output();
+        let made = made.unwrap();
+        if !made.status.success() {
+            let said = String::from_utf8_lossy(&made.stderr);
+            skip::skip(&format!("pip cannot install pytetwild: {}", said.trim_end()));
+            return None;
+        }
+        let python = dir.path("env/bin/python").display().to_string();
+        Some(Self { python: Some(python), ..dir })
+    }
+
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -118,12 +135,30 @@ impl Run {
     }
 }
 
-/// The Python with the meshers; none if it lacks `package`, which is said.
+/// Makes an environment with numpy, that of the Python which runs this, and pytetwild. Its line in a list of packages has a
+/// marker, of the systems that need it.
+const PYTETWILD: &str = r#"
+import os, pathlib, subprocess, sys, sysconfig, venv
+venv.create("env", symlinks=True)
+[packages] = pathlib.Path("env").glob("lib/python3*/site-packages")
+for path in pathlib.Path(sysconfig.get_path("platlib")).glob("numpy*"):
+    os.symlink(path, packages / path.name)
+lines = open(sys.argv[1]).read().replace("\\\n", "").splitlines()
+[words] = [line.split() for line in lines if line.startswith("pytetwild==")]
+open("list.txt", "w").write(" ".join([words[0]] + [word for word in words if word.startswith("--hash")]))
+options = ["--quiet", "--no-deps", "--require-hashes", "--only-binary", ":all:", "--target", packages]
+sys.exit(subprocess.run([sys.executable, "-m", "pip", "install", *options, "-r", "list.txt"]).returncode)
+"#;
+
+/// The Python with the meshers; none if it lacks `package`, which is said. `ftetwild` is either of its packages.
 fn python_with(package: &str) -> Option<String> {
     let named = std::env::var("PUFFER_PYTHON").ok();
     let venv = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
     let python = named.unwrap_or_else(|| venv.display().to_string());
-    let output = Command::new(&python).args(["-c", &format!("import {package}")]).output();
+    let either = "from importlib.util import find_spec as f; assert f('wildmeshing') or f('pytetwild'), 'none is there'";
+    let import = format!("import {package}");
+    let script = if package == "ftetwild" { either } else { &import };
+    let output = Command::new(&python).args(["-c", script]).output();
     let reason = match output {
         Err(error) => format!("{python} does not run ({error}); run `make setup`"),
         Ok(output) if output.status.success() => return Some(python),
