@@ -133,6 +133,8 @@ def _compiled(target):
     """The folder of the programs and of the module, which are brought up to date. All packages at once, as `make setup`
     does: for some of them, cargo would compile what they build on with other features."""
     own = "cargo build --release --locked --workspace --bins"
+    if sys.platform == "win32":
+        own += " --exclude tests"  # which are for Unix
     command = (os.environ["PUFFER_COMPILE"] if target else own).split()
     # that of the stable ABI: which Python is here does not count, and nothing is compiled again for another one
     environment = os.environ | {"PYO3_NO_PYTHON": "1"}
