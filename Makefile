@@ -137,11 +137,12 @@ bench-compare:  ## the same, and fail where a row is more than 10 % slower than 
 bench-peers: setup build/beam/tagged.msh build/frog/tagged.msh  ## what a Newton iteration takes here, in FEniCSx and in CalculiX, where these are installed
 	.venv/bin/python tests/peers/run.py $(BIN)/solver build/bench/peers.txt pipelines/beam/sim.toml pipelines/frog/sim.toml
 
-lint: .cargo-tools/prose/installed  ## what CI asks of the sources: format, clippy, documentation, prose
+lint: .cargo-tools/prose/installed  ## what CI asks of the sources: format, clippy, documentation, prose, workflows
 	cargo fmt --check
 	cargo clippy --release --locked --workspace --all-targets -- --deny warnings
 	RUSTDOCFLAGS='--deny warnings' cargo doc --release --locked --workspace --no-deps --quiet
 	.cargo-tools/prose/bin/python -B .ci/prose.py
+	.cargo-tools/prose/bin/zizmor --offline --quiet .github
 
 audit: export PATH := $(CURDIR)/.cargo-tools/bin:$(PATH)
 audit:  ## licences, sources, advisories and duplicates of all crates (AUDIT="licenses bans sources": without the network)
@@ -169,7 +170,7 @@ schemas: setup  ## JSON Schemas of all files that people write, for editors, in 
 	@$(foreach s,$(SCHEMAS),$(BIN)/$(patsubst %/,%,$(dir $(s))) schema $(notdir $(s)) > build/schemas/$(notdir $(s)).json;)
 	@$(PYTHON) pipelines/sweep/schema.py > build/schemas/sweep.json
 
-wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu)
+wheel: .cargo-tools/wheel/installed  ## the Python package with all programs, in build/wheel (TARGET=aarch64-unknown-linux-gnu|x86_64-pc-windows-gnu|aarch64-apple-darwin, RELEASE=yes: to be published)
 	.ci/wheel $(TARGET)
 
 dist:  ## programs with licences and a checksum, in build/dist (TARGET=aarch64-unknown-linux-musl|x86_64-pc-windows-gnu|aarch64-apple-darwin)

@@ -1,8 +1,9 @@
-"""Builds the Python package (PEP 517): the programs and the files that they share by cargo, then the wheel by maturin.
+"""Builds the Python package (PEP 517): cargo compiles the programs and the module that Python loads, maturin writes the
+metadata, and `wheel` packs both with the files that all programs share.
 
-In the environment, PUFFER_GLIBC=2.17 builds for Linux with that glibc or a newer one, with Zig as linker; PUFFER_TARGET
-is then the target of Rust, x86_64-unknown-linux-gnu if not given. PUFFER_LICENCES is a file with the licences of all
-crates in the programs. Without them the wheel is for machines like this one.
+In the environment, PUFFER_TARGET is the target of Rust to build for, where it is not this machine, and PUFFER_COMPILE
+the command that compiles the programs for it. PUFFER_LICENCES is a file with the licences of all crates in them.
+Without these the wheel is for machines like this one.
 """
 
 import io
@@ -25,20 +26,26 @@ PROGRAMS = ("cad2fem", "tagger", "solver", "fab")
 SHARED = ("pipelines/chain.mk", "pipelines/folder.mk", "pipelines/gallery.py")
 SWEEP = ("*.py", "Snakefile", "web/**/*", "vendor/**/*")
 LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
+# The module, as cargo names it on Linux, macOS and Windows.
+MODULES = ("lib_native.so", "lib_native.dylib", "_native.dll")
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Builds a wheel and returns its name."""
-    import maturin
+    from wheel.wheelfile import WheelFile
 
-    with _prepared():
-        _put_programs_and_shared_files()
-        os.environ["MATURIN_PEP517_ARGS"] = " ".join(_arguments_of_maturin())
-        if _glibc():
-            # The linker of maturin has another name than that of cargo-zigbuild, so that each would discard what the
-            # other has compiled.
-            os.environ["CARGO_TARGET_DIR"] = str(_compiled() / "python")
-        return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)
+    with tempfile.TemporaryDirectory() as folder:
+        package = Path(folder) / PACKAGE.name
+        shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+        _put_programs(package)
+        _put_shared_files(package / "share/puffer")
+        tag = f"cp310-abi3-{_platform(package)}"
+        metadata = Path(folder) / prepare_metadata_for_build_wheel(folder)
+        (metadata / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: softpuffer\nRoot-Is-Purelib: false\nTag: {tag}\n")
+        name = f"{metadata.stem}-{tag}.whl"
+        with WheelFile(Path(wheel_directory) / name, "w") as wheel:
+            wheel.write_files(folder)
+    return name
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
@@ -80,74 +87,85 @@ def _prepared():
         os.environ["PATH"] = path
 
 
-def _put_programs_and_shared_files():
-    for folder in ("bin", "share"):
-        shutil.rmtree(PACKAGE / folder, ignore_errors=True)
-    (PACKAGE / "bin").mkdir()
-    schemas = PACKAGE / "share/puffer/schemas"
+def _put_programs(package):
+    """Programs, what they say of themselves, and the module."""
+    built, windows = _compiled(_target()), "windows" in _system()
+    suffix = ".exe" if windows else ""
+    schemas = package / "share/puffer/schemas"
     schemas.mkdir(parents=True)
-    built = _built(_target())
-    own = built if _runs(built / "solver") else _built("")
+    (package / "bin").mkdir()
+    own = built if _runs(built / f"solver{suffix}") else _compiled("")
     for name in PROGRAMS:
-        _put_stripped(built / name, PACKAGE / "bin" / name)
-        _said(own / name, "shell-files", PACKAGE / "share")
+        _put_stripped(built / (name + suffix), package / "bin" / (name + suffix))
+        _said(own / name, "shell-files", package / "share")
         for line in _said(own / name, "schema").splitlines():
             kind = line.split()[0]
             (schemas / f"{kind}.json").write_text(_said(own / name, "schema", kind))
+    module = next(path for path in map(built.joinpath, MODULES) if path.exists())
+    _put_stripped(module, package / ("_native.pyd" if windows else "_native.abi3.so"))
+
+
+def _put_shared_files(share):
     for path in SHARED:
-        shutil.copy(ROOT / path, PACKAGE / "share/puffer")
+        shutil.copy(ROOT / path, share)
     sweep = ROOT / "pipelines/sweep"
     for path in (path for pattern in SWEEP for path in sweep.glob(pattern) if path.is_file()):
-        place = PACKAGE / "share/puffer/sweep" / path.relative_to(sweep)
+        place = share / "sweep" / path.relative_to(sweep)
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, place)
     if sys.version_info >= (3, 11):
-        (schemas / "sweep.json").write_text(_said(sys.executable, "-B", sweep / "schema.py"))
+        (share / "schemas/sweep.json").write_text(_said(sys.executable, "-B", sweep / "schema.py"))
     licences = os.environ.get("PUFFER_LICENCES")
     if licences:
-        shutil.copy(licences, PACKAGE / "share/puffer/LICENCES")
-
-
-def _glibc():
-    return os.environ.get("PUFFER_GLIBC", "")
+        shutil.copy(licences, share / "LICENCES")
 
 
 def _target():
-    """Target of Rust where Zig links, else nothing, which is that of this machine."""
-    return os.environ.get("PUFFER_TARGET", "x86_64-unknown-linux-gnu") if _glibc() else ""
+    """Target of Rust, nothing for that of this machine."""
+    return os.environ.get("PUFFER_TARGET", "")
 
 
-def _arguments_of_maturin():
-    if not _glibc():
-        return ["--locked"]
-    return ["--locked", "--zig", "--target", _target(), "--compatibility", "manylinux_" + _glibc().replace(".", "_")]
+def _system():
+    return _target() or {"win32": "windows"}.get(sys.platform, sys.platform)
 
 
-def _built(target):
-    """The folder of the programs, which are brought up to date."""
-    packages = [word for name in PROGRAMS for word in ("-p", name)]
-    verb = ["zigbuild", "--target", f"{target}.{_glibc()}"] if target else ["build"]
-    subprocess.run(["cargo", *verb, "--release", "--locked", *packages], cwd=ROOT, check=True)
-    return _compiled() / target / "release"
-
-
-def _compiled():
-    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+def _compiled(target):
+    """The folder of the programs and of the module, which are brought up to date. All packages at once, as `make setup`
+    does: for some of them, cargo would compile what they build on with other features."""
+    own = "cargo build --release --locked --workspace --bins"
+    if sys.platform == "win32":
+        own += " --exclude tests"  # which are for Unix
+    command = (os.environ["PUFFER_COMPILE"] if target else own).split()
+    # that of the stable ABI: which Python is here does not count, and nothing is compiled again for another one
+    environment = os.environ | {"PYO3_NO_PYTHON": "1"}
+    subprocess.run([*command, "--lib"], cwd=ROOT, env=environment, check=True)
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / target / "release"
 
 
 def _put_stripped(source, place):
-    native = not _target() or _target().startswith(platform.machine())
-    strip = ["strip", "-o", place, source] if native else [
-        sys.executable, "-m", "ziglang", "objcopy", "--strip-all", source, place]
-    subprocess.run(strip, check=True)
-    place.chmod(0o755)
-    versions = {tuple(map(int, found)) for found in re.findall(rb"GLIBC_(\d+)\.(\d+)", place.read_bytes())}
-    if _glibc() and max(versions) > tuple(map(int, _glibc().split("."))):
-        sys.exit(f"{place}: needs glibc {max(versions)}, more than {_glibc()}")
+    """PUFFER_COMPILE has stripped what it compiled; on Windows, symbols are in files of their own."""
+    if _target() or sys.platform == "win32":
+        shutil.copy(source, place)
+    else:
+        subprocess.run(["strip", *(["-x"] if sys.platform == "darwin" else []), "-o", place, source], check=True)
+        place.chmod(0o755)
+
+
+def _platform(package):
+    """The platform in the tag: for Linux by the glibc that programs and module ask for."""
+    machine = _target().split("-")[0] or platform.machine().lower()
+    if "windows" in _system():
+        return "win_" + machine.replace("x86_64", "amd64")
+    if "darwin" in _system():
+        # the oldest macOS that Rust compiles for
+        return "macosx_11_0_arm64" if machine in ("arm64", "aarch64") else "macosx_10_12_x86_64"
+    files = [*(package / "bin").iterdir(), package / "_native.abi3.so"]
+    asked = {tuple(map(int, v)) for file in files for v in re.findall(rb"GLIBC_(\d+)\.(\d+)", file.read_bytes())}
+    return "manylinux_{}_{}_{}".format(*max(asked), machine) if asked else f"linux_{machine}"
 
 
 def _runs(program):
-    """Whether this machine can run a program: its own, or with QEMU another's."""
+    """Whether this machine can run a program: its own, or with QEMU or Wine another's."""
     try:
         return subprocess.run([program, "--version"], capture_output=True).returncode == 0
     except OSError:

@@ -21,7 +21,8 @@ const PACKAGES: [&str; 5] = [
 #[test]
 #[ignore = "builds the wheel and runs all notebooks, ten minutes: runs in make test-all"]
 fn notebooks_run_in_a_kernel() {
-    let Some(environment) = Environment::new(&wheel()) else {
+    let (_dir, wheel) = wheel("wheel");
+    let Some(environment) = Environment::new(&wheel) else {
         return skip("pip cannot install the meshers here");
     };
     let bin = environment.0.path("env/bin");

@@ -27,6 +27,24 @@ Puffer: from a model of a soft actuator to printable molds.
   puffer --version
 """
 
+# What to type next, in a folder of a body and elsewhere.
+NEXT_IN_BODY = """\
+This folder has a body. Type
+
+  puffer make                       make all of it, then open build/report.html
+
+puffer --help lists all commands.
+"""
+NEXT = """\
+Puffer: from a model of a soft actuator to printable molds. Type
+
+  puffer studio                     begin on a page in your browser, with a CAD file
+  puffer new mine --like beam       or with a folder of files, then: puffer make -C mine
+  puffer doctor                     see what this machine lacks
+
+puffer --help lists all commands.
+"""
+
 
 class ProgramError(RuntimeError):
     """A program failed. The text is its message.
@@ -70,7 +88,10 @@ def fab() -> None:
 
 def puffer() -> None:
     """Runs the command `puffer`."""
-    word, rest = (sys.argv + ["--help"])[1], sys.argv[2:]
+    if len(sys.argv) == 1:
+        print(NEXT_IN_BODY if Path("cad2fem.toml").is_file() else NEXT, end="")
+        return
+    word, rest = sys.argv[1], sys.argv[2:]
     if word in PROGRAMS:
         _run_program(word, rest)
     elif word in ("new", "doctor"):
