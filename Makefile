@@ -94,8 +94,8 @@ fibre-angles:  ## what the angle of fibres does to a tube: length and twist, in 
 fibre-path:  ## windings of a tube whose tip follows a path at one pressure, designed in two minutes
 
 setup: .venv/installed  ## install Python packages into .venv and build the programs
-	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on, some 280 crates, into target: about seven minutes on two cores"
-	@cargo build --release --locked --workspace --bins
+	@test -x $(BIN)/fab || echo "setup: compiling the programs and what they build on into target, for some minutes"
+	@.ci/compile build --release --locked --workspace --bins
 
 install: setup  ## programs, man pages and completions into PREFIX, /usr/local if not given; the checkout must stay
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/puffer
