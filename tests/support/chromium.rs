@@ -78,8 +78,9 @@ impl Chromium {
             .args(["-c", script, &LIFE.to_string(), *program])
             .args(["--headless", "--no-sandbox", "--remote-debugging-pipe", "--hide-scrollbars"])
             .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
-            // no server is reached, whatever a page asks for
-            .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--no-first-run"])
+            // no server is reached, whatever a page asks for, except one of a test by the number of this machine
+            .arg("--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1")
+            .arg("--no-first-run")
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
             .stdin(Stdio::piped())
