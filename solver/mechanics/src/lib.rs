@@ -20,6 +20,7 @@ pub mod rigid; // nodes that move together
 pub mod contact; // contact potentials and collision detection
 pub mod schedule; // values over time, as people write them
 pub mod energy; // terms of the potential energy: elasticity, loads, contact
+pub mod fields; // strains and stresses of a state
 pub mod forward; // from energies to an equilibrium: Newton's method, load and time steps
 pub mod stability; // paths of equilibria, and where these lose their stability
 pub mod adjoint; // gradient of an objective over a run by the adjoint method

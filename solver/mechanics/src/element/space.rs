@@ -180,7 +180,7 @@ impl FunctionSpace {
     }
 
     /// ∇u at the points of the volume rule of one element [1].
-    pub fn displacement_gradients(
+    pub(crate) fn displacement_gradients(
         &self,
         rest: &[Vec3],
         u: &[f64],

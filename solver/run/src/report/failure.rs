@@ -7,8 +7,8 @@ use anyhow::Result;
 use mechanics::body::Body;
 use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::Iterate;
+use mechanics::fields::volume_ratios;
 use mechanics::forward::{Failure, Problem, Uncertified, Unreached, Workspace};
-use mechanics::material::Kinematics;
 use mechanics::math::linear;
 use mechanics::stability::SoftestMode;
 use mechanics::stretch::Stretches;
@@ -171,8 +171,7 @@ pub fn inverted(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Option<Strin
 }
 
 fn smallest_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64], e: usize) -> f64 {
-    let gradients = space.displacement_gradients(rest, u, e);
-    gradients.map(|grad_u| Kinematics::new(&grad_u).j()).fold(f64::INFINITY, f64::min)
+    volume_ratios(space, rest, u, e).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 impl Sides<'_> {

@@ -8,7 +8,6 @@ pub mod compare;
 pub mod crossing;
 pub mod curve;
 pub mod failure;
-pub mod fields;
 pub mod locking;
 pub mod meeting;
 pub mod mirror;

@@ -11,8 +11,8 @@ use mechanics::element::{FunctionSpace, at};
 use mechanics::energy::{
     self, Energies, Friction, Iterate, Multiplier, Nature, Rigid, RigidLoad, RigidMass,
 };
+use mechanics::fields::{fields, volume_ratios};
 use mechanics::forward::{LoadStep, Problem};
-use mechanics::material::Kinematics;
 use mechanics::symmetry::{AXES, Plane};
 use mesh::Vec3;
 use mesh::io::npy;
@@ -27,7 +27,6 @@ use scene::config::SimConfig;
 use scene::term::State;
 use serde::Serialize;
 
-use crate::report::fields::fields;
 use crate::report::stability;
 
 /// Name of the file with a line for each step.
@@ -374,10 +373,8 @@ pub fn grid(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> vtu::Grid {
 
 fn mean_volume_ratio(space: &FunctionSpace, rest: &[Vec3], u: &[f64]) -> Vec<f64> {
     let weights = &space.volume_table().weights;
-    let one = |e: usize| {
-        let points = space.displacement_gradients(rest, u, e).zip(weights);
-        points.map(|(grad_u, weight)| weight * Kinematics::new(&grad_u).j()).sum()
-    };
+    let one =
+        |e: usize| volume_ratios(space, rest, u, e).iter().zip(weights).map(|(j, w)| w * j).sum();
     (0..space.tets().len()).map(one).collect()
 }
 

@@ -17,12 +17,14 @@
 //! node lies outside those at quadrature points; the basis functions, which are negative in
 //! places, would overshoot.
 
-use mechanics::element::{FunctionSpace, node_indices};
-use mechanics::energy::{Elastic, ElementLaw, Energies, Iterate};
-use mechanics::material::Kinematics;
-use mechanics::math::tensor::{Mat3, largest_eigenvalue};
-use mechanics::parallel::fill;
+use mesh::Vec3;
 use mesh::io::vtu::Field;
+
+use crate::element::{FunctionSpace, node_indices};
+use crate::energy::{Elastic, ElementLaw, Energies, Iterate};
+use crate::material::Kinematics;
+use crate::math::tensor::{Mat3, largest_eigenvalue};
+use crate::parallel::fill;
 
 /// Names and units of the scalars, in the order of [`Point::scalars`].
 const SCALARS: [(&str, &str); 5] = [
@@ -89,6 +91,12 @@ pub fn fields(energies: &Energies, at: &Iterate) -> [Vec<Field>; 2] {
     [scalars(&at_nodes(at, &points)).collect(), of_cells]
 }
 
+/// J at the quadrature points of an element.
+pub fn volume_ratios(space: &FunctionSpace, rest: &[Vec3], u: &[f64], element: usize) -> Vec<f64> {
+    let gradients = space.displacement_gradients(rest, u, element);
+    gradients.map(|grad_u| Kinematics::new(&grad_u).j()).collect()
+}
+
 /// Means over each cell.
 fn means(space: &FunctionSpace, points: &[Point]) -> Vec<Point> {
     let weights = &space.volume_table().weights;
@@ -141,12 +149,9 @@ fn scalars(points: &[Point]) -> impl Iterator<Item = Field> {
 
 #[cfg(test)]
 mod tests {
-    use mechanics::element::FunctionSpace;
-    use mechanics::material::{Lame, NeoHookean};
-    use mechanics::testing::cube;
-    use mesh::Vec3;
-
     use super::*;
+    use crate::material::{Lame, NeoHookean};
+    use crate::testing::cube;
 
     /// Fields of a cube of neo-Hookean material that is displaced as a function says.
     fn fields_of(degree: usize, u: impl Fn(Vec3) -> Vec3) -> [Vec<Field>; 2] {
