@@ -206,7 +206,7 @@ fn a_mesher_that_crashes_or_hangs_is_reported() {
     let dir = Workdir::new();
     write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
     let arguments = "tetmesh cube.stl -o out.msh --no-cache --timeout 1";
-    let answer = "if [ \"$2\" = -c ]; then echo 0.0; exit; fi";
+    let answer = "if [ \"$2\" = -c ]; then echo wildmeshing 0.0; exit; fi";
     let crash = dir.program("crash", &format!("{answer}; echo dividing by zero >&2; exit 9"));
     dir.run_with("PUFFER_PYTHON", &crash, arguments).fails(1, "dividing by zero");
     let hang = dir.program("hang", &format!("{answer}; exec sleep 60"));
@@ -219,7 +219,7 @@ fn a_signal_ends_the_mesher_and_removes_its_folder() {
     let dir = Workdir::new();
     write_surface(&dir.path("cube.stl"), &cube(1.0)).unwrap();
     fs::create_dir(dir.path("tmp")).unwrap();
-    let answer = "if [ \"$2\" = -c ]; then echo 0.0; exit; fi";
+    let answer = "if [ \"$2\" = -c ]; then echo wildmeshing 0.0; exit; fi";
     let hang = dir.program("hang", &format!("{answer}; echo $$ > ../../mesher; exec sleep 60"));
     let start = format!(
         "TMPDIR=$PWD/tmp PUFFER_PYTHON={hang} \"$0\" tetmesh cube.stl -o out.msh --no-cache & p=$!"
