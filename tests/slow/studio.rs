@@ -68,7 +68,7 @@ fn a_step_that_is_dropped_becomes_a_page_and_a_mold() {
         browser.drop_file([400.0, 190.0], &dir.path("hand.step"));
     }
     browser.click_button("Begin");
-    browser.wait("state?.page > 0 && location.hash === '#hand'");
+    browser.wait("typeof state !== 'undefined' && state?.page > 0 && location.hash === '#hand'");
     browser.evaluate("document.getElementById('pick').scrollIntoView({ block: 'end' })");
     browser.within("pick.html", tags_are_clicked);
     browser.wait("state.files['tags.toml'] !== '0' && state.missing.length === 0");
@@ -86,7 +86,7 @@ fn a_step_that_is_dropped_becomes_a_page_and_a_mold() {
     let studio = Studio::start(&dir, &python);
     let Some(mut browser) = Chromium::start([1280, 900]) else { return };
     browser.visit(&format!("{}#hand", studio.1));
-    browser.wait("state?.run.running && document.getElementById('make').textContent === 'Stop'");
+    browser.wait("typeof state !== 'undefined' && state?.run.running && document.getElementById('make').textContent === 'Stop'");
     browser.press("Stop");
     browser.wait("!state.run.running && document.body.textContent.includes('It was stopped.')");
     browser.press("Make all of it");
@@ -101,7 +101,7 @@ fn a_step_that_is_dropped_becomes_a_page_and_a_mold() {
 
     let Some(mut browser) = Chromium::start([1280, 900]) else { return };
     browser.visit(&format!("{}#hand", studio.1));
-    browser.wait("state?.run.code === 0 && state.parts.length > 2 && state.zip");
+    browser.wait("typeof state !== 'undefined' && state?.run.code === 0 && state.parts.length > 2 && state.zip");
     let pictures =
         "[...document.querySelectorAll('#pictures img')].map((i) => i.naturalWidth > 500)";
     browser.wait(&format!("{pictures}.length === 2"));
