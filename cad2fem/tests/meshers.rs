@@ -244,7 +244,7 @@ fn pytetwild_takes_the_place_of_wildmeshing() {
     let (plain, fine) =
         (made("plain", "plain.toml --inside beyond.stl"), made("ball", "ball.toml"));
     assert!(near(&fine) > 8 * near(&plain), "{} {}", near(&fine), near(&plain));
-    // no tetrahedron is cut by the surface inside, but for the envelope
+    // the surface inside cuts no tetrahedron by more than the envelope
     let cut = |t: &usize| {
         let x = plain.corners(*t).map(|p| p.x - 0.0124);
         x.iter().any(|x| *x < -5e-5) && x.iter().any(|x| *x > 5e-5)

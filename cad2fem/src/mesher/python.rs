@@ -25,9 +25,9 @@ pub struct Python {
 pub struct Package<'a> {
     /// Which Python.
     pub python: &'a Python,
-    /// Its name.
+    /// What pip and Python call it.
     pub name: &'static str,
-    /// Its version.
+    /// The version that is installed.
     pub version: String,
 }
 
