@@ -157,8 +157,8 @@ def _platform(package):
     if "windows" in _system():
         return "win_" + machine.replace("x86_64", "amd64")
     if "darwin" in _system():
-        # the oldest macOS that Rust compiles for
-        return "macosx_11_0_arm64" if machine in ("arm64", "aarch64") else "macosx_10_12_x86_64"
+        # on ARM the oldest that the mesher has a wheel for, else the oldest that Rust compiles for
+        return "macosx_15_0_arm64" if machine in ("arm64", "aarch64") else "macosx_10_12_x86_64"
     files = [*(package / "bin").iterdir(), package / "_native.abi3.so"]
     asked = {tuple(map(int, v)) for file in files for v in re.findall(rb"GLIBC_(\d+)\.(\d+)", file.read_bytes())}
     return "manylinux_{}_{}_{}".format(*max(asked), machine) if asked else f"linux_{machine}"
