@@ -48,21 +48,27 @@ const set = (file, what, said, version = state.files[file]) => post(`set/${file}
 async function refresh() {
   clearTimeout(waiting);
   const name = decodeURIComponent(location.hash.slice(1));
+  let wait = BUSY;
   try {
     if (name) state = await (await ask(`bodies/${encodeURIComponent(name)}`)).json();
     else home = await (await ask('bodies')).json();
-    silicones ??= await (await ask('silicones')).json();
+    if (!name || !state.run.running) wait = IDLE;
     at('lost').hidden = true;
     at('home').hidden = Boolean(name);
     at('body').hidden = !name;
     at('name').textContent = name;
     document.title = name ? `${name} – puffer studio` : 'puffer studio';
-    if (name) show(); else showHome();
+    if (!name) showHome();
+    else {
+      show();
+      // a program lists them: all else is shown before
+      if (!silicones) { silicones = await (await ask('silicones')).json(); show(); }
+    }
   } catch (error) {
     at('lost').hidden = false;
     at('lost').textContent = error.message;
   }
-  waiting = setTimeout(refresh, name && state?.run.running ? BUSY : IDLE);
+  waiting = setTimeout(refresh, wait);
 }
 
 /** Makes a part of the page again if what it shows has changed. */
@@ -105,7 +111,7 @@ function show() {
   part('faces', '.command').textContent = state.pick;
   at('wanted').textContent = tagged ? '' : ` sim.toml and mold.toml speak of ${[...new Set(state.missing.map((one) => one.name))].join(', ')}.`;
   at('read').hidden = ready || run.running || models.length !== 1;
-  once('settings', [name, tagged, state.tags, state.missing, state.chambers, state.unfilled, state.silicone, state.cast, files, silicones], () => tagged && settings());
+  once('settings', [name, tagged, state.tags, state.missing, state.chambers, state.unfilled, state.silicone, state.cast, files, silicones], () => tagged && silicones && settings());
   at('make').textContent = run.running ? 'Stop' : state.report ? 'Make again what has changed' : 'Make all of it';
   at('make').disabled = !run.running && !tagged;
   at('why').textContent = run.running || sound ? '' : tagged ? 'What is red above will stop it.' : 'Save tags.toml first.';
