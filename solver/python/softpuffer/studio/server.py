@@ -15,7 +15,7 @@ import socket
 import sys
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import IO, Any, Callable, Mapping, cast
+from typing import Any, Callable, Mapping, cast
 from urllib.parse import quote, unquote
 
 from .. import programs
@@ -130,44 +130,43 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _post(self, parts: list[str]) -> Any:
         """Makes a change; answers with what the body is then."""
-        size, content = self._size(), cast(IO[bytes], self.rfile)
+        content, seen = self._content(), self.headers.get("If-Match", "")
+        if len(parts) < 3 or parts[0] != "bodies":
+            raise Refused(405, "there is nothing to be changed under this address")
+        body, what = Body(parts[1]), parts[2:]
         with CHANGING:
-            match parts:
-                case ["bodies", name, "new", *kind]:
-                    body = Body(name)
-                    body.create("".join(kind), content, size)
-                case ["bodies", name, "model", kind]:
-                    body = Body(name).existing()
-                    body.replace_model(kind, content, size)
-                case ["bodies", name, "save", file]:
-                    body = Body(name).existing()
-                    body.save(file, self._text(size), self.headers.get("If-Match", ""))
-                case ["bodies", name, "set", file]:
-                    body = Body(name).existing()
-                    body.save(file, _changed(body.text(file), self._text(size)), self.headers.get("If-Match", ""))
-                case ["bodies", name, ("pick" | "make" | "stop") as verb]:
-                    body = Body(name).existing()
-                    {"pick": body.pick, "make": body.make, "stop": body.run.stop}[verb]()
+            match what:
+                case ["new"]:
+                    body.create()
+                case ["new", kind]:
+                    body.create_for(kind, content)
+                case ["model", kind]:
+                    body.existing().replace_model(kind, content)
+                case ["save", file]:
+                    body.existing().save(file, _text(content), seen)
+                case ["set", file]:
+                    body.existing().save(file, _changed(body.text(file), _text(content)), seen)
+                case ["pick"]:
+                    body.existing().pick(_text(content))
+                case ["make"]:
+                    body.existing().make()
+                case ["stop"]:
+                    body.existing().run.stop()
                 case _:
                     raise Refused(405, "there is nothing to be changed under this address")
             return body.state()
 
-    def _size(self) -> int:
+    def _content(self) -> bytes:
         size = self.headers.get("Content-Length", "")
         if not size.isdecimal():
             raise Refused(411, "the request does not say how long it is")
         if int(size) > LARGEST:
             raise Refused(413, f"the file has {int(size) / 1e6:.0f} MB, and at most {LARGEST / 1e6:.0f} MB are taken: "
                                "copy a larger one into the folder, as model.step")
-        return int(size)
-
-    def _text(self, size: int) -> str:
-        if size > _LONGEST:
-            raise Refused(413, f"a text has at most {_LONGEST / 1e6:.0f} MB here")
-        try:
-            return self.rfile.read(size).decode()
-        except UnicodeDecodeError:
-            raise Refused(400, "the text is not UTF-8") from None
+        content = self.rfile.read(int(size))
+        if len(content) < int(size):
+            raise Refused(400, f"only {len(content)} bytes of {size} came: send it again")
+        return content
 
     def _send(self, status: int, what: Any) -> None:
         body = json.dumps(what).encode()
@@ -208,6 +207,15 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *arguments: object) -> None:
         """Nothing: addresses have the token."""
+
+
+def _text(content: bytes) -> str:
+    if len(content) > _LONGEST:
+        raise Refused(413, f"a text has at most {_LONGEST / 1e6:.0f} MB here")
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        raise Refused(400, "the text is not UTF-8") from None
 
 
 def _changed(text: str, request: str) -> str:
