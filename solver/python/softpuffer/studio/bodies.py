@@ -203,7 +203,7 @@ class Body:
             "report": _date(report),
             "old": any(_date(self.folder / name) > _date(report) for name in [*here, *models]),
             "pictures": [name for name in files if re.fullmatch(r"build/pictures/mold.*\.png", name)],
-            "parts": [[name, _size(self.folder / name)] for name in files if re.fullmatch(r"build/mold/.*\.stl", name)],
+            "parts": [name for name in files if re.fullmatch(r"build/mold/.*\.stl", name)],
             "zip": next((name for name in files if re.fullmatch(r"build/[^/]*\.zip", name)), None),
         }
 
@@ -220,11 +220,11 @@ def version(content: bytes) -> str:
 
 
 def _date(path: Path) -> float:
-    return path.stat().st_mtime if path.is_file() else 0
-
-
-def _size(path: Path) -> int:
-    return path.stat().st_size if path.is_file() else 0
+    """When a file was written last, 0 if it is not there: a run may have just removed it."""
+    try:
+        return path.stat().st_mtime
+    except FileNotFoundError:
+        return 0
 
 
 def _check_cad(kind: str, content: bytes) -> None:

@@ -228,6 +228,6 @@ def _changed(text: str, request: str) -> str:
                 return settings.left_out(text, number)
             case {"chamber": str(tag), "pressure": (float() | int()) as pressure}:
                 return settings.with_chamber(text, tag, pressure)
-    except ValueError:
+    except (ValueError, LookupError):
         pass
     raise Refused(400, "no such change is known")

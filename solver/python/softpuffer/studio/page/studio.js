@@ -206,7 +206,7 @@ function results([name, report, old, pictures, parts, zip]) {
   at('result').replaceChildren(...(report ? [old ? 'These are older than what is above: make again. ' : '', file('build/report.html', 'The page by itself'), zip ? ' · ' : '', ...(zip ? [make('a', { ...{ textContent: `${zip.split('/').pop()}, all of it to send` }, href: file(zip).href, download: '' })] : [])] : ['Nothing is made yet.']));
   document.querySelectorAll('.mold').forEach((line) => { line.hidden = parts.length === 0; });
   at('pictures').replaceChildren(...pictures.map((path) => make('img', { src: `${file(path).href}?${report}`, alt: path })));
-  at('parts').replaceChildren(...parts.map(([path, size]) => make('li', {}, file(path, path.replace('build/mold/', '')), ` ${Math.ceil(size / 1000)} kB`)));
+  at('parts').replaceChildren(...parts.map((path) => make('li', {}, file(path, path.replace('build/mold/', '')))));
   part('results', '.command').textContent = report ? `xdg-open ${name}/build/report.html` : '';
 }
 
