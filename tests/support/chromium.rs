@@ -155,7 +155,7 @@ impl Chromium {
     /// Opens an address of this machine, and waits until its scripts have run.
     pub fn visit(&mut self, address: &str) {
         self.call("Page.navigate", &json!({ "url": address }));
-        self.wait("document.readyState === 'complete'");
+        self.wait(&format!("location.href === {address:?} && document.readyState === 'complete'"));
     }
 
     /// Does something in a page that the shown one embeds, whose address has a word; places are as seen from that.

@@ -48,7 +48,8 @@ def _serve(port: int, browse: bool) -> None:
         page = Studio(port)
     except (OSError, OverflowError) as error:
         _refuse(f"port {port}: {str(error).rstrip('.')}; give another --port, or none for one that is free")
-    print(f"{page.address}\nThe address is for you alone. Ctrl-C ends the studio.", flush=True)
+    # at once: who reads the address may go then
+    print(f"{page.address}\nThe address is for you alone. Ctrl-C ends the studio.\n", end="", flush=True)
     with page, ExitStack() as until_the_end:
         if browse:
             private = until_the_end.enter_context(tempfile.TemporaryDirectory(prefix="puffer-studio-"))
