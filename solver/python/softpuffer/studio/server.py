@@ -10,7 +10,6 @@ import hmac
 import json
 import os
 import secrets
-import shutil
 import socket
 import sys
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -85,16 +84,16 @@ class _Handler(BaseHTTPRequestHandler):
             if isinstance(found, Path):
                 self._send_file(found)
             else:
-                self._send(200, found)
+                self._send(200, json.dumps(found).encode())
         except Refused as refused:
-            self._send(refused.status, {"message": str(refused)})
+            self._send_message(refused.status, str(refused))
             self._linger()
         except programs.ProgramError as error:
-            self._send(422, {"message": str(error)})
+            self._send_message(422, str(error))
         except ConnectionError:
             raise
         except OSError as error:
-            self._send(500, {"message": f"{error.filename}: {error.strerror}" if error.filename else str(error)})
+            self._send_message(500, f"{error.filename}: {error.strerror}" if error.filename else str(error))
 
     def _asked(self) -> list[str]:
         """The parts of the path after the token, of a request that may be answered."""
@@ -168,35 +167,32 @@ class _Handler(BaseHTTPRequestHandler):
             raise Refused(400, f"only {len(content)} bytes of {size} came: send it again")
         return content
 
-    def _send(self, status: int, what: Any) -> None:
-        body = json.dumps(what).encode()
-        self._begin(status, "application/json", len(body), _OURS)
-        self.wfile.write(body)
+    def _send_message(self, status: int, text: str) -> None:
+        self._send(status, json.dumps({"message": text}).encode())
 
     def _send_file(self, path: Path) -> None:
         """Sends a file; one of a kind that browsers do not show is kept by them."""
         own = path.parent == _PAGE
         with open(os.open(path, os.O_RDONLY | (0 if own else os.O_NOFOLLOW)), "rb") as file:
-            kind, size = _TYPES.get(path.suffix), os.fstat(file.fileno()).st_size
-            more = {} if kind else {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(path.name)}"}
-            if kind == _TEXT and size <= _LONGEST:
-                content = file.read()
-                self._begin(200, _TEXT, len(content), _THEIRS, {"ETag": version(content)})
-                self.wfile.write(content)
-            else:
-                self._begin(200, kind or "application/octet-stream", size, _OURS if own else _THEIRS, more)
-                shutil.copyfileobj(file, self.wfile)
+            content = file.read()
+        more = {"Content-Type": _TYPES.get(path.suffix, "application/octet-stream"), "ETag": version(content)}
+        if path.suffix not in _TYPES:
+            more["Content-Disposition"] = f"attachment; filename*=UTF-8''{quote(path.name)}"
+        if not own:
+            more["Content-Security-Policy"] = _THEIRS
+        self._send(200, content, more)
 
-    def _begin(self, status: int, kind: str, size: int, policy: str, more: Mapping[str, str] = {}) -> None:
+    def _send(self, status: int, content: bytes, more: Mapping[str, str] = {}) -> None:
         self.send_response(status)
         headers = {
-            "Content-Type": kind, "Content-Length": str(size), "Cache-Control": "no-store",
-            "Content-Security-Policy": policy, "X-Content-Type-Options": "nosniff",
+            "Content-Type": "application/json", "Content-Length": str(len(content)), "Cache-Control": "no-store",
+            "Content-Security-Policy": _OURS, "X-Content-Type-Options": "nosniff",
             "Referrer-Policy": "same-origin", **more,
         }
         for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
+        self.wfile.write(content)
 
     def _linger(self) -> None:
         """Takes what still comes of a request that is refused, so that the browser gets to read why."""
