@@ -115,6 +115,8 @@ class Requests(unittest.TestCase):
         self.assertEqual((self.folder / "secret.toml").read_text(), "secret")
         self.refused(post("bodies/mine/save/Makefile", b"all:", If_Match="0"), 404, "no file that is edited here")
         self.refused(post("bodies/other/new/sh", b"#!"), 400, "no such CAD file", ".step")
+        self.refused(post("bodies/other/new/step"), 400, "empty")
+        self.refused(post("bodies/mine/pick", b"--subtract /etc/passwd"), 400, "mark the solids")
         self.refused(post("bodies/other/new/step", b"", Content_Length=str(10**9)), 413, "1000 MB", "200 MB")
         self.refused(post("bodies/mine/new"), 422, "is there already")
         self.refused(post("bodies/mine/model/step", b"ISO"), 409, "mine/model.toml is this body's model")

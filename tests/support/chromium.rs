@@ -152,9 +152,10 @@ impl Chromium {
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
     }
 
-    /// Opens an address of this machine.
+    /// Opens an address of this machine, and waits until its scripts have run.
     pub fn visit(&mut self, address: &str) {
         self.call("Page.navigate", &json!({ "url": address }));
+        self.wait(&format!("location.href === {address:?} && document.readyState === 'complete'"));
     }
 
     /// Does something in a page that the shown one embeds, whose address has a word; places are as seen from that.

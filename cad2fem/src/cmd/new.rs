@@ -1,7 +1,7 @@
 //! `cad2fem new`: a folder to begin with.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use mesh::io::write_atomic;
@@ -111,7 +111,9 @@ pub(super) fn is_in_pipelines(folder: &Path) -> bool {
 }
 
 fn special(path: &Path) -> Option<char> {
-    path.to_string_lossy().chars().find(|c| SPECIAL.contains(*c))
+    // the drive of a path on Windows is none of its names
+    let mut names = path.components().filter(|part| matches!(part, Component::Normal(_)));
+    names.find_map(|name| name.as_os_str().to_string_lossy().chars().find(|c| SPECIAL.contains(*c)))
 }
 
 /// The Makefile of a body anywhere: it takes the rules of the cad2fem in PATH, else of its `own`.

@@ -12,7 +12,7 @@ import signal
 import sys
 import tempfile
 import webbrowser
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import NoReturn, Sequence
 
@@ -48,19 +48,23 @@ def _serve(port: int, browse: bool) -> None:
         page = Studio(port)
     except (OSError, OverflowError) as error:
         _refuse(f"port {port}: {str(error).rstrip('.')}; give another --port, or none for one that is free")
-    print(f"{page.address}\nThe address is for you alone. Ctrl-C ends the studio.", flush=True)
+    # in one piece: who reads the address may go then
+    print(f"{page.address}\nThe address is for you alone. Ctrl-C ends the studio.\n", end="", flush=True)
     with page, ExitStack() as until_the_end:
         if browse:
             private = until_the_end.enter_context(tempfile.TemporaryDirectory(prefix="puffer-studio-"))
             _open(page.address, Path(private) / "open.html")
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        try:
+        with suppress(KeyboardInterrupt):
             page.serve_forever()
-        except KeyboardInterrupt:
-            print()
-    for body in bodies.all_bodies():
-        if body.run.is_running():
-            print(f"{body.name} is still being made, see {body.run.log}; puffer studio goes on with it")
+    try:
+        print(flush=True)
+        for body in bodies.all_bodies():
+            if body.run.is_running():
+                print(f"{body.name} is still being made, see {body.run.log}; puffer studio goes on with it", flush=True)
+    except BrokenPipeError:
+        # who reads the address may be gone; Python would try once more
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _open(address: str, file: Path) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import tempfile
 import threading
 from pathlib import Path
-from typing import IO, Any, Iterable, Iterator
+from typing import Any, Iterator
 
 from .. import programs
 from . import settings
@@ -22,6 +23,8 @@ _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
 #: What of `cad2fem new` belongs to its own model, and not to one that comes from elsewhere.
 _OF_THE_TEMPLATE = ("model.toml", "sim.blocked.toml", "tags.toml")
 _EDITED = (".toml", ".geo", ".md")
+#: What `cad2fem pick` takes for a file of several solids.
+_HOW = re.compile(r"|--unite|--subtract( [0-9]+)+")
 #: Changes are made one after the other.
 CHANGING = threading.Lock()
 
@@ -31,7 +34,7 @@ class Body:
 
     def __init__(self, name: str):
         if not _NAME.fullmatch(name):
-            raise Refused(400, f"{name!a}: a body is called by letters, digits, - and _, as make has no other names")
+            raise Refused(400, f"{name!a}: a body is called by 1 to 64 letters, digits, - and _, as make has no others")
         self.name, self.folder = name, Path(name)
         self.build = self.folder / "build"
         self.run = Run(self.build)
@@ -65,38 +68,44 @@ class Body:
         """Its models; make wants one."""
         return sorted(p.name for p in self.folder.glob("model.*") if p.suffix[1:] in (*KINDS, "toml", "geo"))
 
-    def create(self, kind: str, source: IO[bytes], size: int) -> None:
-        """Writes a folder to begin with, and puts a CAD file, if there is one, in the place of its model."""
-        kept = _received(Path(), kind, source, size) if size else None
-        try:
-            programs.run("cad2fem", ["new", self.name])
-            if kept:
-                for own in _OF_THE_TEMPLATE:
-                    (self.folder / own).unlink()
-                kept.replace(self.folder / f"model.{kind}")
-        finally:
-            if kept:
-                kept.unlink(missing_ok=True)
-        if kept:
-            self.pick()
+    def create(self) -> None:
+        """Writes a folder to begin with, which is that of a sample."""
+        programs.run("cad2fem", ["new", self.name])
 
-    def replace_model(self, kind: str, source: IO[bytes], size: int) -> None:
+    def create_for(self, kind: str, content: bytes) -> None:
+        """The same, with a CAD file in the place of its model."""
+        _check_cad(kind, content)
+        self.create()
+        for own in _OF_THE_TEMPLATE:
+            (self.folder / own).unlink()
+        self.replace_model(kind, content)
+
+    def replace_model(self, kind: str, content: bytes) -> None:
         """Takes a newer CAD file in place of that which is there."""
         self.not_running()
-        before = self.models()
+        _check_cad(kind, content)
+        before, name = self.models(), f"model.{kind}"
         if own := {"model.toml", "model.geo"} & set(before):
             raise Refused(409, f"{self.folder}/{own.pop()} is this body's model: begin a new body for a CAD file")
-        kept = _received(self.folder, kind, source, size)
-        kept.replace(self.folder / f"model.{kind}")
-        for other in set(before) - {f"model.{kind}"}:
+        _written(self.folder, name, content).replace(self.folder / name)
+        for other in set(before) - {name}:
             (self.folder / other).unlink()
-        self.pick()
+        self.pick("")
 
-    def pick(self) -> None:
-        """Begins to read the model and to make the page on which its faces are clicked."""
+    def pick(self, how: str) -> None:
+        """Begins to read the model and to make the page on which its faces are clicked.
+
+        how: nothing, or what becomes of several solids.
+        """
+        if not _HOW.fullmatch(how):
+            raise Refused(400, "mark the solids that are air, or say that all are one body")
         program, environment = programs.program("cad2fem"), programs.make_command([])[1]
-        arguments = self.pick_command()
+        arguments = [*self.pick_command(), *how.split()]
         self.run.start(words("cad2fem", *arguments), [str(program), *arguments], environment)
+        if how:
+            # make keeps such a copy, and imports a model again, without `how`, where it is missing
+            (self.build / ".sources").mkdir(exist_ok=True)
+            shutil.copy2(arguments[1], self.build / ".sources")
 
     def pick_command(self, tags: Path | None = None, model: str | None = None) -> list[str]:
         """Arguments of `cad2fem pick`; with the tags that there are."""
@@ -119,7 +128,7 @@ class Body:
         path = self.folder / name
         if seen != self.version(name):
             raise Refused(412, f"{path}: was changed meanwhile, in another window or program; load it again")
-        kept = _written(self.folder, name, [text.replace("\r\n", "\n").encode()])
+        kept = _written(self.folder, name, text.replace("\r\n", "\n").encode())
         try:
             self._check(name, kept)
             kept.replace(path)
@@ -169,7 +178,7 @@ class Body:
 
     def state(self) -> dict[str, Any]:
         """All that the page shows."""
-        files = sorted(self.files())
+        files = sorted(self.files(), key=lambda name: (name.count("/"), name))
         scene, mold = self.text("sim.toml"), self.text("mold.toml")
         tags = settings.tags(self.text("tags.toml"))
         chambers = settings.chambers(scene)
@@ -194,7 +203,7 @@ class Body:
             "report": _date(report),
             "old": any(_date(self.folder / name) > _date(report) for name in [*here, *models]),
             "pictures": [name for name in files if re.fullmatch(r"build/pictures/mold.*\.png", name)],
-            "parts": [[name, _size(self.folder / name)] for name in files if re.fullmatch(r"build/mold/.*\.stl", name)],
+            "parts": [name for name in files if re.fullmatch(r"build/mold/.*\.stl", name)],
             "zip": next((name for name in files if re.fullmatch(r"build/[^/]*\.zip", name)), None),
         }
 
@@ -211,35 +220,25 @@ def version(content: bytes) -> str:
 
 
 def _date(path: Path) -> float:
-    return path.stat().st_mtime if path.is_file() else 0
+    """When a file was written last, 0 if it is not there: a run may have just removed it."""
+    try:
+        return path.stat().st_mtime
+    except FileNotFoundError:
+        return 0
 
 
-def _size(path: Path) -> int:
-    return path.stat().st_size if path.is_file() else 0
-
-
-def _received(folder: Path, kind: str, source: IO[bytes], size: int) -> Path:
-    """A CAD file that comes from the browser, under a name of ours."""
+def _check_cad(kind: str, content: bytes) -> None:
     if kind not in KINDS:
         raise Refused(400, f"{kind!a}: no such CAD file is read here; there are .{', .'.join(KINDS)}")
-    return _written(folder, f"model.{kind}", _blocks(source, size))
+    if not content:
+        raise Refused(400, "the CAD file is empty: export it again")
 
 
-def _blocks(source: IO[bytes], size: int) -> Iterator[bytes]:
-    left = size
-    while block := source.read(min(left, 1 << 20)):
-        yield block
-        left -= len(block)
-    if left:
-        raise Refused(400, f"only {size - left} bytes of {size} came: drop the file again")
-
-
-def _written(folder: Path, name: str, content: Iterable[bytes]) -> Path:
+def _written(folder: Path, name: str, content: bytes) -> Path:
     """A new file that is to replace another one; make does not look at its name."""
     with tempfile.NamedTemporaryFile(dir=folder, prefix=".incomplete-", suffix=f".{name}", delete=False) as file:
         try:
-            for block in content:
-                file.write(block)
+            file.write(content)
             file.flush()
             os.fsync(file.fileno())
             os.chmod(file.name, 0o644)

@@ -23,7 +23,8 @@ _WHY = re.compile(r"^(?:cad2fem|tagger|solver|fab): .*(?:\n(?![\w/]+:|#).+)*", r
 _MAKE = re.compile(r"\*\*\* (.*)")
 #: Of a long log the page has the end.
 _SHOWN = 20_000
-_SCRIPT = 'echo "# group $$, steps $0"; echo "$ $1"; shift; "$@"; echo "# exit code $?"'
+# a run takes all processors: the browser and the studio come first
+_SCRIPT = 'echo "# group $$, steps $0"; echo "$ $1"; shift; nice "$@"; echo "# exit code $?"'
 
 
 class Refused(Exception):

@@ -10,12 +10,11 @@ import hmac
 import json
 import os
 import secrets
-import shutil
 import socket
 import sys
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import IO, Any, Callable, Mapping, cast
+from typing import Any, Callable, Mapping, cast
 from urllib.parse import quote, unquote
 
 from .. import programs
@@ -85,16 +84,16 @@ class _Handler(BaseHTTPRequestHandler):
             if isinstance(found, Path):
                 self._send_file(found)
             else:
-                self._send(200, found)
+                self._send(200, json.dumps(found).encode())
         except Refused as refused:
-            self._send(refused.status, {"message": str(refused)})
+            self._send_message(refused.status, str(refused))
             self._linger()
         except programs.ProgramError as error:
-            self._send(422, {"message": str(error)})
+            self._send_message(422, str(error))
         except ConnectionError:
             raise
         except OSError as error:
-            self._send(500, {"message": f"{error.filename}: {error.strerror}" if error.filename else str(error)})
+            self._send_message(500, f"{error.filename}: {error.strerror}" if error.filename else str(error))
 
     def _asked(self) -> list[str]:
         """The parts of the path after the token, of a request that may be answered."""
@@ -130,74 +129,70 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _post(self, parts: list[str]) -> Any:
         """Makes a change; answers with what the body is then."""
-        size, content = self._size(), cast(IO[bytes], self.rfile)
+        content, seen = self._content(), self.headers.get("If-Match", "")
+        if len(parts) < 3 or parts[0] != "bodies":
+            raise Refused(405, "there is nothing to be changed under this address")
+        body, what = Body(parts[1]), parts[2:]
         with CHANGING:
-            match parts:
-                case ["bodies", name, "new", *kind]:
-                    body = Body(name)
-                    body.create("".join(kind), content, size)
-                case ["bodies", name, "model", kind]:
-                    body = Body(name).existing()
-                    body.replace_model(kind, content, size)
-                case ["bodies", name, "save", file]:
-                    body = Body(name).existing()
-                    body.save(file, self._text(size), self.headers.get("If-Match", ""))
-                case ["bodies", name, "set", file]:
-                    body = Body(name).existing()
-                    body.save(file, _changed(body.text(file), self._text(size)), self.headers.get("If-Match", ""))
-                case ["bodies", name, ("pick" | "make" | "stop") as verb]:
-                    body = Body(name).existing()
-                    {"pick": body.pick, "make": body.make, "stop": body.run.stop}[verb]()
+            match what:
+                case ["new"]:
+                    body.create()
+                case ["new", kind]:
+                    body.create_for(kind, content)
+                case ["model", kind]:
+                    body.existing().replace_model(kind, content)
+                case ["save", file]:
+                    body.existing().save(file, _text(content), seen)
+                case ["set", file]:
+                    body.existing().save(file, _changed(body.text(file), _text(content)), seen)
+                case ["pick"]:
+                    body.existing().pick(_text(content))
+                case ["make"]:
+                    body.existing().make()
+                case ["stop"]:
+                    body.existing().run.stop()
                 case _:
                     raise Refused(405, "there is nothing to be changed under this address")
             return body.state()
 
-    def _size(self) -> int:
+    def _content(self) -> bytes:
         size = self.headers.get("Content-Length", "")
         if not size.isdecimal():
             raise Refused(411, "the request does not say how long it is")
         if int(size) > LARGEST:
             raise Refused(413, f"the file has {int(size) / 1e6:.0f} MB, and at most {LARGEST / 1e6:.0f} MB are taken: "
                                "copy a larger one into the folder, as model.step")
-        return int(size)
+        content = self.rfile.read(int(size))
+        if len(content) < int(size):
+            raise Refused(400, f"only {len(content)} bytes of {size} came: send it again")
+        return content
 
-    def _text(self, size: int) -> str:
-        if size > _LONGEST:
-            raise Refused(413, f"a text has at most {_LONGEST / 1e6:.0f} MB here")
-        try:
-            return self.rfile.read(size).decode()
-        except UnicodeDecodeError:
-            raise Refused(400, "the text is not UTF-8") from None
-
-    def _send(self, status: int, what: Any) -> None:
-        body = json.dumps(what).encode()
-        self._begin(status, "application/json", len(body), _OURS)
-        self.wfile.write(body)
+    def _send_message(self, status: int, text: str) -> None:
+        self._send(status, json.dumps({"message": text}).encode())
 
     def _send_file(self, path: Path) -> None:
         """Sends a file; one of a kind that browsers do not show is kept by them."""
         own = path.parent == _PAGE
         with open(os.open(path, os.O_RDONLY | (0 if own else os.O_NOFOLLOW)), "rb") as file:
-            kind, size = _TYPES.get(path.suffix), os.fstat(file.fileno()).st_size
-            more = {} if kind else {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(path.name)}"}
-            if kind == _TEXT and size <= _LONGEST:
-                content = file.read()
-                self._begin(200, _TEXT, len(content), _THEIRS, {"ETag": version(content)})
-                self.wfile.write(content)
-            else:
-                self._begin(200, kind or "application/octet-stream", size, _OURS if own else _THEIRS, more)
-                shutil.copyfileobj(file, self.wfile)
+            content = file.read()
+        more = {"Content-Type": _TYPES.get(path.suffix, "application/octet-stream"), "ETag": version(content)}
+        if path.suffix not in _TYPES:
+            more["Content-Disposition"] = f"attachment; filename*=UTF-8''{quote(path.name)}"
+        if not own:
+            more["Content-Security-Policy"] = _THEIRS
+        self._send(200, content, more)
 
-    def _begin(self, status: int, kind: str, size: int, policy: str, more: Mapping[str, str] = {}) -> None:
+    def _send(self, status: int, content: bytes, more: Mapping[str, str] = {}) -> None:
         self.send_response(status)
         headers = {
-            "Content-Type": kind, "Content-Length": str(size), "Cache-Control": "no-store",
-            "Content-Security-Policy": policy, "X-Content-Type-Options": "nosniff",
+            "Content-Type": "application/json", "Content-Length": str(len(content)), "Cache-Control": "no-store",
+            "Content-Security-Policy": _OURS, "X-Content-Type-Options": "nosniff",
             "Referrer-Policy": "same-origin", **more,
         }
         for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
+        self.wfile.write(content)
 
     def _linger(self) -> None:
         """Takes what still comes of a request that is refused, so that the browser gets to read why."""
@@ -210,6 +205,15 @@ class _Handler(BaseHTTPRequestHandler):
         """Nothing: addresses have the token."""
 
 
+def _text(content: bytes) -> str:
+    if len(content) > _LONGEST:
+        raise Refused(413, f"a text has at most {_LONGEST / 1e6:.0f} MB here")
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        raise Refused(400, "the text is not UTF-8") from None
+
+
 def _changed(text: str, request: str) -> str:
     """A text with the change that the page asks for: a value, a table less, or a chamber more."""
     try:
@@ -220,6 +224,6 @@ def _changed(text: str, request: str) -> str:
                 return settings.left_out(text, number)
             case {"chamber": str(tag), "pressure": (float() | int()) as pressure}:
                 return settings.with_chamber(text, tag, pressure)
-    except ValueError:
+    except (ValueError, LookupError):
         pass
     raise Refused(400, "no such change is known")

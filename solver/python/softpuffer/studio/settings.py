@@ -1,7 +1,6 @@
-"""Single values in files in TOML: found, and changed in their line, so that all else of the text stays, comments too.
+"""Single values in files in TOML: found, and changed in their place, so that all else of the text stays, comments too.
 
-Only what stands in one line is known, `key = value` below `[table]`: the programs read the files as a whole, and
-say what is wrong.
+Only `key = value` below `[table]` is known: the programs read the files as a whole, and say what is wrong.
 """
 
 from __future__ import annotations
@@ -14,21 +13,22 @@ from typing import Any, Iterable, Iterator
 from .. import programs
 from .runs import Refused
 
-_TABLE = re.compile(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?$")
-_VALUE = re.compile(r"(\s*([\w-]+)\s*=\s*)(\"[^\"]*\"|\[[^\]#]*\]|[^\s#]+)")
+_TABLE = re.compile(r"^[ \t]*\[\[?[ \t]*([\w.-]+)[ \t]*\]\]?[ \t]*(?:#.*)?$", re.MULTILINE)
+#: A list may go over several lines.
+_VALUE = re.compile(r"^[ \t]*([\w-]+)[ \t]*=[ \t]*(\"[^\"\n]*\"|\[[^\]#]*\]|[^\s#]+)", re.MULTILINE)
 #: Keys of a scene whose values are names of tags.
 _NAMING = ("on", "to")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A value: the name of its table ("" at the top), how many of all tables are before that, key, text and line."""
+    """A value: the name of its table ("" at the top), how many of all tables are before that, key, text and place."""
 
     table: str
     number: int
     key: str
     value: str
-    line: int
+    place: tuple[int, int]
 
     @property
     def names(self) -> list[str]:
@@ -36,36 +36,33 @@ class Entry:
         return re.findall(r'"([^"]*)"', self.value)
 
 
+def _tables(text: str) -> Iterator[tuple[str, int, int]]:
+    """Name, begin and end of what is at the top, and of each table."""
+    headers = list(_TABLE.finditer(text))
+    ends = [*(header.start() for header in headers), len(text)]
+    return zip(["", *(header[1] for header in headers)], [0, *ends], ends)
+
+
 def entries(text: str) -> Iterator[Entry]:
     """All values of a file."""
-    table, number = "", 0
-    for line, content in enumerate(text.splitlines()):
-        if header := _TABLE.match(content):
-            table, number = header[1], number + 1
-        elif found := _VALUE.match(content):
-            yield Entry(table, number, found[2], found[3], line)
+    for number, (table, start, end) in enumerate(_tables(text)):
+        for found in _VALUE.finditer(text, start, end):
+            yield Entry(table, number, found[1], found[2], found.span(2))
 
 
 def changed(text: str, number: int, key: str, value: str | float) -> str:
     """The text with another value of a key in a table."""
     for entry in entries(text):
         if (entry.number, entry.key) == (number, key):
-            lines = text.splitlines(keepends=True)
-            found = _VALUE.match(lines[entry.line])
-            assert found is not None
-            lines[entry.line] = found[1] + json.dumps(value, ensure_ascii=False) + lines[entry.line][found.end() :]
-            return "".join(lines)
-    raise Refused(409, f"there is no {key} in one line any more: change the text of the file")
+            start, end = entry.place
+            return text[:start] + json.dumps(value, ensure_ascii=False) + text[end:]
+    raise Refused(409, f"there is no {key} any more: change the text of the file")
 
 
 def left_out(text: str, number: int) -> str:
     """The text with a table as a comment."""
-    lines, seen = text.splitlines(keepends=True), 0
-    for line, content in enumerate(lines):
-        seen += bool(_TABLE.match(content))
-        if seen == number and content.strip() and not content.startswith("#"):
-            lines[line] = f"# {content}"
-    return "".join(lines)
+    _, start, end = list(_tables(text))[number]
+    return text[:start] + re.sub(r"^(?=[ \t]*[^#\s])", "# ", text[start:end], flags=re.MULTILINE) + text[end:]
 
 
 def with_chamber(text: str, tag: str, pressure: float) -> str:
@@ -89,12 +86,12 @@ def tags(text: str) -> list[dict[str, Any]]:
 
 def chambers(scene: str) -> list[dict[str, Any]]:
     """Chambers of a scene with a pressure that does not change with time."""
-    found: dict[int, dict[str, Any]] = {}
+    found: dict[int, dict[str, Entry]] = {}
     for entry in entries(scene):
         if entry.table == "chamber":
-            found.setdefault(entry.number, {"number": entry.number})[entry.key] = entry.value
-    numbers = [one for one in found.values() if {"on", "pressure"} <= one.keys()]
-    return [{**one, "on": one["on"].strip('"'), "pressure": _number(one["pressure"])} for one in numbers]
+            found.setdefault(entry.number, {})[entry.key] = entry
+    both = [(number, one["on"], one["pressure"]) for number, one in found.items() if {"on", "pressure"} <= one.keys()]
+    return [{"number": number, "on": ", ".join(on.names), "pressure": _number(of.value)} for number, on, of in both]
 
 
 def filled(scene: str) -> list[str]:

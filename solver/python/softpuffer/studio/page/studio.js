@@ -3,6 +3,8 @@
 const at = (id) => document.getElementById(id);
 const step = (name) => document.querySelector(`[data-step=${name}]`);
 const part = (name, of) => step(name).querySelector(of);
+/** Where a step answers; how a run ended is said elsewhere in it. */
+const told = (name) => part(name, ':scope > .said');
 const BUSY = 1000, IDLE = 4000;
 
 let home = { folder: '', bodies: [], largest: 0 };
@@ -41,28 +43,34 @@ async function change(path, body, said, done, version) {
   }
 }
 
-const post = (verb, body, said, done, version) => change(`bodies/${state.name}/${verb}`, body, said, done, version);
-const set = (file, what, said, version = state.files[file]) => post(`set/${file}`, JSON.stringify(what), said, `${state.name}/${file} is saved`, version);
+const post = (verb, body, of, done = '', version = '') => change(`bodies/${state.name}/${verb}`, body, told(of), done, version);
+const set = (file, what) => post(`set/${file}`, JSON.stringify(what), 'settings', `${state.name}/${file} is saved`, state.files[file]);
 
 /** Reads all again: often while something is made. */
 async function refresh() {
   clearTimeout(waiting);
   const name = decodeURIComponent(location.hash.slice(1));
+  let wait = BUSY;
   try {
     if (name) state = await (await ask(`bodies/${encodeURIComponent(name)}`)).json();
     else home = await (await ask('bodies')).json();
-    silicones ??= await (await ask('silicones')).json();
+    if (!name || !state.run.running) wait = IDLE;
     at('lost').hidden = true;
     at('home').hidden = Boolean(name);
     at('body').hidden = !name;
     at('name').textContent = name;
     document.title = name ? `${name} – puffer studio` : 'puffer studio';
-    if (name) show(); else showHome();
+    if (!name) showHome();
+    else {
+      show();
+      // a program lists them: all else is shown before
+      if (!silicones) { silicones = await (await ask('silicones')).json(); show(); }
+    }
   } catch (error) {
     at('lost').hidden = false;
     at('lost').textContent = error.message;
   }
-  waiting = setTimeout(refresh, name && state?.run.running ? BUSY : IDLE);
+  waiting = setTimeout(refresh, wait);
 }
 
 /** Makes a part of the page again if what it shows has changed. */
@@ -104,11 +112,13 @@ function show() {
   });
   part('faces', '.command').textContent = state.pick;
   at('wanted').textContent = tagged ? '' : ` sim.toml and mold.toml speak of ${[...new Set(state.missing.map((one) => one.name))].join(', ')}.`;
-  at('read').hidden = ready || run.running || models.length !== 1;
-  once('settings', [name, tagged, state.tags, state.missing, state.chambers, state.unfilled, state.silicone, state.cast, files, silicones], () => tagged && settings());
-  at('make').textContent = run.running ? 'Stop' : state.report ? 'Make again what has changed' : 'Make all of it';
-  at('make').disabled = !run.running && !tagged;
-  at('why').textContent = run.running || sound ? '' : tagged ? 'What is red above will stop it.' : 'Save tags.toml first.';
+  at('read').hidden = run.running ? !picks : ready || models.length !== 1;
+  at('read').textContent = run.running ? 'Stop' : 'Read it, to click its faces';
+  once('settings', [name, tagged, state.tags, state.missing, state.chambers, state.unfilled, state.silicone, state.cast, files, silicones], () => tagged && silicones && settings());
+  const made = run.running && !picks;
+  at('make').textContent = made ? 'Stop' : state.report ? 'Make again what has changed' : 'Make all of it';
+  at('make').disabled = !made && (run.running || !tagged);
+  at('why').textContent = made || sound ? '' : tagged ? 'What is red above will stop it.' : 'Save tags.toml first.';
   part('make', '.command').textContent = `puffer make -C ${name}`;
   for (const [key, mine] of [['model', picks], ['make', !picks]]) once(`run ${key}`, mine ? [name, run] : null, () => running(part(key, '.runs'), mine && run.command ? run : null));
   once('report', [name, state.report], ([, report]) => {
@@ -129,14 +139,22 @@ function running(root, run) {
   const where = `${run.step}${run.steps > 1 ? `, ${run.done} of ${run.steps}` : ''}`;
   root.append(run.running ? make('p', {}, make('progress', { max: Math.max(run.steps, 1), ...(run.steps > 1 ? { value: Math.max(run.done - 0.5, 0) } : {}) }), ` ${where}`)
     : make('p', { className: run.code === 0 ? 'good said' : 'bad said', textContent: ended }));
+  if (run.why.includes(' --subtract ')) root.append(solids(run.why));
   const log = make('pre', { className: 'log', textContent: run.log });
   root.append(make('details', { open: run.code !== 0 && open }, make('summary', { textContent: 'what it says' }), log));
   log.scrollTop = before && before.scrollTop + before.clientHeight < before.scrollHeight - 30 ? before.scrollTop : log.scrollHeight;
 }
 
+/** What becomes of the solids of a file, of which a message tells. */
+function solids(why) {
+  const boxes = [...why.matchAll(/^ {2}solid (\d+)/gm)].map(([text, value]) => make('label', {}, make('input', { type: 'checkbox', value }), text));
+  const read = (how) => post('pick', how, 'model');
+  const air = make('button', { textContent: 'Take out what is marked: it is air', onclick: () => read(['--subtract', ...boxes.map((box) => box.firstChild).filter((box) => box.checked).map((box) => box.value)].join(' ')) });
+  return make('p', { className: 'row' }, ...boxes, air, make('button', { textContent: 'All are one body', onclick: () => read('--unite') }));
+}
+
 /** Lists of silicones, pressures, and what names tags that are not there. */
 function settings() {
-  const said = part('settings', '.said');
   const list = (options, now, chosen) => {
     const made = make('select', {}, ...options.map(([value, text]) => make('option', { value, textContent: text, selected: value === now })));
     made.addEventListener('change', () => chosen(made.value));
@@ -149,8 +167,8 @@ function settings() {
     const now = state.silicone.name;
     const known = names.some(([name]) => name === now) ? names : [[now, `${now} – not in the library`], ...names];
     row('silicone', list(known, now, async (value) => {
-      if (!await set('sim.toml', { number: state.silicone.number, key: 'material', value }, said) || !state.cast) return;
-      await set('mold.toml', { number: state.cast.number, key: 'silicone', value }, said);
+      if (!await set('sim.toml', { number: state.silicone.number, key: 'material', value }) || !state.cast) return;
+      await set('mold.toml', { number: state.cast.number, key: 'silicone', value });
     }), make('span', { className: 'about', textContent: silicones.find(({ name }) => name === now)?.about ?? '' }));
   } else row('silicone', 'sim.toml has a table [material]: change it below');
   for (const { on, number, pressure } of state.chambers) {
@@ -160,24 +178,23 @@ function settings() {
     value.setAttribute('aria-label', `pressure in ${on} [kPa]`);
     value.addEventListener('change', () => {
       const pascals = Number((1000 * Number(value.value.replace(',', '.'))).toPrecision(9));
-      if (value.value.trim() && Number.isFinite(pascals)) return set('sim.toml', { number, key: 'pressure', value: pascals }, said);
-      said.className = 'said bad';
-      said.textContent = `${value.value}: a pressure is a number, in kPa`;
+      if (value.value.trim() && Number.isFinite(pascals)) return set('sim.toml', { number, key: 'pressure', value: pascals });
+      Object.assign(told('settings'), { className: 'said bad', textContent: `${value.value}: a pressure is a number, in kPa` });
     });
     row(`pressure in ${on}`, value, 'kPa above that around it');
   }
   const tags = state.tags.map(({ name }) => [name, name]);
   for (const { file, table, number, key, name } of state.missing) {
     rows.push(make('p', { className: 'bad said', textContent: `${file}: ${table ? `[[${table}]] ` : ''}${key} = "${name}", but no tag is called that.` }));
-    const other = list([['', 'choose the tag that is meant'], ...tags], '', (value) => set(file, { number, key, value }, said));
+    const other = list([['', 'choose the tag that is meant'], ...tags], '', (value) => set(file, { number, key, value }));
     const leave = make('button', { textContent: `leave this [[${table}]] out`, hidden: !table });
-    leave.addEventListener('click', () => set(file, { leave: number }, said));
+    leave.addEventListener('click', () => set(file, { leave: number }));
     row('', other, leave);
   }
   for (const tag of state.unfilled) {
     rows.push(make('p', { className: 'bad said', textContent: `${tag} is the wall of an air chamber, but sim.toml lets no air in there.` }));
     const fill = make('button', { textContent: `let air into ${tag}` });
-    fill.addEventListener('click', () => set('sim.toml', { chamber: tag, pressure: state.chambers[0]?.pressure ?? 5e3 }, said));
+    fill.addEventListener('click', () => set('sim.toml', { chamber: tag, pressure: state.chambers[0]?.pressure ?? 5e3 }));
     row('', fill);
   }
   at('settings').replaceChildren(...rows);
@@ -189,7 +206,7 @@ function results([name, report, old, pictures, parts, zip]) {
   at('result').replaceChildren(...(report ? [old ? 'These are older than what is above: make again. ' : '', file('build/report.html', 'The page by itself'), zip ? ' · ' : '', ...(zip ? [make('a', { ...{ textContent: `${zip.split('/').pop()}, all of it to send` }, href: file(zip).href, download: '' })] : [])] : ['Nothing is made yet.']));
   document.querySelectorAll('.mold').forEach((line) => { line.hidden = parts.length === 0; });
   at('pictures').replaceChildren(...pictures.map((path) => make('img', { src: `${file(path).href}?${report}`, alt: path })));
-  at('parts').replaceChildren(...parts.map(([path, size]) => make('li', {}, file(path, path.replace('build/mold/', '')), ` ${Math.ceil(size / 1000)} kB`)));
+  at('parts').replaceChildren(...parts.map((path) => make('li', {}, file(path, path.replace('build/mold/', '')))));
   part('results', '.command').textContent = report ? `xdg-open ${name}/build/report.html` : '';
 }
 
@@ -228,19 +245,24 @@ function droppable(root, taken) {
   }
 }
 
-droppable(at('first'), (file) => {
+/** The file of a new body, or none. */
+function taken(file) {
   cad = file;
-  at('first').classList.add('full');
-  at('first').querySelector('span').textContent = file.name;
-  at('called').value ||= file.name.replace(/\.[^.]*$/, '').replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '');
+  at('first').classList.toggle('full', Boolean(file));
+  at('first').querySelector('span').textContent = file?.name ?? 'Drop a file here, or choose one';
+  at('called').value = file ? at('called').value || file.name.replace(/\.[^.]*$/, '').replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 64) : '';
   showHome();
-});
-droppable(at('again'), (file) => confirm(`Take ${file.name} in place of ${state.models.join(', ') || 'no model'}?`) && post(`model/${ending(file)}`, file, part('model', '.said'), ''));
+}
+droppable(at('first'), taken);
+droppable(at('again'), (file) => confirm(`Take ${file.name} in place of ${state.models.join(', ') || 'no model'}?`) && post(`model/${ending(file)}`, file, 'model'));
 
 async function begin(file) {
   const name = at('called').value.trim();
   if (!name) return at('called').reportValidity();
-  if (await change(`bodies/${encodeURIComponent(name)}/new${file ? `/${ending(file)}` : ''}`, file ?? '', at('said-new'), '')) location.hash = name;
+  if (await change(`bodies/${encodeURIComponent(name)}/new${file ? `/${ending(file)}` : ''}`, file ?? '', at('said-new'), '')) {
+    location.hash = name;
+    taken(null);
+  }
 }
 at('new').addEventListener('submit', (event) => {
   event.preventDefault();
@@ -249,18 +271,18 @@ at('new').addEventListener('submit', (event) => {
 });
 at('sample').addEventListener('click', () => begin(null));
 at('called').addEventListener('input', showHome);
-at('read').addEventListener('click', () => post('pick', '', part('model', '.said'), ''));
-at('make').addEventListener('click', () => post(state.run.running ? 'stop' : 'make', '', part('make', '.said'), ''));
+at('read').addEventListener('click', () => post(state.run.running ? 'stop' : 'pick', '', 'model'));
+at('make').addEventListener('click', () => post(state.run.running ? 'stop' : 'make', '', 'make'));
 at('text').addEventListener('input', () => { at('save').disabled = at('text').readOnly || at('text').value === edited.text; });
 at('save').addEventListener('click', async () => {
   const { name } = edited;
-  if (await post(`save/${name}`, at('text').value, part('files', '.said'), `${state.name}/${name} is saved`, edited.version)) load(name);
+  if (await post(`save/${name}`, at('text').value, 'files', `${state.name}/${name} is saved`, edited.version)) load(name);
 });
 addEventListener('message', async ({ source, data }) => {
   if (source !== at('pick').contentWindow || typeof data?.tags !== 'string') return;
   // the page of the faces stays as it is: it shows these tags already
   kept = true;
-  if (await post('save/tags.toml', data.tags, part('faces', '.said'), `${state.name}/tags.toml is saved`, state.files['tags.toml'])) {
+  if (await post('save/tags.toml', data.tags, 'faces', `${state.name}/tags.toml is saved`, state.files['tags.toml'])) {
     step('settings').scrollIntoView({ behavior: 'smooth' });
   }
   kept = false;
