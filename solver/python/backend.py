@@ -143,11 +143,12 @@ def _compiled(target):
 
 
 def _put_stripped(source, place):
-    """PUFFER_COMPILE has stripped what it compiled; on Windows, symbols are in files of their own."""
-    if _target() or sys.platform == "win32":
+    """PUFFER_COMPILE may have stripped what it compiled; on Windows itself, symbols are in files of their own."""
+    strip = os.environ.get("PUFFER_STRIP", "" if _target() or sys.platform == "win32" else "strip")
+    if not strip:
         shutil.copy(source, place)
     else:
-        subprocess.run(["strip", *(["-x"] if sys.platform == "darwin" else []), "-o", place, source], check=True)
+        subprocess.run([strip, *(["-x"] if sys.platform == "darwin" else []), "-o", place, source], check=True)
         place.chmod(0o755)
 
 
