@@ -35,20 +35,12 @@ This folder has a body. Type
 
 puffer --help lists all commands.
 """
-NEXT = """\
+# the studio does not run on Windows
+_STUDIO = "" if os.name == "nt" else "  puffer studio                     begin on a page in your browser, with a CAD file\n"
+NEXT = f"""\
 Puffer: from a model of a soft actuator to printable molds. Type
 
-  puffer studio                     begin on a page in your browser, with a CAD file
-  puffer new mine --like beam       or with a folder of files, then: puffer make -C mine
-  puffer doctor                     see what this machine lacks
-
-puffer --help lists all commands.
-"""
-# no studio there yet, and no make but one's own
-NEXT_ON_WINDOWS = """\
-Puffer: from a model of a soft actuator to printable molds. Type
-
-  puffer new mine --like beam       begin with a folder of files, then: puffer make -C mine, with a make and bash of your own
+{_STUDIO}  puffer new mine --like beam       begin with a folder of files, then: puffer make -C mine
   puffer doctor                     see what this machine lacks
 
 puffer --help lists all commands.
@@ -98,7 +90,7 @@ def fab() -> None:
 def puffer() -> None:
     """Runs the command `puffer`."""
     if len(sys.argv) == 1:
-        print(NEXT_IN_BODY if Path("cad2fem.toml").is_file() else NEXT_ON_WINDOWS if os.name == "nt" else NEXT, end="")
+        print(NEXT_IN_BODY if Path("cad2fem.toml").is_file() else NEXT, end="")
         return
     word, rest = sys.argv[1], sys.argv[2:]
     if word in PROGRAMS:

@@ -220,7 +220,7 @@ def _changed(text: str, request: str) -> str:
         match json.loads(request):
             case {"number": int(number), "key": str(key), "value": (str() | float() | int()) as value}:
                 return settings.changed(text, number, key, value)
-            case {"leave": int(number)}:
+            case {"leave": int(number)} if number > 0:
                 return settings.left_out(text, number)
             case {"chamber": str(tag), "pressure": (float() | int()) as pressure}:
                 return settings.with_chamber(text, tag, pressure)
