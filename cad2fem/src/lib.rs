@@ -19,7 +19,6 @@
 //! model file.
 
 pub mod cmd;
-pub mod implicit;
 pub mod import;
 pub mod installation;
 pub mod mesher;
@@ -28,7 +27,6 @@ pub mod report;
 pub mod selection;
 pub mod template;
 pub mod tetmesh;
-pub mod units;
 
 /// Name and version, for reports.
 pub const PROGRAM: &str = concat!("cad2fem ", env!("CARGO_PKG_VERSION"));

@@ -1,17 +1,15 @@
 //! Entries that the reports of several verbs share.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{Result, bail};
 use mesh::SurfaceMesh;
-use mesh::check::Finding;
 use mesh::io::read_surface;
 use mesh::measure::{diagonal, unlikely_size};
 use program::sha256_file;
 use serde::Serialize;
 
-use crate::units::{Unit, sizes};
+use program::units::{Unit, sizes};
 
 /// An input file and its fingerprint.
 #[derive(Clone, Debug, Serialize)]
@@ -49,13 +47,4 @@ pub fn remark_on_size(file: &Path, surface: &SurfaceMesh) {
     if let Some(remark) = unlikely_size(&surface.vertices) {
         log::warn!("{}: {remark}", file.display());
     }
-}
-
-/// Findings of validity checks, one indented line each.
-pub fn findings(found: &[Finding]) -> String {
-    found.iter().fold(String::new(), |mut text, f| {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "\n  {}: {}", f.rule, f.message);
-        text
-    })
 }

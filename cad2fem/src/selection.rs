@@ -9,7 +9,7 @@ use mesh::topology::boundary_edges;
 use mesh::{SurfaceMesh, Vec3, check};
 use program::Unusable;
 
-use crate::report::findings;
+use mesh::check::findings;
 
 /// The volume within `distance` [m] of `patch` along its normals.
 pub fn offset(patch: &SurfaceMesh, distance: f64) -> Result<SurfaceMesh> {

@@ -6,8 +6,6 @@
 
 // mold.toml: its keys with defaults, limits and documentation
 pub mod config;
-// frames, columns, sections: geometry that knows no bodies
-pub mod geometry;
 // the body as closed surfaces, its collars, and how it stands
 pub mod body;
 // how a body is molded, and why: plan.json

@@ -11,7 +11,7 @@ mod skip;
 mod programs;
 
 use crate::fixture::{CHAMBER, Scene};
-use fab::geometry::overhang::needs_supports;
+use geometry::overhang::needs_supports;
 use programs::Lengths;
 
 /// Where we see no need for supports the slicer sees none, either.

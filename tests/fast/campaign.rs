@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use cad2fem::implicit::{Fields, Model, ModelFile, surface};
+use implicit::{Fields, Model, ModelFile, surface};
 use mechanics::math::random::Random;
 use mesh::Vec3;
 use mesh::check::check_surface;

@@ -28,7 +28,7 @@ fn kinds() -> Vec<Kind> {
     let solver = solver::cmd::schema::FORMATS;
     let cad2fem = cad2fem::cmd::schema::FORMATS;
     vec![
-        kind(cad2fem, "model", "model", |p| cad2fem::implicit::ModelFile::read(p, &[]).map(drop)),
+        kind(cad2fem, "model", "model", |p| implicit::ModelFile::read(p, &[]).map(drop)),
         kind(cad2fem, "cad2fem", "cad2fem", |p| {
             cad2fem::tetmesh::config::Config::read(Some(p), &[]).map(drop)
         }),

@@ -10,8 +10,9 @@ use tests::workdir::{self, repository};
 const LONGEST: usize = 500;
 
 /// The packages of programs and libraries.
-const PACKAGES: [&str; 18] = [
+const PACKAGES: [&str; 21] = [
     "cad2fem",
+    "cad2fem/implicit",
     "cad2fem/library",
     "cad2fem/mesh",
     "cad2fem/page",
@@ -28,7 +29,9 @@ const PACKAGES: [&str; 18] = [
     "solver/python",
     "solver/run",
     "solver/scene",
+    "solver/variables",
     "fab",
+    "fab/geometry",
 ];
 
 /// All files below a folder with an extension, built ones left out.
@@ -149,17 +152,9 @@ fn tests_stand_at_the_end_of_their_files() {
 
 #[test]
 fn modules_use_only_those_before_them() {
-    [
-        "solver/mechanics",
-        "solver/measure",
-        "solver/scene",
-        "solver/run",
-        "solver/design",
-        "solver",
-        "fab",
-    ]
-    .into_iter()
-    .for_each(uses_only_those_before);
+    ["solver/mechanics", "solver/measure", "solver/scene", "solver/run", "solver", "fab"]
+        .into_iter()
+        .for_each(uses_only_those_before);
 }
 
 fn uses_only_those_before(package: &str) {
@@ -290,19 +285,24 @@ fn mechanics_takes_and_gives_values() {
 fn stages_meet_only_in_files() {
     let stages = ["cad2fem", "tagger", "solver", "fab"];
     let shared = ["library", "mesh", "program", "render", "reports", "system"];
-    let of_cad2fem = ["library", "mesh", "page", "program", "render", "reports", "system"];
-    let of_solver = ["design", "measure", "mechanics", "polyfem", "run", "scene"];
+    let of_cad2fem =
+        ["implicit", "library", "mesh", "page", "program", "render", "reports", "system"];
+    let of_solver = ["design", "measure", "mechanics", "polyfem", "run", "scene", "variables"];
+    let of_fab = [&shared[..], &["geometry"]].concat();
     let all_of_solver = [&shared[..], &of_solver].concat();
     let of = |stage: &str| match stage {
         "cad2fem" => &of_cad2fem[..],
         "solver" => &all_of_solver,
+        "fab" => &of_fab,
         _ => &shared[..],
     };
     let of_scene = ["library", "measure", "mechanics", "mesh", "program", "reports", "system"];
     let of_run = ["measure", "mechanics", "mesh", "program", "reports", "scene"];
-    let of_design = [&of_run[..], &["run"]].concat();
+    let of_variables = ["mechanics", "mesh", "program", "scene"];
+    let of_design = [&of_run[..], &["run", "variables"]].concat();
     let of_python = [&of_design[..], &["design"]].concat();
-    let below: [(&str, &[&str]); 14] = [
+    let below: [(&str, &[&str]); 17] = [
+        ("cad2fem/implicit", &["mesh", "program"]),
         ("cad2fem/library", &[]),
         ("cad2fem/mesh", &["system"]),
         ("cad2fem/page", &["mesh", "program", "reports", "system"]),
@@ -317,6 +317,8 @@ fn stages_meet_only_in_files() {
         ("solver/run", &of_run),
         ("solver/design", &of_design),
         ("solver/python", &of_python),
+        ("solver/variables", &of_variables),
+        ("fab/geometry", &["mesh"]),
     ];
     for (package, allowed) in stages.iter().map(|s| (*s, of(s))).chain(below) {
         let path = repository().join(package).join("Cargo.toml");
@@ -325,7 +327,8 @@ fn stages_meet_only_in_files() {
         let known =
             ["serde", "clap", "anyhow", "dunce"].into_iter().any(|name| names.contains(name));
         assert!(known, "{package}: {names:?}");
-        for ours in stages.iter().chain(&of_cad2fem).chain(&of_solver).chain(&["tests"]) {
+        for ours in stages.iter().chain(&of_cad2fem).chain(&of_solver).chain(&["geometry", "tests"])
+        {
             let uses = names.contains(*ours);
             assert!(!uses || allowed.contains(ours), "{package} depends on {ours}");
         }

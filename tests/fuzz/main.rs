@@ -53,11 +53,7 @@ const TARGETS: &[Target] = &[
         |path| drop(cad2fem::mesher::script::without_reach(&std::fs::read(path).unwrap())),
         corpus::pipelines,
     ),
-    target(
-        "model.toml",
-        |path| drop(cad2fem::implicit::ModelFile::read(path, &[])),
-        corpus::pipelines,
-    ),
+    target("model.toml", |path| drop(implicit::ModelFile::read(path, &[])), corpus::pipelines),
     target(
         "cad2fem.toml",
         |path| drop(cad2fem::tetmesh::config::Config::read(Some(path), &[])),

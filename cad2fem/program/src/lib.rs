@@ -21,6 +21,7 @@ mod shell;
 pub mod table;
 mod temporary;
 mod terminal;
+pub mod units;
 
 pub use checkpoint::{check_unaltered, read_checkpoint, write_checkpoint};
 pub use child::{Process, beside};

@@ -14,8 +14,8 @@ use mesh::{SurfaceMesh, Tags};
 use program::Unusable;
 use serde::Serialize;
 
-use crate::report::findings;
-use crate::units::Unit;
+use mesh::check::findings;
+use program::units::Unit;
 
 /// Findings are listed, and are an error with --check
 #[derive(Debug, clap::Args)]

@@ -10,7 +10,7 @@ use mesh::topology::boundary_loops;
 
 use crate::report::read_in;
 use crate::selection::offset;
-use crate::units::Unit;
+use program::units::Unit;
 
 /// Distance over the diagonal of the bounding box unless --distance is given.
 const RELATIVE_DISTANCE: f64 = 1e-3;

@@ -11,7 +11,7 @@ use page::pick::given::{Given, Tag};
 use page::pick::{Source, Summary};
 
 use super::{import, model};
-use crate::units::Unit;
+use program::units::Unit;
 
 /// A page on which you name the faces of a body by clicking; it downloads tags.toml, which tagger
 /// reads. It is one file without a server or a network

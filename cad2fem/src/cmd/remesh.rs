@@ -8,7 +8,7 @@ use mesh::improve::{ImproveReport, improve_tagged, improve_with_surface, usual_t
 use mesh::io::{MshFile, read_tets, write_tets};
 use mesh::topology::boundary;
 
-use crate::report::findings;
+use mesh::check::findings;
 
 /// Boundary vertices and facets, those inside with a tag or between volumes, and tags stay as they are, bit
 /// for bit, but for the parts of the surface that --surface names

@@ -2,8 +2,8 @@
 
 use program::schema::Format;
 
-use crate::implicit::Model;
 use crate::tetmesh::config::Config;
+use implicit::Model;
 
 /// What the verb can print.
 pub const FORMATS: &[Format] =

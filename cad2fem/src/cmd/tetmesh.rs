@@ -17,7 +17,7 @@ use crate::report::{Input, read_in};
 use crate::tetmesh::cache::Cache;
 use crate::tetmesh::config::{Config, Tetmesh};
 use crate::tetmesh::{Outcome, Request, prepare, tetrahedralize};
-use crate::units::Unit;
+use program::units::Unit;
 
 /// Edges wanted, over the longest of a surface that stays, from which on a user expects a coarser mesh.
 const COARSER: f64 = 1.25;

@@ -22,8 +22,8 @@ use program::Unusable;
 use crate::mesher::gmsh::CadOptions;
 use crate::model::record::Record;
 use crate::model::{Facts, LabelledSurface};
-use crate::report::findings;
-use crate::units::Unit;
+use mesh::check::findings;
+use program::units::Unit;
 use repair::{Repair, parse_positive};
 use source::Reader;
 

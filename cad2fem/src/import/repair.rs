@@ -31,9 +31,9 @@ use crate::mesher::ftetwild::FTetWild;
 use crate::mesher::layers::Layers;
 use crate::mesher::python::Python;
 use crate::model::record::Record;
-use crate::report::findings;
 use crate::tetmesh::config::Tetmesh;
 use crate::tetmesh::{settle, tidy};
+use mesh::check::findings;
 
 /// Vertices of a shell by which it is said to lie inside another.
 const PROBES: usize = 200;

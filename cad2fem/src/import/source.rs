@@ -14,7 +14,7 @@ use crate::mesher::gmsh::{CadOptions, Faces, Kind, mesh_faces};
 use crate::model::Facts;
 use crate::model::record::{Known, Source};
 use crate::model::solids::Solids;
-use crate::units::{Unit, guess};
+use program::units::{Unit, guess};
 
 /// How files are read.
 #[derive(Debug)]

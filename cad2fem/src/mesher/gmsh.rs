@@ -20,7 +20,7 @@ use super::python::{Package, Python};
 use super::{Options, TetMesher};
 use crate::mesher::layers::{Layers, require_conforming};
 use crate::mesher::script::without_reach;
-use crate::units::Unit;
+use program::units::Unit;
 
 /// The mesher.
 pub struct Gmsh;

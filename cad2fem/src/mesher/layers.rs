@@ -5,12 +5,12 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
-use mesh::check::run;
+use mesh::check::{findings, run};
 use mesh::topology::TET_FACETS;
 use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key, place_key, triangle_key};
 
-use crate::report::{findings, read_in};
-use crate::units::Unit;
+use crate::report::read_in;
+use program::units::Unit;
 
 /// Surfaces inside a body, open or closed, without the triangles that are on its boundary.
 #[derive(Default)]

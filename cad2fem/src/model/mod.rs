@@ -11,6 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
+use mesh::check::findings;
 use mesh::faces::Face;
 use mesh::io::{read_surface, remove_output, remove_output_folder, write_surface};
 use mesh::measure::{area, bounds, enclosed_volume};
@@ -19,10 +20,10 @@ use mesh::{SurfaceMesh, check};
 use program::Unusable;
 use serde::Serialize;
 
-use crate::implicit::Thin;
 use crate::mesher::gmsh::Faces;
 use crate::model::record::Record;
-use crate::report::{Input, findings};
+use crate::report::Input;
+use implicit::Thin;
 
 /// The report, written last.
 const STAMP: &str = "model.json";

@@ -20,10 +20,10 @@ use serde::Serialize;
 use crate::mesher::layers::{Layers, exact_facets};
 use crate::mesher::python::{Package, Python};
 use crate::mesher::{Options, TetMesher};
-use crate::report::findings;
 use crate::tetmesh::cache::{Cache, key};
 use crate::tetmesh::fragments::{open_pinches, remove_fragments, remove_spikes};
 use crate::tetmesh::planar::flatten;
+use mesh::check::findings;
 
 /// Points at which distances between surfaces are measured.
 const SAMPLES: usize = 60_000;

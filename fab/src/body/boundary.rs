@@ -17,9 +17,9 @@ use mesh::measure::{bounds, diagonal, enclosed_volume, farthest, tet_volume};
 use mesh::{SurfaceMesh, Tags, TetMesh, Vec3, topology};
 use program::Names;
 
+use crate::body::walls::OFF;
 use crate::config::Casts;
-use crate::geometry::cap::{self, Cap};
-use crate::geometry::walls::OFF;
+use geometry::cap::{self, Cap};
 
 /// A rim counts as planar if it keeps to its plane within this part of the body's
 /// diagonal: twice the envelope that the volume mesher is given by default.

@@ -18,8 +18,8 @@ use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::config::Config;
 use crate::config::fitting::Tube;
-use crate::geometry::frame::Frame;
-use crate::geometry::{MM, place};
+use geometry::frame::Frame;
+use geometry::{MM, place};
 
 /// Sides of a collar: so many that a turn about its axis moves its surface by less than
 /// R (1 − cos π/n), a micrometre at R = 7 mm.

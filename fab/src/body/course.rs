@@ -8,7 +8,7 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::groove::{Groove, Station};
 use crate::config::GrooveConfig;
-use crate::geometry::{MM, place};
+use geometry::{MM, place};
 
 /// How far a simplified line may be from that of the simulation, over the diameter of the thread [1].
 const STRAIGHT: f64 = 0.02;

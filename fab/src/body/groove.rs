@@ -20,8 +20,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::boundary::Boundary;
-use crate::geometry::MM;
-use crate::geometry::frame::Frame;
+use geometry::MM;
+use geometry::frame::Frame;
 
 /// Corners of the outline of a pit.
 const SIDES: usize = 16;

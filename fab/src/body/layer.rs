@@ -8,8 +8,8 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::MM;
-use crate::geometry::frame::Frame;
+use geometry::MM;
+use geometry::frame::Frame;
 
 /// A sheet counts as level if it keeps to a plane within this [mm].
 const LEVEL: f64 = 0.1;

@@ -7,7 +7,7 @@ use mesh::{SurfaceMesh, Vec3};
 use crate::body::boundary::{Boundary, Inlet};
 use crate::body::orientation::Orientation;
 use crate::config::Config;
-use crate::geometry::frame::{Frame, Pull, moved};
+use geometry::frame::{Frame, Pull, moved};
 
 /// An inlet faces down, and `up` is a coordinate axis, within this angle's
 /// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.

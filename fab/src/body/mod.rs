@@ -14,4 +14,5 @@ pub mod layout;
 pub mod orientation;
 pub mod source;
 pub mod thread;
+pub mod walls;
 pub mod weight;

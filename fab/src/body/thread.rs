@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::geometry::MM;
+use geometry::MM;
 
 /// Ends of segments that are nearer than this are one point [m].
 const SAME: f64 = 1e-9;

@@ -23,7 +23,7 @@ use crate::body::layer::Layer;
 use crate::body::source::{CastPart, Input};
 use crate::body::thread::Thread;
 use crate::config::{Casts, Config};
-use crate::geometry::MM;
+use geometry::MM;
 
 use crate::plan::{Plan, Refused};
 

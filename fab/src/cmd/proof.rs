@@ -16,11 +16,11 @@ use crate::config::fitting::Tube;
 use crate::config::method::Method;
 use crate::files::export::printable;
 use crate::files::report::{CAST, Cast, MoldReport, OUTSIDE, Role};
-use crate::geometry::frame::Turn;
 use crate::mold::{Mold, Piece};
 use crate::plan::report::{ChosenBy, Entry};
 use crate::plan::{Casting, Refused};
 use crate::verify::{Against, Status, before_writing};
+use geometry::frame::Turn;
 
 /// How far cores move that do not stay in their places, in words.
 #[derive(Debug, thiserror::Error)]

@@ -4,8 +4,8 @@ use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
 use crate::files::report::MoldReport;
-use crate::geometry::extent;
-use crate::geometry::frame::moved;
+use geometry::extent;
+use geometry::frame::moved;
 
 /// Room between parts that are taken apart, as a share of the mold's diagonal.
 const GAP: f64 = 0.06;

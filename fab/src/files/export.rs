@@ -10,8 +10,8 @@ use mesh::measure::hausdorff;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
 
-use crate::geometry::MM;
-use crate::geometry::frame::{Turn, moved};
+use geometry::MM;
+use geometry::frame::{Turn, moved};
 
 /// Tolerances of simplification that are tried in turn [m].
 const SIMPLIFY: [f64; 4] = [0.0, 1e-8, 1e-7, 1e-6];

@@ -20,12 +20,12 @@ use crate::body::thread::Thread;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
-use crate::geometry::frame::{Frame, Turn};
-use crate::geometry::frustum::Frustum;
-use crate::geometry::overhang::{CUSTOMARY, Overhangs};
-use crate::geometry::{MM, Triple};
 use crate::mold::holding::Holding;
 use crate::mold::{Feature, Mold, Piece, Purpose};
+use geometry::frame::{Frame, Turn};
+use geometry::frustum::Frustum;
+use geometry::overhang::{CUSTOMARY, Overhangs};
+use geometry::{MM, Triple};
 
 /// Name of the report in the folder of a mold.
 pub const FILE: &str = "mold.json";

@@ -10,7 +10,7 @@ use library::{Printer, PrinterKind};
 use mesh::io::{IoError, write_atomic};
 
 use crate::files::report::{MoldReport, Part, Role};
-use crate::geometry::overhang::needs_supports;
+use geometry::overhang::needs_supports;
 
 /// Lines along every outline: what makes a wall tight.
 const PERIMETERS: usize = 3;

@@ -15,9 +15,9 @@ use render::sheet::{Panel, Sheet, draw_sheet};
 use render::view::View;
 
 use super::picture::shape;
-use crate::geometry::MM;
-use crate::geometry::frame::{Frame, moved};
 use crate::plan::{Casting, Plan};
+use geometry::MM;
+use geometry::frame::{Frame, moved};
 
 /// Name of the picture in the top folder.
 pub const FILE: &str = "undercut.png";

@@ -6,8 +6,8 @@ use mesh::{SurfaceMesh, Vec3, measure};
 use crate::body::boundary::Boundary;
 use crate::body::layout::placed;
 use crate::body::orientation::Portion;
-use crate::geometry::extent;
-use crate::geometry::frame::Frame;
+use geometry::extent;
+use geometry::frame::Frame;
 
 /// A facet belongs to the seat if it keeps within this part of the body's
 /// diagonal of the inlet's plane.

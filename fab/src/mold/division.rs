@@ -16,8 +16,8 @@ use super::piece::{Feature, Piece, Purpose, cut};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::config::method::Method;
-use crate::geometry::frame::{Frame, Pull, Turn, moved};
-use crate::geometry::frustum::Frustum;
+use geometry::frame::{Frame, Pull, Turn, moved};
+use geometry::frustum::Frustum;
 
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;

@@ -13,11 +13,11 @@ use super::division::Blank;
 use super::features::pin::{self, NEAR, Pin, Site, Tried};
 use super::features::support::{SILICONE, Stand};
 use super::piece::{Feature, Piece, Purpose};
+use crate::body::walls::too_thin;
 use crate::config::{Casts, Config, Support};
-use crate::geometry::frame::Frame;
-use crate::geometry::frustum::Frustum;
-use crate::geometry::walls::too_thin;
-use crate::geometry::{MM, Triple, place};
+use geometry::frame::Frame;
+use geometry::frustum::Frustum;
+use geometry::{MM, Triple, place};
 
 /// How a core is held.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]

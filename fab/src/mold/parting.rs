@@ -7,11 +7,11 @@ use mesh::{SurfaceMesh, measure};
 use nalgebra::Matrix3x4;
 
 use crate::config::HeightFieldConfig;
-use crate::geometry::columns::{Grid, Layer, layers};
-use crate::geometry::frame::Turn;
-use crate::geometry::frustum::Frustum;
-use crate::geometry::place;
-use crate::mold::height_field::Terrain;
+use geometry::columns::{Grid, Layer, layers};
+use geometry::frame::Turn;
+use geometry::frustum::Frustum;
+use geometry::height_field::Terrain;
+use geometry::place;
 
 /// Parting solids reach this far beyond the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;
@@ -66,7 +66,8 @@ impl Split {
         let inset = |k: usize| if site.rim[k] > 0.0 { site.rim[k] } else { -1.0 };
         let within =
             [[0, 1].map(|k| site.min[k] + inset(k)), [0, 1].map(|k| site.max[k] - inset(k))];
-        let terrain = Terrain::new(grid, &columns, within, settings);
+        let steepest = settings.max_slope.to_radians();
+        let terrain = Terrain::new(grid, &columns, within, steepest, settings.smoothing);
         let low = terrain.heights.iter().fold(site.min.z, |m, h| m.min(*h)) - BEYOND;
         let proof = "a height field over a grid is closed and faces outward";
         let fine = Solid::from_surface(&terrain.surface(low)).expect(proof);

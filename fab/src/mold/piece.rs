@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parting::FILM;
-use crate::geometry::frustum::Frustum;
+use geometry::frustum::Frustum;
 
 /// A printed part.
 #[derive(Clone)]

@@ -14,9 +14,9 @@ use super::piece::{Feature, Purpose};
 use crate::body::boundary::{AirPaths, Boundary};
 use crate::body::orientation::Portion;
 use crate::config::Config;
-use crate::geometry::frame::Frame;
-use crate::geometry::maxima::{self, Peak};
-use crate::geometry::place;
+use geometry::frame::Frame;
+use geometry::maxima::{self, Peak};
+use geometry::place;
 
 /// Tops that are flat within this height get their channel in the middle [m].
 const TOP_FLATNESS: f64 = 2e-4;

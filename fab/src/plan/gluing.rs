@@ -12,10 +12,10 @@ use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
 
 use super::pull::plane;
-use super::undercut::{PartingHeight, View};
 use crate::body::boundary::{Boundary, Inlet};
 use crate::config::GluingConfig;
-use crate::geometry::{extent, gap};
+use geometry::undercut::{PartingHeight, View};
+use geometry::{extent, gap};
 
 /// Planes that leave up to this much more of an area in undercuts than the best count as
 /// equally good: the one along whose normal the body is thinnest is taken [1].

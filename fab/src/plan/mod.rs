@@ -4,7 +4,6 @@ pub mod gluing;
 pub mod pull;
 pub mod report;
 mod sides;
-pub mod undercut;
 mod verdict;
 
 use anyhow::Result;
@@ -18,11 +17,11 @@ use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::Config;
-use crate::geometry::{MM, place};
+use geometry::undercut::{self, Worst};
+use geometry::{MM, place};
 use gluing::Flat;
 use pull::Choice;
 use report::{ChosenBy, PlanReport, ThinnestWall};
-use undercut::Worst;
 use verdict::Judge;
 pub use verdict::Refused;
 

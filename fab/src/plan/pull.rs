@@ -7,11 +7,11 @@
 use mesh::{SurfaceMesh, Vec3};
 
 use super::report::Direction;
-use super::undercut::{self, Undercut, View, Worst};
 use crate::body::orientation::{PartingSurface, Portion};
 use crate::config::{self, Config};
-use crate::geometry::frame::Frame;
-use crate::geometry::{MM, extent, gap};
+use geometry::frame::Frame;
+use geometry::undercut::{self, Undercut, View, Worst};
+use geometry::{MM, extent, gap};
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;

@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Casting;
 use crate::body::source::Input;
+use crate::body::walls::Wall;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
-use crate::geometry::walls::Wall;
-use crate::geometry::{MM, Triple};
+use geometry::{MM, Triple};
 
 /// Name of the plan in the top folder.
 pub const FILE: &str = "plan.json";

@@ -9,7 +9,7 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::{self, Choice};
-use super::undercut::{PartingHeight, View};
+use geometry::undercut::{PartingHeight, View};
 
 /// How sides above the height `joint` along `up` [m] separate. None if their undercuts, or
 /// those of the base below the joint, exceed `limit` of the widths of the silicone.

@@ -9,11 +9,11 @@ use super::{Casting, Locked, chamber_and_sheet, halves, pull};
 use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::body::orientation::Portion;
+use crate::body::walls::{self, Wall};
 use crate::config::Config;
 use crate::config::method::{Bodies, Castings, JudgedBy, Method};
-use crate::geometry::girth::{self, Passage};
-use crate::geometry::walls::{self, Wall};
-use crate::geometry::{MM, place};
+use geometry::girth::{self, Passage};
+use geometry::{MM, place};
 
 /// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {

@@ -8,10 +8,10 @@ use mesh::measure::enclosed_volume;
 use super::origins::Origins;
 use super::{Against, Line, fit, walls};
 use crate::body::source::CastPart;
+use crate::body::walls::THICKNESS_ROUNDING;
 use crate::files::report::MoldReport;
-use crate::geometry::MM;
-use crate::geometry::walls::THICKNESS_ROUNDING;
 use crate::plan::report::{Entry, PlanReport};
+use geometry::MM;
 
 /// Thickness of what may be missing where castings are glued: 6 µm are left out between a chamber
 /// and its sheet, and its flat wall is uneven by 2 µm [mm].

@@ -11,7 +11,7 @@ use super::Line;
 use super::closed_mold::ClosedMold;
 use crate::body::collar::Collar;
 use crate::body::source::CastPart;
-use crate::geometry::MM;
+use geometry::MM;
 
 /// Least and largest part of its diameter by which a tube is squeezed: judgements.
 const SQUEEZED: [f64; 2] = [0.02, 0.4];

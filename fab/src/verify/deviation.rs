@@ -5,7 +5,7 @@ use mesh::inside::WindingNumber;
 use mesh::{SurfaceMesh, Vec3};
 
 use crate::files::report::MoldReport;
-use crate::geometry::frame::moved;
+use geometry::frame::moved;
 
 /// Largest distance between the cast and the surface that is to be cast, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].

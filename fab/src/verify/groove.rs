@@ -13,8 +13,8 @@ use super::Line;
 use super::closed_mold::ClosedMold;
 use crate::body::groove::{Groove, Station};
 use crate::files::report::MoldReport;
-use crate::geometry::MM;
 use crate::mold::Purpose;
+use geometry::MM;
 
 /// Distances by which a ridge is moved, over the depth of the groove: until it has left it along the surface, too [1].
 const PULLS: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0];

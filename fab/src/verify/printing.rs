@@ -7,8 +7,8 @@ use mesh::{SurfaceMesh, measure};
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 use crate::files::report::Part;
-use crate::geometry::frame::moved;
-use crate::geometry::overhang::{Overhangs, needs_supports};
+use geometry::frame::moved;
+use geometry::overhang::{Overhangs, needs_supports};
 
 /// Facets this near to the body shape it: twice what the surfaces may be apart, for
 /// centroids of facets across a fold [mm].

@@ -9,8 +9,8 @@ use mesh::solid::Solid;
 
 use super::Line;
 use super::closed_mold::{Body, ClosedMold};
-use crate::geometry::girth::{self, Passage};
 use crate::plan::report::PlanReport;
+use geometry::girth::{self, Passage};
 
 /// Where the girth of an inlet is measured, above the lowest point of the body: above its
 /// uneven rim, within the 1 mm that any wall is thick at least [mm].

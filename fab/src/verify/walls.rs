@@ -14,10 +14,10 @@ use serde::Deserialize;
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 use crate::body::source::{CastPart, Input};
+use crate::body::walls::{Wall, thinnest};
 use crate::config::{CastingConfig, Casts};
-use crate::geometry::MM;
-use crate::geometry::walls::{Wall, thinnest};
 use crate::mold::Purpose;
+use geometry::MM;
 
 /// Walls thinner than this part of the least at rest are pointed out when inflated: a
 /// judgement. Rubber that is stretched twice in both directions has a quarter.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, anyhow, ensure};
-use design::optimize::scene_of;
+use design::scene_of;
 use mechanics::element::FunctionSpace;
 use numpy::{PyArray2, PyReadonlyArray2};
 use program::{Change, Keys, Settings};

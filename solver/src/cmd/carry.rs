@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use mechanics::body::Body;
 
-use design::variables::carry;
+use variables::carry;
 
 /// Carry a designed shape to another mesh of the same body
 ///

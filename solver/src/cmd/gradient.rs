@@ -10,7 +10,7 @@ use program::FolderLock;
 use serde_json::json;
 
 use super::DesignArguments;
-use design::optimize::Derivative;
+use design::Derivative;
 use run::report::results;
 
 /// Write the gradient of a design problem for ParaView

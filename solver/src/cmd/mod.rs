@@ -27,7 +27,7 @@ use program::Changes;
 use program::schema::SchemaArguments;
 use scene::Scene;
 
-use ::design::optimize::Problem;
+use ::design::Problem;
 
 /// What `solver` can do.
 #[derive(Subcommand)]

@@ -70,7 +70,7 @@ pub fn time(bench: &mut Bench) -> Result<()> {
 impl Sheets {
     fn time(&self, bench: &mut Bench, name: &str) -> Result<()> {
         let features = Features::new(&self.facets);
-        let search = |end: &[Vec3]| between(&features, &self.start, end, self.radius, |_| false);
+        let search = |end: &[Vec3]| between(&features, &self.start, end, self.radius, &|_| false);
         let dofs = || Throughput::Elements(3 * self.start.len() as u64);
         let [candidates, step, proof, far_step] = STEPS.map(|what| [what, name]);
         let pairs = search(&self.end).context("of these sheets only near pairs meet")?;

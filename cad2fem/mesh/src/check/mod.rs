@@ -34,6 +34,11 @@ impl Finding {
     }
 }
 
+/// What was found, one indented line each.
+pub fn findings(found: &[Finding]) -> String {
+    found.iter().map(|f| format!("\n  {}: {}", f.rule, f.message)).collect()
+}
+
 /// A rule for surfaces.
 pub struct Check {
     /// Name of the rule.

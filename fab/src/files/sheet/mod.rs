@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::body::weight::Weight;
 use crate::files::report::MoldReport;
-use crate::geometry::overhang::needs_supports;
+use geometry::overhang::needs_supports;
 
 /// Its file, beside mold.json.
 pub const FILE: &str = "cast.json";

@@ -7,7 +7,7 @@ use super::flange::Joint;
 use super::key::Sizes;
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
-use crate::geometry::frame::Pull;
+use geometry::frame::Pull;
 
 /// A box in the mold's frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,8 +9,8 @@ use mesh::Vec3;
 use mesh::solid::Solid;
 
 use crate::config::{Config, CoreConfig, STUB_FLAT};
-use crate::geometry::frustum::Frustum;
 use crate::mold::cast_body::Opening;
+use geometry::frustum::Frustum;
 
 /// A turn by less than this is seen as none.
 const TURN: f64 = std::f64::consts::FRAC_PI_6;

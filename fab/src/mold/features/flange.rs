@@ -5,7 +5,7 @@ use mesh::Vec3;
 
 use super::key::{RIM, Sizes};
 use crate::config::Config;
-use crate::geometry::frustum::Frustum;
+use geometry::frustum::Frustum;
 
 /// How far holes and slots reach beyond the outside, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;

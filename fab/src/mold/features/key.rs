@@ -3,7 +3,7 @@
 use mesh::Vec3;
 
 use crate::config::Config;
-use crate::geometry::frustum::Frustum;
+use geometry::frustum::Frustum;
 
 /// Radius at the tip, as a part of that at the foot.
 const TAPER: f64 = 0.5;

@@ -60,7 +60,7 @@ pub fn word(word: &str, face: &Face) -> Option<Solid> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::overhang::{CUSTOMARY, Overhangs, needs_supports};
+    use geometry::overhang::{CUSTOMARY, Overhangs, needs_supports};
     use mesh::SurfaceMesh;
 
     fn fitting(word: &str, face: &Face) -> Solid {

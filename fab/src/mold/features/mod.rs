@@ -12,7 +12,7 @@ pub mod support;
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 
-use crate::geometry::frustum::{Frustum, SEGMENTS};
+use geometry::frustum::{Frustum, SEGMENTS};
 
 /// Largest depth of a channel's mouth, in radii.
 const DEEPEST: f64 = 2.0;

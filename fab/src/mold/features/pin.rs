@@ -12,7 +12,7 @@ use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::support::{Contact, Sag, Stand};
-use crate::geometry::frustum::Frustum;
+use geometry::frustum::Frustum;
 
 /// Depth of the pit in the core below its rim, in radii of the pin.
 const DEPTH: f64 = 1.0;

@@ -15,7 +15,7 @@
 use mesh::measure::tet_volume;
 use mesh::{SurfaceMesh, Vec3};
 
-use crate::geometry::frustum::Frustum;
+use geometry::frustum::Frustum;
 
 /// Silicone, if none is named [kg/m³].
 pub const SILICONE: f64 = 1070.0;

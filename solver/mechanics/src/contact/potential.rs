@@ -112,7 +112,7 @@ impl Potential {
                 corners.iter().all(|&v| self.surface.body(v) == body)
             }
         };
-        candidates::between(self.surface.features(), x0, x1, radius, indifferent)
+        candidates::between(self.surface.features(), x0, x1, radius, &indifferent)
     }
 
     /// The candidates within the range of β at positions `x`, in their order, for rest

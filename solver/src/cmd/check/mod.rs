@@ -15,7 +15,7 @@ use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;
 use super::DesignArguments;
-use design::optimize::{Evaluation, Level, Parameter, Perturbed};
+use design::{Evaluation, Level, Parameter, Perturbed};
 
 /// How often the test of a term is repeated while its slope is not accepted, ...
 const SHORTER: usize = 4;

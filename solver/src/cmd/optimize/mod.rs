@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
-use design::optimize::{Cascade, Problem, folder};
+use design::{Cascade, Problem, folder};
 use program::{Changes, FolderLock};
 use scene::log_share;
 

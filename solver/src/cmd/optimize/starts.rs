@@ -5,8 +5,8 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
-use design::optimize::History;
-use design::optimize::folder::report;
+use design::History;
+use design::folder::report;
 use measure::objective::Weight;
 use program::{Heartbeat, KeyPath, Process, Unusable, misfit};
 use reports::{Designed, Optimization};

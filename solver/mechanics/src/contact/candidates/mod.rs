@@ -61,7 +61,7 @@ pub fn between(
     x0: &[Vec3],
     x1: &[Vec3],
     radius: f64,
-    skip: impl Fn([usize; 4]) -> bool + Sync,
+    skip: &(dyn Fn([usize; 4]) -> bool + Sync),
 ) -> Result<Vec<Pair>, TooMany> {
     between_within(budget(features), features, x0, x1, radius, skip)
 }
@@ -73,7 +73,7 @@ pub fn between_within(
     x0: &[Vec3],
     x1: &[Vec3],
     radius: f64,
-    skip: impl Fn([usize; 4]) -> bool + Sync,
+    skip: &(dyn Fn([usize; 4]) -> bool + Sync),
 ) -> Result<Vec<Pair>, TooMany> {
     let Features { vertices, edges, triangles } = features;
     let search = Search { x0, x1, radius: radius + rounding(x0, x1), budget, seen: 0.into() };

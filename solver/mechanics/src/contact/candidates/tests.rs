@@ -38,13 +38,13 @@ fn without_motion_candidates_are_the_close_pairs() {
         let close = |p: &Pair| p.closest(&p.gather(&x)).d2 < radius * radius;
         let expected: Vec<Pair> = all_pairs(&features).into_iter().filter(close).collect();
         assert!(expected.len() > 20, "{}", expected.len());
-        let found = between(&features, &x, &x, radius, |_| false);
+        let found = between(&features, &x, &x, radius, &|_| false);
         assert_eq!(found, Ok(expected), "in this order");
     }
     // all in one place, and none
     let place = vec![Vec3::zeros(); x.len()];
-    assert_eq!(between(&features, &place, &place, 0.1, |_| false), Ok(all_pairs(&features)));
-    assert_eq!(between(&Features::new(&[]), &[], &[], 0.1, |_| false), Ok(Vec::new()));
+    assert_eq!(between(&features, &place, &place, 0.1, &|_| false), Ok(all_pairs(&features)));
+    assert_eq!(between(&Features::new(&[]), &[], &[], 0.1, &|_| false), Ok(Vec::new()));
 }
 
 /// Sampling in time finds no pair that is not among the candidates, and the
@@ -54,7 +54,7 @@ fn nothing_that_comes_close_on_the_way_is_missed() {
     for (seed, length) in [(2, 0.1), (3, 1.0), (4, 30.0)] {
         let (features, [x0, x1]) = cloud(seed, length);
         let radius = 0.05;
-        let found = between(&features, &x0, &x1, radius, |_| false).expect("few");
+        let found = between(&features, &x0, &x1, radius, &|_| false).expect("few");
         let mut missed = all_pairs(&features);
         let all = missed.len();
         missed.retain(|p| !found.contains(p));
@@ -74,8 +74,8 @@ fn nothing_that_comes_close_on_the_way_is_missed() {
 fn what_moves_together_is_no_candidate() {
     let (features, [x0, _]) = cloud(5, 0.0);
     let x1: Vec<Vec3> = x0.iter().map(|x| x + Vec3::new(20.0, 20.0, 20.0)).collect();
-    let still = between(&features, &x0, &x0, 0.1, |_| false);
-    let moving = between(&features, &x0, &x1, 0.1, |_| false);
+    let still = between(&features, &x0, &x0, 0.1, &|_| false);
+    let moving = between(&features, &x0, &x1, 0.1, &|_| false);
     assert_eq!(still, moving);
 }
 
@@ -83,8 +83,8 @@ fn what_moves_together_is_no_candidate() {
 fn skipped_pairs_are_left_out_and_threads_change_nothing() {
     let (features, [x0, x1]) = cloud(6, 0.3);
     let skip = |corners: [usize; 4]| corners.iter().all(|&v| v < 60);
-    let run = || between(&features, &x0, &x1, 0.1, skip).expect("few");
-    let mut expected = between(&features, &x0, &x1, 0.1, |_| false).expect("few");
+    let run = || between(&features, &x0, &x1, 0.1, &skip).expect("few");
+    let mut expected = between(&features, &x0, &x1, 0.1, &|_| false).expect("few");
     let all = expected.len();
     expected.retain(|p| !skip(p.corners()));
     assert!(expected.len() < all);
@@ -98,7 +98,7 @@ fn skipped_pairs_are_left_out_and_threads_change_nothing() {
 fn a_step_that_is_too_long_is_refused() {
     let (features, [x0, x1]) = cloud(7, 100.0);
     let all = all_pairs(&features).len();
-    let run = |budget| between_within(budget, &features, &x0, &x1, 1e3, |_| false);
+    let run = |budget| between_within(budget, &features, &x0, &x1, 1e3, &|_| false);
     assert_eq!(run(all).map(|pairs| pairs.len()), Ok(all));
     for budget in [0, 10, all - 1] {
         assert_eq!(run(budget), Err(TooMany { budget }));
