@@ -10,8 +10,9 @@ mod skip;
 #[allow(dead_code, clippy::expect_used)]
 mod programs;
 
-use crate::fixture::{CHAMBER, Scene};
 use geometry::overhang::needs_supports;
+
+use crate::fixture::{CHAMBER, Scene};
 use programs::Lengths;
 
 /// Where we see no need for supports the slicer sees none, either.

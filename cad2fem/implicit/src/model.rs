@@ -8,6 +8,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use mesh::Vec3;
 use program::schema::partial;
+use program::units::Unit;
 use program::{Change, KeyPath, Keys, Names, Settings, misfit, read_table};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
@@ -17,7 +18,6 @@ use toml::{Table, Value};
 pub use super::shape::Bounds;
 use super::shape::Shape;
 use super::value::{require_file_name, require_finite};
-use program::units::Unit;
 
 /// Most cells of the sampling lattice, 2 samples each.
 const MAX_CELLS: f64 = 3e7;

@@ -3,6 +3,7 @@
 use anyhow::{Result, anyhow, ensure};
 use mesh::Vec3;
 use mesh::check::check_surface;
+use mesh::check::findings;
 use mesh::measure::diagonal;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
@@ -19,7 +20,6 @@ use super::resolution::{remark_on_chords, remark_on_walls, resolved};
 use super::sides::Sides;
 use super::skin::{Part, Skin};
 use super::thin;
-use mesh::check::findings;
 
 /// Parts of `simplify` that are tried in turn, until the surface is sound.
 const SIMPLIFY: [f64; 3] = [1.0, 0.3, 0.1];

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
+use implicit::{Fields, Model, ModelFile, assign, surface};
 use mesh::io::remove_litter;
+use program::units::Unit;
 use program::{Change, FolderLock, Unusable};
 
 use crate::mesher::gmsh::{CadOptions, Kind};
 use crate::model::cad::{self, parse_number};
 use crate::model::{LabelledSurface, remove_stamp};
 use crate::report::{Input, remark_on_size};
-use implicit::{Fields, Model, ModelFile, assign, surface};
-use program::units::Unit;
 
 /// Writes `DIR/model.stl`, `DIR/patches/<region>.stl`, of CAD `DIR/volumes/<volume>.stl`,
 /// `DIR/model.json`, and the same in `DIR/<variant>/` for every variant; lengths in metres

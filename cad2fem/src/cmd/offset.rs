@@ -7,10 +7,10 @@ use mesh::crossings::self_intersecting_pairs;
 use mesh::io::write_surface;
 use mesh::measure::{diagonal, enclosed_volume};
 use mesh::topology::boundary_loops;
+use program::units::Unit;
 
 use crate::report::read_in;
 use crate::selection::offset;
-use program::units::Unit;
 
 /// Distance over the diagonal of the bounding box unless --distance is given.
 const RELATIVE_DISTANCE: f64 = 1e-3;

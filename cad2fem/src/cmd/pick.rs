@@ -9,9 +9,9 @@ use clap::Parser as _;
 use mesh::io::extension;
 use page::pick::given::{Given, Tag};
 use page::pick::{Source, Summary};
+use program::units::Unit;
 
 use super::{import, model};
-use program::units::Unit;
 
 /// A page on which you name the faces of a body by clicking; it downloads tags.toml, which tagger
 /// reads. It is one file without a server or a network

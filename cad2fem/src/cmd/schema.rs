@@ -1,9 +1,9 @@
 //! `cad2fem schema`: the files that it reads.
 
+use implicit::Model;
 use program::schema::Format;
 
 use crate::tetmesh::config::Config;
-use implicit::Model;
 
 /// What the verb can print.
 pub const FORMATS: &[Format] =

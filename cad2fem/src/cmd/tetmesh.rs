@@ -9,6 +9,7 @@ use mesh::measure::diagonal;
 use mesh::topology::edge_facets;
 use mesh::{SurfaceMesh, Tags};
 use program::Changes;
+use program::units::Unit;
 use serde::Serialize;
 
 use crate::mesher::layers::{Layers, append};
@@ -17,7 +18,6 @@ use crate::report::{Input, read_in};
 use crate::tetmesh::cache::Cache;
 use crate::tetmesh::config::{Config, Tetmesh};
 use crate::tetmesh::{Outcome, Request, prepare, tetrahedralize};
-use program::units::Unit;
 
 /// Edges wanted, over the longest of a surface that stays, from which on a user expects a coarser mesh.
 const COARSER: f64 = 1.25;

@@ -12,18 +12,18 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use mesh::bvh::SurfaceBvh;
+use mesh::check::findings;
 use mesh::measure::diagonal;
 use mesh::rounding::Rounded;
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3, check};
 use nalgebra::{Matrix3, Rotation3};
 use program::Unusable;
+use program::units::Unit;
 
 use crate::mesher::gmsh::CadOptions;
 use crate::model::record::Record;
 use crate::model::{Facts, LabelledSurface};
-use mesh::check::findings;
-use program::units::Unit;
 use repair::{Repair, parse_positive};
 use source::Reader;
 

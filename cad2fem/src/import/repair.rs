@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
 use mesh::bvh::{SurfaceBvh, closest_on_triangle};
+use mesh::check::findings;
 use mesh::check::{self, orient_by_nesting};
 use mesh::crossings::self_intersecting_pairs;
 use mesh::inside::WindingNumber;
@@ -33,7 +34,6 @@ use crate::mesher::python::Python;
 use crate::model::record::Record;
 use crate::tetmesh::config::Tetmesh;
 use crate::tetmesh::{settle, tidy};
-use mesh::check::findings;
 
 /// Vertices of a shell by which it is said to lie inside another.
 const PROBES: usize = 200;

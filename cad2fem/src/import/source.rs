@@ -7,6 +7,7 @@ use mesh::SurfaceMesh;
 use mesh::io::{MshFile, read_surface, read_tets, threemf};
 use mesh::measure::diagonal;
 use mesh::topology::boundary;
+use program::units::{Unit, guess};
 use program::{InputFile, sha256_file};
 
 use super::{Patched, Patches};
@@ -14,7 +15,6 @@ use crate::mesher::gmsh::{CadOptions, Faces, Kind, mesh_faces};
 use crate::model::Facts;
 use crate::model::record::{Known, Source};
 use crate::model::solids::Solids;
-use program::units::{Unit, guess};
 
 /// How files are read.
 #[derive(Debug)]

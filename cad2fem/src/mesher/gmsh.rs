@@ -12,6 +12,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use mesh::io::{read_bytes, read_own_text};
 use mesh::{SurfaceMesh, TetMesh};
+use program::units::Unit;
 use serde::Deserialize;
 use serde_json::json;
 
@@ -20,7 +21,6 @@ use super::python::{Package, Python};
 use super::{Options, TetMesher};
 use crate::mesher::layers::{Layers, require_conforming};
 use crate::mesher::script::without_reach;
-use program::units::Unit;
 
 /// The mesher.
 pub struct Gmsh;

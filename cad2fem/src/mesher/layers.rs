@@ -8,9 +8,9 @@ use anyhow::{Result, ensure};
 use mesh::check::{findings, run};
 use mesh::topology::TET_FACETS;
 use mesh::{SurfaceMesh, TetMesh, Vec3, facet_key, place_key, triangle_key};
+use program::units::Unit;
 
 use crate::report::read_in;
-use program::units::Unit;
 
 /// Surfaces inside a body, open or closed, without the triangles that are on its boundary.
 #[derive(Default)]

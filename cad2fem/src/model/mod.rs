@@ -11,6 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
+use implicit::Thin;
 use mesh::check::findings;
 use mesh::faces::Face;
 use mesh::io::{read_surface, remove_output, remove_output_folder, write_surface};
@@ -23,7 +24,6 @@ use serde::Serialize;
 use crate::mesher::gmsh::Faces;
 use crate::model::record::Record;
 use crate::report::Input;
-use implicit::Thin;
 
 /// The report, written last.
 const STAMP: &str = "model.json";

@@ -8,6 +8,7 @@ pub mod planar;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail, ensure};
+use mesh::check::findings;
 use mesh::check::{check_surface, check_tets, coincident, orient_by_nesting, run};
 use mesh::improve::{improve_around, improve_interior};
 use mesh::measure::{Quality, area, enclosed_volume, farthest, quality, tet_volume, volume};
@@ -23,7 +24,6 @@ use crate::mesher::{Options, TetMesher};
 use crate::tetmesh::cache::{Cache, key};
 use crate::tetmesh::fragments::{open_pinches, remove_fragments, remove_spikes};
 use crate::tetmesh::planar::flatten;
-use mesh::check::findings;
 
 /// Points at which distances between surfaces are measured.
 const SAMPLES: usize = 60_000;

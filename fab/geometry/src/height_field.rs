@@ -32,8 +32,8 @@ pub struct Terrain {
 
 impl Terrain {
     /// The parting height for a part given by its columns. The rim is what lies
-    /// outside of the rectangle `within` = [low, high] [m]. Nowhere is it steeper than `max_slope`, and it is smoothed
-    /// over a length [m].
+    /// outside of the rectangle `within` = [low, high] [m]. Nowhere is it steeper than `max_slope` [rad], and it is
+    /// smoothed over a length [m].
     pub fn new(
         grid: Grid,
         columns: &[Vec<Layer>],

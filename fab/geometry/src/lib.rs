@@ -1,4 +1,4 @@
-//! Geometry that knows neither bodies nor molds: the mold's frame, solids as columns, caps of
+//! Geometry that knows neither settings nor files: the mold's frame, solids as columns, caps of
 //! planar holes, local maxima of height, planes clear of vertices, sections and their girth,
 //! overhangs, undercuts, partings by a height field, frusta.
 

@@ -11,6 +11,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context, Result, bail, ensure};
+use geometry::cap::{self, Cap};
 use mesh::check;
 use mesh::io::MshFile;
 use mesh::measure::{bounds, diagonal, enclosed_volume, farthest, tet_volume};
@@ -19,7 +20,6 @@ use program::Names;
 
 use crate::body::walls::OFF;
 use crate::config::Casts;
-use geometry::cap::{self, Cap};
 
 /// A rim counts as planar if it keeps to its plane within this part of the body's
 /// diagonal: twice the envelope that the volume mesher is given by default.

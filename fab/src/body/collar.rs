@@ -9,6 +9,8 @@
 //! than the tube, which therefore seals.
 
 use anyhow::{Result, ensure};
+use geometry::frame::Frame;
+use geometry::{MM, place};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 use schemars::JsonSchema;
@@ -18,8 +20,6 @@ use crate::body::boundary::{Boundary, CoreBoundary, Inlet};
 use crate::body::layout;
 use crate::config::Config;
 use crate::config::fitting::Tube;
-use geometry::frame::Frame;
-use geometry::{MM, place};
 
 /// Sides of a collar: so many that a turn about its axis moves its surface by less than
 /// R (1 − cos π/n), a micrometre at R = 7 mm.

@@ -1,6 +1,7 @@
 //! Where the groove for a thread runs, and where its ridge would hold back a shell.
 
 use anyhow::{Result, ensure};
+use geometry::{MM, place};
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::io::MshFile;
@@ -8,7 +9,6 @@ use mesh::{SurfaceMesh, Vec3};
 
 use super::groove::{Groove, Station};
 use crate::config::GrooveConfig;
-use geometry::{MM, place};
 
 /// How far a simplified line may be from that of the simulation, over the diameter of the thread [1].
 const STRAIGHT: f64 = 0.02;

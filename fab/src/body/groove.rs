@@ -14,14 +14,14 @@
 //! with the direction e in which its shell leaves and the way r to where it leaves the body. A body without that can
 //! be left by the ridge along e: no point of the ridge has silicone before it.
 
+use geometry::MM;
+use geometry::frame::Frame;
 use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::boundary::Boundary;
-use geometry::MM;
-use geometry::frame::Frame;
 
 /// Corners of the outline of a pit.
 const SIDES: usize = 16;

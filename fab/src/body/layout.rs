@@ -1,13 +1,13 @@
 //! How the mold stands: which way is up, which way the shells are pulled.
 
 use anyhow::{Result, anyhow, ensure};
+use geometry::frame::{Frame, Pull, moved};
 use mesh::measure::bounds;
 use mesh::{SurfaceMesh, Vec3};
 
 use crate::body::boundary::{Boundary, Inlet};
 use crate::body::orientation::Orientation;
 use crate::config::Config;
-use geometry::frame::{Frame, Pull, moved};
 
 /// An inlet faces down, and `up` is a coordinate axis, within this angle's
 /// cosine (5°): a mesher leaves the rim of a narrow inlet uneven.

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Subcommand;
+use geometry::MM;
 use mesh::Vec3;
 use mesh::io::{IoError, MshFile, read_tets};
 use mesh::measure::volume;
@@ -23,7 +24,6 @@ use crate::body::layer::Layer;
 use crate::body::source::{CastPart, Input};
 use crate::body::thread::Thread;
 use crate::config::{Casts, Config};
-use geometry::MM;
 
 use crate::plan::{Plan, Refused};
 

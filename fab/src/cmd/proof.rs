@@ -1,6 +1,7 @@
 //! The molds of a plan before they are written, proved; where cores lean in them, those of the next method.
 
 use anyhow::{Result, ensure};
+use geometry::frame::Turn;
 use mesh::{SurfaceMesh, Vec3};
 use program::Unusable;
 
@@ -20,7 +21,6 @@ use crate::mold::{Mold, Piece};
 use crate::plan::report::{ChosenBy, Entry};
 use crate::plan::{Casting, Refused};
 use crate::verify::{Against, Status, before_writing};
-use geometry::frame::Turn;
 
 /// How far cores move that do not stay in their places, in words.
 #[derive(Debug, thiserror::Error)]

@@ -1,11 +1,11 @@
 //! The mold put together from what is printed, closed and taken apart.
 
+use geometry::extent;
+use geometry::frame::moved;
 use mesh::{SurfaceMesh, Vec3};
 use nalgebra::Matrix3;
 
 use crate::files::report::MoldReport;
-use geometry::extent;
-use geometry::frame::moved;
 
 /// Room between parts that are taken apart, as a share of the mold's diagonal.
 const GAP: f64 = 0.06;

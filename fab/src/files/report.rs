@@ -3,6 +3,10 @@
 use std::path::{Component, Path};
 
 use anyhow::Result;
+use geometry::frame::{Frame, Turn};
+use geometry::frustum::Frustum;
+use geometry::overhang::{CUSTOMARY, Overhangs};
+use geometry::{MM, Triple};
 use mesh::io::IoError;
 use mesh::measure::{area, bounds, enclosed_volume};
 use mesh::solid::Solid;
@@ -22,10 +26,6 @@ use crate::config::method::Method;
 use crate::config::{CastingConfig, Config};
 use crate::mold::holding::Holding;
 use crate::mold::{Feature, Mold, Piece, Purpose};
-use geometry::frame::{Frame, Turn};
-use geometry::frustum::Frustum;
-use geometry::overhang::{CUSTOMARY, Overhangs};
-use geometry::{MM, Triple};
 
 /// Name of the report in the folder of a mold.
 pub const FILE: &str = "mold.json";

@@ -6,11 +6,11 @@
 
 use std::path::Path;
 
+use geometry::overhang::needs_supports;
 use library::{Printer, PrinterKind};
 use mesh::io::{IoError, write_atomic};
 
 use crate::files::report::{MoldReport, Part, Role};
-use geometry::overhang::needs_supports;
 
 /// Lines along every outline: what makes a wall tight.
 const PERIMETERS: usize = 3;

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use geometry::MM;
+use geometry::frame::{Frame, moved};
 use mesh::Vec3;
 use mesh::io::IoError;
 use nalgebra::Matrix3;
@@ -16,8 +18,6 @@ use render::view::View;
 
 use super::picture::shape;
 use crate::plan::{Casting, Plan};
-use geometry::MM;
-use geometry::frame::{Frame, moved};
 
 /// Name of the picture in the top folder.
 pub const FILE: &str = "undercut.png";

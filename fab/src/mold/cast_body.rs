@@ -1,13 +1,13 @@
 //! What is cast and what shapes it, in the mold's frame.
 
+use geometry::extent;
+use geometry::frame::Frame;
 use mesh::solid::{Solid, SolidError};
 use mesh::{SurfaceMesh, Vec3, measure};
 
 use crate::body::boundary::Boundary;
 use crate::body::layout::placed;
 use crate::body::orientation::Portion;
-use geometry::extent;
-use geometry::frame::Frame;
 
 /// A facet belongs to the seat if it keeps within this part of the body's
 /// diagonal of the inlet's plane.

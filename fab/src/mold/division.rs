@@ -1,6 +1,8 @@
 //! The outside of a mold divided into shells, and what joins these.
 
 use anyhow::{Result, ensure};
+use geometry::frame::{Frame, Pull, Turn, moved};
+use geometry::frustum::Frustum;
 use mesh::check::Finding;
 use mesh::solid::Solid;
 use mesh::{Vec3, measure};
@@ -16,8 +18,6 @@ use super::piece::{Feature, Piece, Purpose, cut};
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
 use crate::config::method::Method;
-use geometry::frame::{Frame, Pull, Turn, moved};
-use geometry::frustum::Frustum;
 
 /// Columns of a height field; ten times those of a hand-sized part at the default spacing.
 const MOST_COLUMNS: f64 = 1e6;

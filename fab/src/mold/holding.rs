@@ -1,6 +1,9 @@
 //! Whether a core stays in its place, and the pins that hold it there.
 
 use anyhow::{Context, Result, ensure};
+use geometry::frame::Frame;
+use geometry::frustum::Frustum;
+use geometry::{MM, Triple, place};
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
@@ -15,9 +18,6 @@ use super::features::support::{SILICONE, Stand};
 use super::piece::{Feature, Piece, Purpose};
 use crate::body::walls::too_thin;
 use crate::config::{Casts, Config, Support};
-use geometry::frame::Frame;
-use geometry::frustum::Frustum;
-use geometry::{MM, Triple, place};
 
 /// How a core is held.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]

@@ -1,5 +1,10 @@
 //! Dividing the mold's material into shells along the parting surface.
 
+use geometry::columns::{Grid, Layer, layers};
+use geometry::frame::Turn;
+use geometry::frustum::Frustum;
+use geometry::height_field::Terrain;
+use geometry::place;
 use mesh::Vec3;
 use mesh::check::Finding;
 use mesh::solid::Solid;
@@ -7,11 +12,6 @@ use mesh::{SurfaceMesh, measure};
 use nalgebra::Matrix3x4;
 
 use crate::config::HeightFieldConfig;
-use geometry::columns::{Grid, Layer, layers};
-use geometry::frame::Turn;
-use geometry::frustum::Frustum;
-use geometry::height_field::Terrain;
-use geometry::place;
 
 /// Parting solids reach this far beyond the block, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;

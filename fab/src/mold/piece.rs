@@ -1,13 +1,13 @@
 //! Printed pieces, and the channels and gaps that are cut into them.
 
 use anyhow::{Result, bail};
+use geometry::frustum::Frustum;
 use mesh::Vec3;
 use mesh::solid::Solid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parting::FILM;
-use geometry::frustum::Frustum;
 
 /// A printed part.
 #[derive(Clone)]

@@ -5,6 +5,9 @@
 //! on the wall of the chamber, below the core, cannot have one and are reported.
 
 use anyhow::{Context, Result};
+use geometry::frame::Frame;
+use geometry::maxima::{self, Peak};
+use geometry::place;
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::check::Finding;
@@ -14,9 +17,6 @@ use super::piece::{Feature, Purpose};
 use crate::body::boundary::{AirPaths, Boundary};
 use crate::body::orientation::Portion;
 use crate::config::Config;
-use geometry::frame::Frame;
-use geometry::maxima::{self, Peak};
-use geometry::place;
 
 /// Tops that are flat within this height get their channel in the middle [m].
 const TOP_FLATNESS: f64 = 2e-4;

@@ -7,6 +7,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use geometry::undercut::{PartingHeight, View};
+use geometry::{extent, gap};
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
@@ -14,8 +16,6 @@ use mesh::solid::Solid;
 use super::pull::plane;
 use crate::body::boundary::{Boundary, Inlet};
 use crate::config::GluingConfig;
-use geometry::undercut::{PartingHeight, View};
-use geometry::{extent, gap};
 
 /// Planes that leave up to this much more of an area in undercuts than the best count as
 /// equally good: the one along whose normal the body is thinnest is taken [1].

@@ -7,6 +7,8 @@ mod sides;
 mod verdict;
 
 use anyhow::Result;
+use geometry::undercut::{self, Worst};
+use geometry::{MM, place};
 use mesh::measure::{area, enclosed_volume};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
@@ -17,8 +19,6 @@ use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::body::source::Input;
 use crate::body::weight::Weight;
 use crate::config::Config;
-use geometry::undercut::{self, Worst};
-use geometry::{MM, place};
 use gluing::Flat;
 use pull::Choice;
 use report::{ChosenBy, PlanReport, ThinnestWall};

@@ -4,14 +4,14 @@
 //! across it. A plane is preferred to a height field if it leaves hardly more in undercuts, as it
 //! is easier to print, to seal and to bolt.
 
+use geometry::frame::Frame;
+use geometry::undercut::{self, Undercut, View, Worst};
+use geometry::{MM, extent, gap};
 use mesh::{SurfaceMesh, Vec3};
 
 use super::report::Direction;
 use crate::body::orientation::{PartingSurface, Portion};
 use crate::config::{self, Config};
-use geometry::frame::Frame;
-use geometry::undercut::{self, Undercut, View, Worst};
-use geometry::{MM, extent, gap};
 
 /// Directions spread evenly over a hemisphere.
 const HEMISPHERE: usize = 60;

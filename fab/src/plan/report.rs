@@ -3,6 +3,7 @@
 use std::path::{Component, Path};
 
 use anyhow::Result;
+use geometry::{MM, Triple};
 use mesh::io::IoError;
 use program::write_json;
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,6 @@ use crate::body::source::Input;
 use crate::body::walls::Wall;
 use crate::body::weight::Weight;
 use crate::config::method::Method;
-use geometry::{MM, Triple};
 
 /// Name of the plan in the top folder.
 pub const FILE: &str = "plan.json";

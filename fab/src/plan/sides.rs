@@ -5,11 +5,11 @@
 //! sideways, where only undercuts along that direction hold them. The shell below the joint
 //! becomes their base.
 
+use geometry::undercut::{PartingHeight, View};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::pull::{self, Choice};
-use geometry::undercut::{PartingHeight, View};
 
 /// How sides above the height `joint` along `up` [m] separate. None if their undercuts, or
 /// those of the base below the joint, exceed `limit` of the widths of the silicone.

@@ -1,6 +1,8 @@
 //! Which methods can make a body's chamber, judged by what is measured.
 
 use anyhow::{Error, Result, bail, ensure};
+use geometry::girth::{self, Passage};
+use geometry::{MM, place};
 use mesh::Vec3;
 
 use super::gluing::{self, CAUGHT, Cut, Flat};
@@ -12,8 +14,6 @@ use crate::body::orientation::Portion;
 use crate::body::walls::{self, Wall};
 use crate::config::Config;
 use crate::config::method::{Bodies, Castings, JudgedBy, Method};
-use geometry::girth::{self, Passage};
-use geometry::{MM, place};
 
 /// Why a core could not be demolded.
 fn blocked(cut: &Cut) -> String {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use geometry::MM;
 use mesh::SurfaceMesh;
 use mesh::measure::enclosed_volume;
 
@@ -11,7 +12,6 @@ use crate::body::source::CastPart;
 use crate::body::walls::THICKNESS_ROUNDING;
 use crate::files::report::MoldReport;
 use crate::plan::report::{Entry, PlanReport};
-use geometry::MM;
 
 /// Thickness of what may be missing where castings are glued: 6 µm are left out between a chamber
 /// and its sheet, and its flat wall is uneven by 2 µm [mm].

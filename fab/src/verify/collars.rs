@@ -4,6 +4,7 @@
 //! silicone to the collar's axis is on its bore, the farthest on its outside. A casting that ends before a collar
 //! does not have it; one that is cut along its axis has a half.
 
+use geometry::MM;
 use mesh::Vec3;
 use mesh::solid::Solid;
 
@@ -11,7 +12,6 @@ use super::Line;
 use super::closed_mold::ClosedMold;
 use crate::body::collar::Collar;
 use crate::body::source::CastPart;
-use geometry::MM;
 
 /// Least and largest part of its diameter by which a tube is squeezed: judgements.
 const SQUEEZED: [f64; 2] = [0.02, 0.4];

@@ -1,11 +1,11 @@
 //! How far surfaces are from each other, in the millimetres of the mold.
 
+use geometry::frame::moved;
 use mesh::bvh::SurfaceBvh;
 use mesh::inside::WindingNumber;
 use mesh::{SurfaceMesh, Vec3};
 
 use crate::files::report::MoldReport;
-use geometry::frame::moved;
 
 /// Largest distance between the cast and the surface that is to be cast, besides rounding: a thirtieth
 /// of what filament printers are off by, and above the 3 µm between chamber and sheet [mm].

@@ -14,12 +14,12 @@
 
 use std::collections::BinaryHeap;
 
+use geometry::columns::{Grid, Layer, layers};
 use mesh::solid::Solid;
 
 use super::closed_mold::ClosedMold;
 use super::{Line, Status};
 use crate::mold::Purpose;
-use geometry::columns::{Grid, Layer, layers};
 
 /// Distance between columns, at least: four of them find every channel, as a vent is
 /// 1.6 mm wide [mm].

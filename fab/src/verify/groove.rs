@@ -4,6 +4,7 @@
 //! of its depth, and from its middle to its bottom and on through the wall. The ridge of a shell is what it has
 //! within the groove; moved along its demolding direction, it must not share a volume with the casting.
 
+use geometry::MM;
 use mesh::Vec3;
 use mesh::bvh::SurfaceBvh;
 use mesh::solid::Solid;
@@ -14,7 +15,6 @@ use super::closed_mold::ClosedMold;
 use crate::body::groove::{Groove, Station};
 use crate::files::report::MoldReport;
 use crate::mold::Purpose;
-use geometry::MM;
 
 /// Distances by which a ridge is moved, over the depth of the groove: until it has left it along the surface, too [1].
 const PULLS: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0];

@@ -1,5 +1,7 @@
 //! The parts can be printed on the named printer.
 
+use geometry::frame::moved;
+use geometry::overhang::{Overhangs, needs_supports};
 use library::Printer;
 use mesh::bvh::SurfaceBvh;
 use mesh::{SurfaceMesh, measure};
@@ -7,8 +9,6 @@ use mesh::{SurfaceMesh, measure};
 use super::closed_mold::{Body, ClosedMold};
 use super::{Line, Status};
 use crate::files::report::Part;
-use geometry::frame::moved;
-use geometry::overhang::{Overhangs, needs_supports};
 
 /// Facets this near to the body shape it: twice what the surfaces may be apart, for
 /// centroids of facets across a fold [mm].

@@ -4,13 +4,13 @@
 //! the core just inside of it, and the largest girth of the core across the pull has to pass.
 //! This also holds for every neck of the chamber and for what lies behind it. Soluble cores can always be removed.
 
+use geometry::girth::{self, Passage};
 use mesh::Vec3;
 use mesh::solid::Solid;
 
 use super::Line;
 use super::closed_mold::{Body, ClosedMold};
 use crate::plan::report::PlanReport;
-use geometry::girth::{self, Passage};
 
 /// Where the girth of an inlet is measured, above the lowest point of the body: above its
 /// uneven rim, within the 1 mm that any wall is thick at least [mm].

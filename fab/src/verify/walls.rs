@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use geometry::MM;
 use library::Printer;
 use mesh::bvh::SurfaceBvh;
 use mesh::io::vtu::read_vtu;
@@ -17,7 +18,6 @@ use crate::body::source::{CastPart, Input};
 use crate::body::walls::{Wall, thinnest};
 use crate::config::{CastingConfig, Casts};
 use crate::mold::Purpose;
-use geometry::MM;
 
 /// Walls thinner than this part of the least at rest are pointed out when inflated: a
 /// judgement. Rubber that is stretched twice in both directions has a quarter.

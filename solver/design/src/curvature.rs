@@ -6,8 +6,7 @@ use anyhow::Result;
 use mechanics::forward::Trajectory;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use variables::moved;
-use variables::step::along;
+use variables::vectors::{along, moved};
 
 use super::scenario::{Near, Run, Scenario};
 use super::{Evaluation, Level, Rejected};

@@ -8,7 +8,8 @@
 
 use measure::constraint::{Constraint, Inequality};
 use mesh::Vec3;
-use variables::step::{LeastMotion, Row, along};
+use variables::step::{LeastMotion, Row};
+use variables::vectors::along;
 
 use super::{Level, Rejected};
 

@@ -18,7 +18,7 @@ use scene::config::{DesignConfig, EXCESS, LevelConfig, ObjectiveConfig, Weight};
 use scene::memory;
 use scene::{ObjectiveBuilder, Scene};
 use variables::DesignMap;
-use variables::step::along;
+use variables::vectors::along;
 
 use super::rest_path::RestPath;
 use super::robust::Robust;

@@ -8,13 +8,13 @@ mod steps;
 use std::path::Path;
 
 use anyhow::Result;
+use geometry::overhang::needs_supports;
 use library::{Chemistry, Printer, PrinterKind, Silicone, kilopascals};
 use program::write_json;
 use serde::Serialize;
 
 use crate::body::weight::Weight;
 use crate::files::report::MoldReport;
-use geometry::overhang::needs_supports;
 
 /// Its file, beside mold.json.
 pub const FILE: &str = "cast.json";

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use geometry::MM;
+
 use super::{Item, Pour, Sheet};
 use crate::body::collar::FittedTube;
 use crate::body::groove::Groove;
@@ -13,7 +15,6 @@ use crate::config::method::{Castings, Leaving};
 use crate::files::report::{MoldReport, Outline, Role};
 use crate::files::slicer;
 use crate::mold::Purpose;
-use geometry::MM;
 
 /// Radius of the hole for a bolt, and the bolt [mm].
 const BOLTS: [(f64, &str); 4] = [(1.45, "M2.5"), (1.95, "M3"), (2.45, "M4"), (3.0, "M5")];

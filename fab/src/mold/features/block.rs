@@ -1,5 +1,6 @@
 //! The bounds of a closed mold.
 
+use geometry::frame::Pull;
 use mesh::Vec3;
 use mesh::solid::Solid;
 
@@ -7,7 +8,6 @@ use super::flange::Joint;
 use super::key::Sizes;
 use crate::body::orientation::{Orientation, PartingSurface, Portion};
 use crate::config::Config;
-use geometry::frame::Pull;
 
 /// A box in the mold's frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,12 +5,12 @@
 //! it. A flat on one side keeps the core from turning.
 
 use anyhow::{Result, bail};
+use geometry::frustum::Frustum;
 use mesh::Vec3;
 use mesh::solid::Solid;
 
 use crate::config::{Config, CoreConfig, STUB_FLAT};
 use crate::mold::cast_body::Opening;
-use geometry::frustum::Frustum;
 
 /// A turn by less than this is seen as none.
 const TURN: f64 = std::f64::consts::FRAC_PI_6;

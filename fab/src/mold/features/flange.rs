@@ -1,11 +1,11 @@
 //! What a joint between two pieces carries in the bands along its two ends: keys in
 //! three corners, a slot to pry it open in the fourth, bolts between them.
 
+use geometry::frustum::Frustum;
 use mesh::Vec3;
 
 use super::key::{RIM, Sizes};
 use crate::config::Config;
-use geometry::frustum::Frustum;
 
 /// How far holes and slots reach beyond the outside, so that no faces coincide [m].
 const BEYOND: f64 = 1e-3;

@@ -1,9 +1,9 @@
 //! Conical registration keys: a cone on one piece, a wider hole in the other.
 
+use geometry::frustum::Frustum;
 use mesh::Vec3;
 
 use crate::config::Config;
-use geometry::frustum::Frustum;
 
 /// Radius at the tip, as a part of that at the foot.
 const TAPER: f64 = 0.5;

@@ -6,13 +6,13 @@
 
 use std::collections::BTreeMap;
 
+use geometry::frustum::Frustum;
 use mesh::bvh::SurfaceBvh;
 use mesh::measure::{bounds, longest_edge};
 use mesh::solid::Solid;
 use mesh::{SurfaceMesh, Vec3};
 
 use super::support::{Contact, Sag, Stand};
-use geometry::frustum::Frustum;
 
 /// Depth of the pit in the core below its rim, in radii of the pin.
 const DEPTH: f64 = 1.0;

@@ -5,7 +5,7 @@ use mechanics::forward::about;
 use mechanics::math::linear::norm;
 use reports::{Castable, Ended, Iteration, numbers};
 use scene::config::{LevelConfig, OptimizerConfig};
-use variables::step::difference;
+use variables::vectors::difference;
 
 use super::step::promise;
 use super::{CASTABLE, Cascade, LATEST, Step, Taken};

@@ -12,7 +12,8 @@ use mechanics::math::linear::{dot, norm};
 use nalgebra::DMatrix;
 use reports::Castable;
 use scene::config::{OptimizerConfig, OptimizerMethod};
-use variables::step::{Model, Problem, Row, TrustRegion, along, difference, step_within};
+use variables::step::{Model, Problem, Row, TrustRegion, step_within};
+use variables::vectors::{along, difference};
 
 use super::{ARMIJO, Cascade, FLAT_TRIALS, Step, TRIALS, Taken};
 use crate::bounds::raise;

@@ -22,6 +22,7 @@ use mechanics::memory::Need;
 use mesh::Vec3;
 use scene::config::{DesignConfig, LevelConfig, ScenarioConfig};
 use scene::{ObjectiveBuilder, Scene, Weighted};
+use variables::LoadMap;
 
 pub use self::bound::Bound;
 pub use self::changes::scene_of;
@@ -29,7 +30,6 @@ pub use self::runs::{Near, Run};
 use super::validity;
 use run::report::failure::Diagnosis;
 use scene::number::{Swept, Walls};
-use variables::LoadMap;
 
 /// A shape that was not accepted, and why.
 #[derive(Debug, thiserror::Error)]

@@ -13,7 +13,7 @@ use mechanics::forward::{Trajectory, Varied, neighbours, solve_multipliers};
 use mesh::Vec3;
 use nalgebra::DMatrix;
 use scene::Weighted;
-use variables::step::{difference, products};
+use variables::vectors::{difference, products};
 
 use super::{Bound, Rejected, Run, Scenario};
 

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::DesignMap;
-use crate::step::products;
+use crate::vectors::{moved, products};
 
 /// Motion of the surface by which runs are varied, over its mean edge [1]. Forces are differences of residuals, whose second
 /// order is large where elements are flat and hardly change their volume: with 1e-5 changes were off by 2 to 4 %, and steps
@@ -44,11 +44,4 @@ impl DesignMap {
             |i| small * small / self.motion(theta, &moved(theta, i, small)).max(1e-3 * small);
         (0..theta.len()).map(size).collect()
     }
-}
-
-/// θ with one variable moved.
-pub fn moved(theta: &[f64], i: usize, by: f64) -> Vec<f64> {
-    let mut theta = theta.to_vec();
-    theta[i] += by;
-    theta
 }

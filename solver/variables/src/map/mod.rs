@@ -18,4 +18,3 @@ mod sampling;
 pub use carry::{carry, check_same_body};
 pub use design_map::DesignMap;
 pub use load_map::LoadMap;
-pub use metric::moved;

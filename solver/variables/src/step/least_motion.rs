@@ -43,3 +43,21 @@ impl LeastMotion {
         Some(along.tr_mul(&pulls).as_slice().to_vec())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One row: d = v M⁻¹ a / (a · M⁻¹ a).
+    #[test]
+    fn what_moves_much_is_moved_less() {
+        let rows = [Row { a: vec![(0, 1.0), (2, 2.0)], c: -1.0, of: None }];
+        let metric = DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 1.0, 8.0]));
+        for (metric, expected) in [(Some(metric), [2.0, 0.0, 0.5]), (None, [0.6, 0.0, 1.2])] {
+            let found = LeastMotion::new(metric).step(&rows, &[3.0], 3).expect("a step");
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+            }
+        }
+    }
+}

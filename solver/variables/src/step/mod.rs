@@ -4,10 +4,8 @@ mod lbfgs;
 mod least_motion;
 mod quadratic;
 mod trust_region;
-mod vectors;
 
 pub use lbfgs::Lbfgs;
 pub use least_motion::LeastMotion;
 pub use quadratic::{Minimum, Model, Problem, Row};
 pub use trust_region::{TrustRegion, step_within};
-pub use vectors::{along, difference, products};

@@ -12,6 +12,13 @@ pub fn along(theta: &[f64], d: &[f64], t: f64) -> Vec<f64> {
     theta.iter().zip(d).map(|(theta, d)| theta + t * d).collect()
 }
 
+/// θ with one variable moved.
+pub fn moved(theta: &[f64], i: usize, by: f64) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    theta[i] += by;
+    theta
+}
+
 /// a − b.
 pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
