@@ -35,7 +35,7 @@ pub use names::Names;
 pub use nearest::{did_you_mean, nearest, unknown};
 pub use pattern::fits;
 pub use picked::{Picked, Recognized};
-pub use progress::Heartbeat;
+pub use progress::{Heartbeat, about};
 pub use settings::{
     Change, Changes, KeyPath, Keys, Meaning, Misfit, Settings, VERSION, read_key, read_table,
     read_toml,

@@ -25,3 +25,24 @@ impl Heartbeat {
         }
     }
 }
+
+/// A time as people say it, with one or two digits.
+pub fn about(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.5 => "a second".into(),
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 90.0 * 60.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_said_with_the_digits_they_have() {
+        let said = [0.2, 41.3, 89.0, 91.0, 3500.0, 7300.0].map(about);
+        assert_eq!(said, ["a second", "41 s", "89 s", "2 min", "58 min", "2.0 h"]);
+    }
+}

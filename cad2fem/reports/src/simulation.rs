@@ -293,8 +293,8 @@ pub struct Timings {
     pub factorizations: usize,
     /// Factorisations that met a pivot that is not positive.
     pub failed_factorizations: usize,
-    /// Time that the run was expected to take [s].
-    pub predicted_s: f64,
+    /// Time that the run was foreseen to take after a tenth of its steps, or after the first iteration of a single one [s].
+    pub predicted_s: Option<f64>,
 }
 
 impl Timings {

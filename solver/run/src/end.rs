@@ -32,8 +32,8 @@ pub struct Outcome<'a> {
     pub velocity: Option<&'a [f64]>,
     /// How long ordering and load steps took [s], ...
     pub equilibrium_s: f64,
-    /// ... and were expected to take [s].
-    pub predicted_s: f64,
+    /// ... and were foreseen to take, if they were [s].
+    pub predicted_s: Option<f64>,
     /// When this began that the run took besides ...
     pub since: Instant,
     /// ... after so many seconds.

@@ -7,6 +7,7 @@
 //! Modules in dependency order; each uses only those before it:
 
 pub mod report; // what is found of states and runs, in words, files and values
+pub mod outlook; // how long they will take
 pub mod steps; // one step after the other
 pub mod next_to; // the equilibrium next to a known one
 pub mod sensitivity; // derivatives of probes by numbers of a scene
@@ -25,7 +26,6 @@ use mechanics::element::FunctionSpace;
 use mechanics::energy::Iterate;
 use mechanics::forward::{
     Linearizations, LoadStep, Problem, State, Trajectory, Unreached, Watch, Workspace,
-    predicted_time,
 };
 use program::FolderLock;
 use scene::Scene;
@@ -209,7 +209,6 @@ impl Run {
         self.finished().try_for_each(|finished| recorder.write(finished))?;
         let (last, mut workspace) = (self.last()?, self.workspace());
         let velocity = self.velocity(self.states.steps());
-        let steps = scene.config.steps(scene.times().len());
         // the file that was written has it already
         report.set = self.scene.file.changes();
         simulation::follow(&mut report, &recorder, &workspace);
@@ -221,7 +220,7 @@ impl Run {
             newton_iterations: self.newton_iterations,
             velocity: velocity.as_deref(),
             equilibrium_s: self.seconds,
-            predicted_s: predicted_time(&self.problem, &workspace, steps),
+            predicted_s: None,
             since,
             before_s: self.seconds,
         };

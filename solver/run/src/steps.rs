@@ -10,6 +10,7 @@ use mechanics::forward::{
 use mechanics::stability::{ArcProgress, Continuation};
 use scene::Scene;
 
+use crate::outlook::Outlook;
 use crate::report::record::Finished;
 use crate::report::{buckling, stability};
 
@@ -42,8 +43,8 @@ pub struct Steps<'a> {
     pub states: Option<Trajectory>,
     /// Whether it was said that the body buckles.
     warned: bool,
-    /// When it began, where the log says of every load step how far the run is.
-    progress: Option<Instant>,
+    /// What the log says of every load step, if it does: when the run began, and how long it will take.
+    progress: Option<(Instant, Outlook)>,
 }
 
 impl<'a> Steps<'a> {
@@ -86,9 +87,26 @@ impl<'a> Steps<'a> {
     }
 
     /// With a line in the log for every load step.
-    pub fn with_progress(mut self) -> Self {
-        self.progress = Some(Instant::now());
+    pub fn with_progress(mut self, workspace: &mut Workspace) -> Self {
+        let begin = self.share(self.made, self.stepper.iterate(self.problem, self.rest()).time);
+        let largest = match self.in_time() {
+            _ if self.follower.is_some() => 0.0,
+            true => 1.0 / self.times.len() as f64,
+            false => self.scene.config.solver.largest_load_step(),
+        };
+        self.progress =
+            Some((Instant::now(), Outlook::new(self.in_time(), begin, largest, workspace)));
         self
+    }
+
+    /// Time that the whole run takes as was foreseen, if it was [s].
+    pub fn foreseen(&self) -> Option<f64> {
+        self.progress.as_ref()?.1.foreseen()
+    }
+
+    /// The share of the run that time steps are, or of a static scene a load.
+    fn share(&self, made: usize, load: f64) -> f64 {
+        if self.in_time() { made as f64 / self.times.len() as f64 } else { load }
     }
 
     fn in_time(&self) -> bool {
@@ -184,6 +202,22 @@ impl<'a> Steps<'a> {
         warning.is_some()
     }
 
+    /// Says how far the run is, and how long it will take, if it says anything. Of a path the end is not foreseen.
+    fn say(&mut self, prefix: &str, step: &LoadStep) {
+        let share = self.share(self.made + usize::from(step.ends_time_step), step.time);
+        let is_foreseen = self.follower.is_none() && (step.ends_time_step || !self.in_time());
+        let Some((start, outlook)) = &mut self.progress else { return };
+        let left = if is_foreseen { outlook.reached(share) } else { None };
+        log::info!(
+            "{prefix}{}  {:2} iterations, forces off balance by {:.1e} N  {:.1} s{}",
+            self.scene.progress(step.time),
+            step.newton_iterations,
+            step.residual,
+            start.elapsed().as_secs_f64(),
+            left.map_or(String::new(), |left| format!(", {left}"))
+        );
+    }
+
     /// The next load step towards the end of a time step.
     fn advance(
         &mut self,
@@ -196,15 +230,7 @@ impl<'a> Steps<'a> {
             Some(follower) => follower.next(stepper, self.problem, workspace, rest)?,
             None => stepper.next(self.problem, workspace, rest, end)?,
         };
-        if let Some(start) = self.progress {
-            log::info!(
-                "{prefix}{}  {:2} iterations, forces off balance by {:.1e} N  {:.1} s",
-                self.scene.progress(step.time),
-                step.newton_iterations,
-                step.residual,
-                start.elapsed().as_secs_f64()
-            );
-        }
+        self.say(prefix, &step);
         let ratio = step.smallest_volume_ratio;
         if ratio <= 0.0 {
             log::warn!(

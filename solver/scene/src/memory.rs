@@ -1,9 +1,8 @@
 //! Whether a factorisation fits into the memory that the machine has left. Where a system does not say how much that
 //! is, nothing is refused.
 
-use mechanics::forward::about;
 use mechanics::memory::Need;
-use program::Unusable;
+use program::{Unusable, about};
 use system::available_memory;
 
 /// Entries of the factor of a compact body of n unknowns, over n^(4/3): cubes of degree 2 had 26 with 0.4 million and 28 with

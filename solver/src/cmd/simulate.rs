@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
-use mechanics::forward::{LoadStep, Problem, Unreached, Workspace, about, predicted_time};
+use mechanics::forward::{LoadStep, Problem, Unreached, Workspace};
 use program::{FolderLock, Unusable};
 use reports::Simulation;
 use scene::{Scene, log_share};
@@ -79,10 +79,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let timed = scene.config.time.is_some();
     let count = scene.times().len();
     let last = arguments.steps.map_or(count, |n| n.min(count));
-    let kind = scene.config.steps(last - if timed { done.min(last) } else { 0 });
-    let predicted_s = predicted_time(&problem, &workspace, kind);
-    log::info!("about {} on {} threads", about(predicted_s), rayon::current_num_threads());
     let before_s = checkpoint.as_ref().map_or(0.0, |c| c.elapsed_s);
+    let prepared_s = before_s + begin.elapsed().as_secs_f64();
     let pictures = !arguments.final_only;
     let mut recorder =
         Recorder::new(&scene, (&problem, &probes), folder, pictures, checkpoint.as_ref())?;
@@ -90,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let steps = continued(steps, (&problem, &mut workspace), checkpoint);
     let keep = keeps_states(&scene, done);
     let steps = if keep { steps.keeping_states() } else { steps };
-    let mut steps = steps.with_progress();
+    let mut steps = steps.with_progress(&mut workspace);
     let mut report = simulation::begun(&scene, &problem, folder)?;
     let checkpoint = |steps: &Steps, workspace: &Workspace| Checkpoint {
         inputs: inputs.clone(),
@@ -124,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         newton_iterations: progress.newton_iterations,
         velocity: inertia.then(|| &progress.integrator.last().v[..]),
         equilibrium_s,
-        predicted_s,
+        predicted_s: steps.foreseen().map(|foreseen| prepared_s + foreseen),
         since: start,
         before_s,
     };

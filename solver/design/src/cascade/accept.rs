@@ -1,8 +1,8 @@
 //! What follows from an accepted step: the memory of the optimiser, the end of the level, and what is written and said.
 
 use anyhow::Result;
-use mechanics::forward::about;
 use mechanics::math::linear::norm;
+use program::about;
 use reports::{Castable, Ended, Iteration, numbers};
 use scene::config::{LevelConfig, OptimizerConfig};
 use variables::vectors::difference;

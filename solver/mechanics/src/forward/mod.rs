@@ -10,7 +10,6 @@
 mod augmented;
 mod ballooning;
 mod certificate;
-mod cost;
 mod dirichlet;
 mod failure;
 mod hessian_modification;
@@ -33,7 +32,6 @@ mod watch;
 mod workspace;
 
 pub use certificate::{Uncertified, certificate};
-pub use cost::{Steps, about, predicted_iterations, predicted_time};
 pub use dirichlet::{Dirichlet, Motion};
 pub use failure::Failure;
 pub use integrator::{Formula, Growth, Integrator, Method, State, Weights};

@@ -186,8 +186,8 @@ fn stretches(scene: &Scene, end: &Iterate) -> StretchRange {
     }
 }
 
-/// Where the time went, and how much was expected [s].
-pub fn timings(spent: &forward::Timings, predicted_s: f64) -> Timings {
+/// Where the time went, and how much was foreseen [s].
+pub fn timings(spent: &forward::Timings, predicted_s: Option<f64>) -> Timings {
     let task = |time: forward::Time| Task { wall_s: time.wall_s, processor_s: time.processor_s };
     Timings {
         ordering: task(spent.ordering),

@@ -37,7 +37,7 @@ pub use design::{
 pub use level::{HandleMotion, HandlesConfig, LevelConfig, LevelTime, Moves, VerticesConfig};
 pub use mechanics::contact::barrier::Form as ContactForm;
 use mechanics::element::HIGHEST_DEGREE;
-use mechanics::forward::{Method, Steps};
+use mechanics::forward::Method;
 use mechanics::schedule::{WrittenField, axes, is_free_name};
 pub use uncertainty::{Modulus, UncertaintyConfig};
 
@@ -244,15 +244,6 @@ impl SimConfig {
     /// How bodies go through time.
     pub fn method(&self) -> Method {
         self.time.as_ref().map_or(Method::Quasistatic, |time| time.method)
-    }
-
-    /// The steps of a run that makes so many of its time steps.
-    pub fn steps(&self, time_steps: usize) -> Steps {
-        match &self.time {
-            None => Steps::Load((1.0 / self.solver.largest_load_step()).ceil() as usize),
-            Some(time) if time.method.has_inertia() => Steps::Dynamic(time_steps),
-            Some(_) => Steps::Quasistatic(time_steps),
-        }
     }
 
     /// Ends of the time steps [s]; of a static scene the full load, 1.

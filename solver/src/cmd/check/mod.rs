@@ -7,10 +7,9 @@ use std::io::Write;
 
 use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
-use mechanics::forward::about;
 use mechanics::math::linear::{dot, sum};
 use mechanics::math::random::Random;
-use program::{Heartbeat, Unusable};
+use program::{Heartbeat, Unusable, about};
 use scene::config::{HandlesConfig, LevelConfig, VerticesConfig};
 
 use self::finding::Finding;

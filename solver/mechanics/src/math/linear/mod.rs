@@ -19,7 +19,6 @@ mod factorization;
 mod indefinite;
 mod matrix;
 mod multifrontal;
-mod product;
 mod replacing;
 mod rows;
 mod scalar;
@@ -42,7 +41,6 @@ pub use conjugate_gradients::Outcome;
 pub use direct::{Cost, Memory, Pivot, Precision};
 pub use factorization::Factorization;
 pub use matrix::{Symmetric, Triangle, dot, norm, sum};
-pub use product::product_speed;
 pub use rows::{Row, SYSTEMS};
 pub use symbolic::one_by_one;
 
