@@ -165,7 +165,8 @@ impl Outcome {
                 let change: Vec<f64> = values.iter().map(|v| v - at).collect();
                 let off = |(c, e): (&f64, &f64)| (c - e * slope).abs();
                 let remainder: Vec<f64> = change.iter().zip(&epsilon).map(off).collect();
-                let size = values.iter().fold(at.abs(), |m, v| m.max(v.abs()));
+                // a state far away, which a long step may find, tells no noise of those near by
+                let size = at.abs().max(values[count - 1].abs());
                 (Finding::new(size, slope, &epsilon, &change, &remainder), remainder)
             });
             if finding.is_open() && left.len() >= count + LONGEST {
