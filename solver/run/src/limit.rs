@@ -113,7 +113,14 @@ fn iterate(left: &stability::DirectIterate) -> DirectIterate {
 /// A state that is no step in time, on its own.
 pub fn configuration<'a>(at: &Iterate<'a>) -> Configuration<'a> {
     let Iterate { rest, time, .. } = *at;
-    Configuration { rest, time, step: None, u: at.u.to_vec(), multipliers: at.multipliers.to_vec() }
+    Configuration {
+        rest,
+        time,
+        step: None,
+        u: at.u.to_vec(),
+        multipliers: at.multipliers.to_vec(),
+        balanced_at: None,
+    }
 }
 
 /// The state at which a body bursts, or in the log why there is none.

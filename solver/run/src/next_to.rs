@@ -27,6 +27,13 @@ pub fn next_to(
     let step = Arc::new(Trajectory::begin(start, 0.0).next_step(problem, rest, time));
     let at = Iterate { step: Some(&step), ..problem.iterate(rest, u, time) };
     let multipliers = solve_multipliers(problem, workspace, &at);
-    let near = Configuration { rest, time, step: Some(&step), u: u.to_vec(), multipliers };
+    let near = Configuration {
+        rest,
+        time,
+        step: Some(&step),
+        u: u.to_vec(),
+        multipliers,
+        balanced_at: None,
+    };
     solve_from(problem, workspace, &near, newton)
 }

@@ -54,7 +54,14 @@ impl Scenario {
         let (u, time) = (states.last(), self.times[states.steps() - 1]);
         let at = problem.iterate(rest, &u, time);
         let multipliers = solve_multipliers(problem, &mut workspaces.equilibrium, &at);
-        let end = Configuration { rest, time, step: None, u: u.into_owned(), multipliers };
+        let end = Configuration {
+            rest,
+            time,
+            step: None,
+            u: u.into_owned(),
+            multipliers,
+            balanced_at: None,
+        };
         let chambers = growing(problem, &self.scene.config.limit.clone().unwrap_or_default());
         let problem = problem.with_scaled_pressures(time, &chambers);
         // the unknowns are those of the shape before

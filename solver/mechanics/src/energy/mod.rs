@@ -76,12 +76,20 @@ pub struct Iterate<'a> {
     pub multipliers: &'a [Multiplier],
     /// The step in time that leads here; without it velocities are displacements.
     pub step: Option<&'a TimeStep>,
+    /// The displacement that a step of Newton's method began at [m], where one leads here. Hessians of elastic bodies have
+    /// the pressures that were foreseen there in place of those here.
+    pub before: Option<&'a [f64]>,
 }
 
 impl<'a> Iterate<'a> {
     /// At a time, without multipliers and not at the end of a time step.
     pub fn new(space: &'a FunctionSpace, rest: &'a [Vec3], u: &'a [f64], time: f64) -> Self {
-        Self { space, rest, u, time, multipliers: &[], step: None }
+        Self { space, rest, u, time, multipliers: &[], step: None, before: None }
+    }
+
+    /// The state that a step of Newton's method began at.
+    pub(crate) fn foreseen_from(&self) -> Option<Self> {
+        self.before.map(|u| Self { u, before: None, ..*self })
     }
 }
 
@@ -261,6 +269,11 @@ pub trait Energy: Any + Send + Sync {
     /// What it is to balances of forces and energy.
     fn nature(&self) -> Nature {
         self.kind().1
+    }
+    /// Whether it is stiff along lines in a soft body: where a step of Newton's method has turned these, forces are off that
+    /// Hessians do not foresee, and the energy must not increase.
+    fn is_reinforcement(&self) -> bool {
+        false
     }
     /// This term with its load as it is at a time, for all times, where it has one that changes, but for pressures.
     fn held(&self, _time: f64) -> Option<Arc<dyn Energy>> {

@@ -44,19 +44,20 @@ impl Case {
         gradient
     }
 
-    /// The Hessian times vectors.
-    fn products<'a>(
+    /// The Hessian at an iterate times vectors.
+    pub fn products<'a>(
         &self,
+        at: &Iterate,
         energy: &dyn Energy,
         kind: Hessian,
         by: impl Iterator<Item = &'a [f64]>,
     ) -> Vec<Vec<f64>> {
-        let (at, n) = (self.here(), self.space.nodes_per_element());
-        let (nodes, couplings) = (self.space.element_nodes(), energy.couplings(&at, 1.0));
+        let n = self.space.nodes_per_element();
+        let (nodes, couplings) = (self.space.element_nodes(), energy.couplings(at, 1.0));
         let pattern = Pattern::new(self.space.node_count(), nodes, n, &couplings);
         let mut hessian = BlockMatrix::zeros(&pattern);
-        energy.add_hessian(&at, kind, &mut hessian);
-        let dense = energy.rank_one(&at);
+        energy.add_hessian(at, kind, &mut hessian);
+        let dense = energy.rank_one(at);
         let product = |by: &[f64]| {
             let mut product = hessian.multiply(by);
             if let Some(RankOne { scale, vector }) = &dense {
@@ -69,7 +70,7 @@ impl Case {
     }
 
     pub fn times_hessian(&self, energy: &dyn Energy, kind: Hessian, by: &[f64]) -> Vec<f64> {
-        self.products(energy, kind, [by].into_iter()).remove(0)
+        self.products(&self.here(), energy, kind, [by].into_iter()).remove(0)
     }
 
     pub fn weights(&self) -> Vec<f64> {
@@ -85,7 +86,8 @@ impl Case {
     pub fn smallest_of(&self, energy: &dyn Energy, kind: Hessian, free: &[usize]) -> f64 {
         let unit = DMatrix::<f64>::identity(self.u.len(), self.u.len());
         let units = unit.as_slice().chunks_exact(self.u.len());
-        let columns = self.products(energy, kind, units).into_iter().map(DVector::from_vec);
+        let columns =
+            self.products(&self.here(), energy, kind, units).into_iter().map(DVector::from_vec);
         let dense = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let eigenvalues = dense.select_rows(free).select_columns(free).symmetric_eigenvalues();
         eigenvalues.min() / eigenvalues.amax()

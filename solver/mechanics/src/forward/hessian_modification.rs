@@ -57,17 +57,19 @@ pub struct Point<'a> {
 }
 
 /// The first direction that `from` or a later modification gives, and which.
-/// None where the Hessian is not finite.
+/// None where the Hessian is not finite. Where it is doubtful whether the exact Hessian of a body under pressure is
+/// positive definite, it is not factored to find out.
 pub fn direction(
     problem: &Problem,
     workspace: &mut Workspace,
     point: &Point,
     from: Modification,
+    is_doubtful: bool,
     forcing: f64,
 ) -> Option<(Modification, Vec<f64>)> {
     let mut force = problem.restrict(point.gradient);
     force.iter_mut().for_each(|d| *d = -*d);
-    let mut system = System { problem, workspace, at: point.at, force, from, forcing };
+    let mut system = System { problem, workspace, at: point.at, force, from, is_doubtful, forcing };
     let (modification, free) = system.direction()?;
     Some((modification, problem.prolong(&free)))
 }
@@ -80,16 +82,16 @@ struct System<'a> {
     /// f on the unknowns [N].
     force: Vec<f64>,
     from: Modification,
+    is_doubtful: bool,
     /// Relative residual that is allowed.
     forcing: f64,
 }
 
 impl System<'_> {
     fn direction(&mut self) -> Option<(Modification, Vec<f64>)> {
-        let has_factor = self.workspace.linear().last().is_some_and(Factorization::is_positive);
-        let blind = self.from == Modification::Near && !has_factor;
-        let found = if blind && self.is_under_pressure() {
-            self.first()
+        let is_doubtful = self.from == Modification::Near && self.is_doubtful;
+        let found = if is_doubtful && self.is_under_pressure() {
+            self.probed()
         } else if self.from <= Modification::Exact {
             self.exact()
         } else {
@@ -104,20 +106,34 @@ impl System<'_> {
         chambers.any(|(_, chamber)| chamber.state(&self.at).1.pressure != 0.0)
     }
 
-    /// The first direction of a body under pressure, whose exact Hessian is likely to be indefinite: the projected one
-    /// is factored, and conjugate gradients with that factor decide whether the exact one serves.
-    fn first(&mut self) -> Option<(Modification, Vec<f64>)> {
-        let matrix = self.workspace.hessian(self.problem, &self.at, Hessian::Projected);
-        if !self.factor(matrix) {
+    /// The direction where the exact Hessian may well be indefinite: conjugate gradients with the last factor decide whether
+    /// it serves, or else with that of the projected one.
+    fn probed(&mut self) -> Option<(Modification, Vec<f64>)> {
+        if self.workspace.linear().last().is_some() {
+            match self.near_exact() {
+                (Outcome::Solved(direction), _) => return Some((Modification::Near, direction)),
+                (Outcome::Curved, true) => return None,
+                (Outcome::Curved | Outcome::Inaccurate, _) => {}
+            }
+        }
+        // made again afterwards, so that no more memory is taken
+        let projected = self.workspace.hessian(self.problem, &self.at, Hessian::Projected);
+        if !self.factor(projected) {
             return None;
         }
-        let hessian = self.workspace.hessian(self.problem, &self.at, Hessian::Exact);
-        let exact = self.near(&hessian).solved();
-        self.workspace.recycle(hessian);
-        if let Some(direction) = exact {
+        if let (Outcome::Solved(direction), _) = self.near_exact() {
             return Some((Modification::Near, direction));
         }
         Some((Modification::Projected, self.solve()?))
+    }
+
+    /// Conjugate gradients for the exact Hessian with the last factor, and whether that is sparse.
+    fn near_exact(&mut self) -> (Outcome, bool) {
+        let hessian = self.workspace.hessian(self.problem, &self.at, Hessian::Exact);
+        let outcome = self.near(&hessian);
+        let is_sparse = hessian.updates.is_empty();
+        self.workspace.recycle(hessian);
+        (outcome, is_sparse)
     }
 
     fn projected(&mut self) -> Option<(Modification, Vec<f64>)> {

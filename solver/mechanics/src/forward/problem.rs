@@ -192,18 +192,22 @@ pub struct Configuration<'a> {
     pub u: Vec<f64>,
     /// Multipliers of the chambers with a prescribed volume.
     pub multipliers: Vec<Multiplier>,
+    /// The time at which the forces of this displacement balance [s], if that is known: the tangent there is
+    /// the first that Newton's method uses.
+    pub balanced_at: Option<f64>,
 }
 
 impl<'a> Configuration<'a> {
     /// A displacement [m] at a time, without a time step and with the multipliers of
     /// the rest shape.
     pub fn new(problem: &Problem, rest: &'a [Vec3], u: Vec<f64>, time: f64) -> Self {
-        Self { rest, time, step: None, u, multipliers: problem.multipliers.clone() }
+        let multipliers = problem.multipliers.clone();
+        Self { rest, time, step: None, u, multipliers, balanced_at: None }
     }
 
     /// What energies depend on.
     pub fn iterate<'b>(&'b self, problem: &'b Problem) -> Iterate<'b> {
-        let Self { rest, time, step, u, multipliers } = self;
+        let Self { rest, time, step, u, multipliers, .. } = self;
         Iterate {
             space: &problem.space,
             rest,
@@ -211,6 +215,7 @@ impl<'a> Configuration<'a> {
             time: *time,
             multipliers,
             step: step.map(|step| &**step),
+            before: None,
         }
     }
 }

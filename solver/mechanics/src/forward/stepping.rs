@@ -95,7 +95,7 @@ impl LoadStep {
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let (space, step) = (&problem.space, self.step.as_deref());
         let (u, multipliers) = (&self.u, &self.multipliers);
-        Iterate { space, rest, u, time: self.time, multipliers, step }
+        Iterate { space, rest, u, time: self.time, multipliers, step, before: None }
     }
 
     /// The state alone.
@@ -194,6 +194,7 @@ pub(crate) fn attempt(
     let before = start.iterate(problem);
     let mut state = Configuration { time, ..start.clone() };
     state.u = workspace.move_supports(problem, &Iterate { time, ..before });
+    state.balanced_at = start.balanced_at.filter(|_| state.u == start.u);
     let free = workspace.max_step(problem, &before, &state.iterate(problem));
     let (mut residuals, mut pulling) = (Vec::new(), 0);
     if free < 1.0 {

@@ -63,7 +63,7 @@ impl Reached {
         step: Option<&'a Arc<TimeStep>>,
     ) -> Configuration<'a> {
         let (u, multipliers) = (self.u.clone(), self.multipliers.clone());
-        Configuration { rest, time: self.time, step, u, multipliers }
+        Configuration { rest, time: self.time, step, u, multipliers, balanced_at: Some(self.time) }
     }
 }
 
@@ -140,7 +140,7 @@ impl TimeStepper {
         let step = self.step.as_deref();
         let last = self.progress.last.last();
         let multipliers = last.map_or(&problem.multipliers, |step| &step.multipliers);
-        Iterate { space: &problem.space, rest, u, time, multipliers, step }
+        Iterate { space: &problem.space, rest, u, time, multipliers, step, before: None }
     }
 
     /// The last time step that was begun.
@@ -387,9 +387,18 @@ impl TimeStepper {
         {
             best = Reached::of(&last);
         }
+        let is_balanced = !self.progress.integrator.method.has_inertia() && best.u == last.u;
         let mut multipliers = last.multipliers.to_vec();
         multipliers.iter_mut().zip(best.multipliers).for_each(|(m, b)| m.pressure = b.pressure);
-        Configuration { rest, time: last.time, step: Some(step), u: best.u, multipliers }
+        let balanced_at = is_balanced.then_some(last.time);
+        Configuration {
+            rest,
+            time: last.time,
+            step: Some(step),
+            u: best.u,
+            multipliers,
+            balanced_at,
+        }
     }
 
     /// Where a guide went, or, at the start of a time step, inertia carries the bodies; else

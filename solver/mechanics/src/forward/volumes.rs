@@ -202,7 +202,7 @@ fn joint_step(
     for (constraint, change) in distance.constraints.iter().zip(change.iter()) {
         multipliers[constraint.multiplier].pressure += change;
     }
-    let trial = Configuration { u, multipliers, ..*state };
+    let trial = Configuration { u, multipliers, balanced_at: None, ..*state };
     let at = &trial.iterate(problem);
     let nearer = Distance::of(problem, workspace, at, newton, distance.peak);
     log::debug!(

@@ -88,7 +88,7 @@ impl Linearization {
     pub fn iterate<'a>(&'a self, problem: &'a Problem, rest: &'a [Vec3]) -> Iterate<'a> {
         let Self { u, multipliers, step, .. } = self;
         let (space, step) = (&problem.space, step.as_ref());
-        Iterate { space, rest, u, time: self.time, multipliers, step }
+        Iterate { space, rest, u, time: self.time, multipliers, step, before: None }
     }
 }
 

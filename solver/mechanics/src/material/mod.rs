@@ -38,7 +38,7 @@ pub use mooney_rivlin::{MooneyRivlin, MooneyRivlinQuadratic};
 pub use neo_hookean::NeoHookean;
 pub use ogden::Ogden;
 pub use ogden_roxburgh::{OgdenRoxburgh, Softened};
-pub use points::{Points, add_j_hessian, j_minus_1};
+pub use points::{Points, add_j_hessian, j_minus_1, volume_change};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use specification::{Softening, Specification};
 pub use split::Split;

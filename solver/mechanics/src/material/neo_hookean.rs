@@ -13,9 +13,9 @@ use super::lame::{self, Lame};
 use super::law::Law;
 use super::points::{self, Points, vec9};
 use super::{Decoupled, Invariants, Isochoric, Kinematics, Material, Partials, Split};
-use crate::math::lanes::MOST;
 use crate::math::lanes::projection::Tangents;
 use crate::math::lanes::tensor::{Tensor, lane, plus_identity, product, scaled};
+use crate::math::lanes::{Lanes, MOST};
 use crate::math::tensor::{Mat3, Mat9};
 
 /// Parameters of the law.
@@ -49,7 +49,7 @@ impl Material for NeoHookean {
     }
 
     fn tangent(&self, k: &Kinematics) -> Mat9 {
-        let a = self.tangents(&alone(k));
+        let a = self.tangents(&alone(k), None);
         Mat9::from_fn(|i, j| a[i.max(j)][i.min(j)].to_array()[0])
     }
 
@@ -94,9 +94,9 @@ impl NeoHookean {
     }
 
     /// ∂P/∂F [Pa], the lower triangle. With T = F⁻ᵀ: A = μ 1 + λ T⊗T + (λ ln J − μ) ∂T/∂F, and
-    /// ∂T/∂F = (∂²J/∂F²)/J − T⊗T.
+    /// ∂T/∂F = (∂²J/∂F²)/J − T⊗T. The factor p = (λ ln J − μ)/J of ∂²J/∂F² may be that which was foreseen at another ∇u.
     #[inline(always)]
-    pub fn tangents<S: Simd>(&self, at: &Points<S>) -> Tangents<S> {
+    pub fn tangents<S: Simd>(&self, at: &Points<S>, before: Option<&Tensor<S>>) -> Tangents<S> {
         let Lame { mu, lambda, .. } = self.0;
         let over_j = at.j.recip();
         let t = vec9(&scaled(&at.cofactor, over_j));
@@ -110,8 +110,23 @@ impl NeoHookean {
             }
             a[row][row] += at.splat(mu);
         }
-        points::add_j_hessian(&at.f, by_inverse * over_j, &mut a);
+        let pressure = match before {
+            Some(before) => self.foreseen(at, before),
+            None => by_inverse * over_j,
+        };
+        points::add_j_hessian(&at.f, pressure, &mut a);
         a
+    }
+
+    /// p₀ + ∂p₀/∂J cof F₀ : ΔF [Pa], from another ∇u.
+    #[inline(always)]
+    fn foreseen<S: Simd>(&self, at: &Points<S>, before: &Tensor<S>) -> Lanes<S> {
+        let Lame { mu, lambda, .. } = self.0;
+        let j_minus_1 = points::j_minus_1(before);
+        let (log_j, over_j) = (j_minus_1 + j_minus_1.ln_1p_minus(), (j_minus_1 + 1.0).recip());
+        let first = (log_j * lambda - mu) * over_j;
+        let second = (over_j * lambda - first) * over_j;
+        second.mul_add(points::volume_change(before, &at.grad_u), first)
     }
 }
 

@@ -19,7 +19,7 @@ use crate::math::lanes::{Lanes, MOST};
 pub struct Points<S: Simd> {
     simd: S,
     /// ∇u.
-    grad_u: Tensor<S>,
+    pub(super) grad_u: Tensor<S>,
     /// F = I + ∇u.
     pub(super) f: Tensor<S>,
     /// cof F.
@@ -157,6 +157,30 @@ impl<S: Simd> Points<S> {
             derivatives.second[k] = Lanes::load(self.simd, &second[k]);
         }
         derivatives
+    }
+
+    /// These derivatives with the ∂ψ/∂J that was foreseen at another ∇u: p₀ + ∂p₀/∂J cof F₀ : ΔF.
+    #[inline(always)]
+    pub fn foreseen(
+        &self,
+        partials: Derivatives<S>,
+        law: &dyn Decoupled,
+        before: &Tensor<S>,
+    ) -> Derivatives<S> {
+        let then = j_minus_1(before);
+        let (each, log) = (then.to_array(), (then + then.ln_1p_minus()).to_array());
+        let mut by = [[0.0; MOST]; 2];
+        for lane in 0..Lanes::<S>::COUNT {
+            let (j_minus_1, log_j) = (each[lane], log[lane]);
+            // J does not couple to the other invariants
+            let at = Invariants { a: 0.0, b: 0.0, j: 1.0 + j_minus_1, log_j, j_minus_1 };
+            let then = law.partials(&at);
+            (by[0][lane], by[1][lane]) = (then.first[2], then.second[3]);
+        }
+        let [first, second] = by.map(|by| Lanes::load(self.simd, &by));
+        let mut partials = partials;
+        partials.first[2] = second.mul_add(volume_change(before, &self.grad_u), first);
+        partials
     }
 
     /// 2 dev(G) F⁻ᵀ J^{−2/3} and the like for Ī₂: ∂Ī₁/∂F and ∂Ī₂/∂F.
@@ -311,6 +335,19 @@ impl<S: Simd> Points<S> {
 pub fn j_minus_1<S: Simd>(h: &Tensor<S>) -> Lanes<S> {
     let minors = cofactor(h);
     trace(h) + (trace(&minors) + determinant(h, &minors))
+}
+
+/// The change of J between two ∇u, to first order: cof F : ΔF.
+#[inline(always)]
+pub fn volume_change<S: Simd>(from: &Tensor<S>, to: &Tensor<S>) -> Lanes<S> {
+    let minors = cofactor(&plus_identity(from, from[0][0].zero() + 1.0));
+    let mut change = from[0][0].zero();
+    for i in 0..3 {
+        for j in 0..3 {
+            change = minors[i][j].mul_add(to[i][j] - from[i][j], change);
+        }
+    }
+    change
 }
 
 /// Adds s ∂²J/∂F²: column c of cof F is f_{c+1} × f_{c+2}.

@@ -64,15 +64,24 @@ fn first_piola<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tens
     stress
 }
 
-/// ∂P/∂F [Pa].
+/// ∂P/∂F [Pa], with the pressure that was foreseen at another ∇u if there is one.
 #[inline(always)]
-fn tangents<S: Simd>(simd: S, law: &dyn Material, grad_u: &Tensor<S>) -> Tangents<S> {
+fn tangents<S: Simd>(
+    simd: S,
+    law: &dyn Material,
+    grad_u: &Tensor<S>,
+    before: Option<&Tensor<S>>,
+) -> Tangents<S> {
     if let Some(law) = law.decoupled() {
         let points = Points::new(simd, grad_u);
-        return points.tangent(&points.partials(law));
+        let here = points.partials(law);
+        return points.tangent(&match before {
+            Some(before) => points.foreseen(here, law, before),
+            None => here,
+        });
     }
     if let Some(law) = law.neo_hookean() {
-        return law.tangents(&Points::new(simd, grad_u));
+        return law.tangents(&Points::new(simd, grad_u), before);
     }
     let mut tangents = [[Lanes::splat(simd, 0.0); 9]; 9];
     for l in 0..Lanes::<S>::COUNT {
@@ -202,14 +211,20 @@ impl ElementEnergy for Elastic {
             local.resize(pair_count(N), [zero; 9]);
             local.fill([zero; 9]);
         }
-        let mean = split.map(|split| Mean::new(batch, split));
+        let before = batch.iterate.foreseen_from();
+        let before = before.as_ref().map(|at| Batch::<S, N>::new(simd, at, batch.elements.clone()));
+        let mean = split.map(|split| match &before {
+            Some(before) => Mean::new(batch, split).foreseen(batch, before, split),
+            None => Mean::new(batch, split),
+        });
         let means = mean.as_ref().map_or(0, Mean::count);
         by_volume.clear();
         by_volume.resize(means, Forces::none(batch));
         for (q, weight) in points::<N>(batch.iterate) {
             let g = batch.gradients(q);
             let grad_u = batch.grad_u(q, &g);
-            let mut tangents = tangents(simd, law, &grad_u);
+            let from = before.as_ref().map(|before| before.grad_u(q, &g));
+            let mut tangents = tangents(simd, law, &grad_u, from.as_ref());
             if let Some(mean) = &mean {
                 mean.add_tangent(q, &grad_u, &mut tangents);
                 for (c, sum) in by_volume.iter_mut().enumerate() {

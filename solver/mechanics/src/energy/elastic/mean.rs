@@ -42,7 +42,7 @@ use pulp::Simd;
 use crate::element::Tabulation;
 use crate::energy::elements::{Batch, CUBIC, points};
 use crate::energy::{Hessian, Iterate};
-use crate::material::{Kinematics, Material, Split, add_j_hessian, j_minus_1};
+use crate::material::{Kinematics, Material, Split, add_j_hessian, j_minus_1, volume_change};
 use crate::math::lanes::projection::Tangents;
 use crate::math::lanes::tensor::{Tensor, cofactor, plus_identity, scaled};
 use crate::math::lanes::{Lanes, MOST};
@@ -106,6 +106,30 @@ impl<'a, S: Simd> Mean<'a, S> {
             stiffnesses[c] = Lanes::load(simd, &by[1]);
         }
         Self { table, count, values, pressures, stiffnesses }
+    }
+
+    /// These elements with the pressures that were foreseen for them in a state before.
+    #[inline(always)]
+    pub(super) fn foreseen<const N: usize>(
+        mut self,
+        batch: &Batch<'a, S, N>,
+        before: &Batch<'_, S, N>,
+        split: &Split,
+    ) -> Self {
+        let then = Mean::new(before, split);
+        let mut changes = [self.pressures[0].zero(); MEANS];
+        for (q, weight) in points::<N>(batch.iterate) {
+            let g = batch.gradients(q);
+            let from = before.grad_u(q, &g);
+            let change = volume_change(&from, &batch.grad_u(q, &g));
+            for c in 0..self.count {
+                changes[c] += change * (weight * self.weight(c, q));
+            }
+        }
+        for c in 0..self.count {
+            self.pressures[c] = then.stiffnesses[c].mul_add(changes[c], then.pressures[c]);
+        }
+        self
     }
 
     /// n.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::energy::tests::{Case, Sample};
 use crate::energy::{Energy, Hessian};
 use crate::material::{Kinematics, LAWS, Lame, NeoHookean};
-use crate::math::linear::dot;
+use crate::math::linear::{dot, norm};
 use crate::math::random::Random;
 use crate::testing::cube;
 
@@ -166,6 +166,36 @@ fn projected_hessians_are_positive_semidefinite() {
             assert!(projected > -1e-12, "{key}: {projected}");
         }
         assert!(indefinite > 2, "{indefinite} exact Hessians were indefinite");
+    }
+}
+
+/// A Hessian with foreseen pressures is off by the square of the step, and exact where no step was made.
+#[test]
+fn pressures_are_foreseen_to_first_order() {
+    for degree in [1, 2, 3] {
+        let case = case(degree, 0.03);
+        let step = Random::new(9).numbers(case.u.len());
+        let all = LAWS.iter().map(|law| (law.key, Elastic::whole((law.build)(law.sample))));
+        for (key, elastic) in all.chain(laws().map(|(key, mean, _)| (key, mean))) {
+            let times = |before: Option<&[f64]>| {
+                let at = Iterate { before, ..case.here() };
+                case.products(&at, &elastic, Hessian::Exact, [&step[..]].into_iter()).remove(0)
+            };
+            let exact = times(None);
+            let off = |size: f64| {
+                let moved = case.u.iter().zip(&step).map(|(u, d)| u - size * d);
+                let foreseen = times(Some(&moved.collect::<Vec<f64>>()));
+                let error = foreseen.iter().zip(&exact).map(|(a, b)| a - b);
+                norm(&error.collect::<Vec<f64>>()) / norm(&exact)
+            };
+            let [none, small, large] = [0.0, 1e-4, 2e-4].map(off);
+            assert!(none < 1e-14, "{key} {degree}: {none:.1e}");
+            let ratio = large / small;
+            let unforeseen = small == 0.0;
+            assert!(unforeseen || (ratio - 4.0).abs() < 0.02, "{key} {degree}: {ratio}");
+            let foresees = elastic.material.decoupled().is_some() || key == "neo-hookean";
+            assert!(unforeseen != foresees || elastic.mean.is_some(), "{key} {degree}");
+        }
     }
 }
 

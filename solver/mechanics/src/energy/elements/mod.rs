@@ -24,6 +24,8 @@ pub(super) mod tests;
 pub(super) trait ElementEnergy: Send + Sync {
     /// What messages call it.
     const NAME: &'static str;
+    /// [`Energy::is_reinforcement`].
+    const REINFORCES: bool = false;
 
     /// Memory that is used again from batch to batch.
     type Memory<S: Simd, const N: usize>: Default;
@@ -274,6 +276,10 @@ macro_rules! energy_of_elements {
         impl Energy for $energy {
             fn kind(&self) -> (&'static str, Nature) {
                 (<$energy as ElementEnergy>::NAME, Nature::Elastic)
+            }
+
+            fn is_reinforcement(&self) -> bool {
+                <$energy as ElementEnergy>::REINFORCES
             }
 
             fn value(&self, iterate: &Iterate) -> f64 {

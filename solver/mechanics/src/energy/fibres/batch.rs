@@ -154,6 +154,7 @@ impl Fibres {
 
 impl ElementEnergy for Fibres {
     const NAME: &'static str = "fibre";
+    const REINFORCES: bool = true;
 
     type Memory<S: Simd, const N: usize> = Vec<Factors<S, N>>;
 

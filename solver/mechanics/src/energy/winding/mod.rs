@@ -342,6 +342,10 @@ impl Energy for Winding {
         ("winding", Nature::Elastic)
     }
 
+    fn is_reinforcement(&self) -> bool {
+        true
+    }
+
     fn value(&self, iterate: &Iterate) -> f64 {
         let mut sum = 0.0;
         self.for_each_segment(

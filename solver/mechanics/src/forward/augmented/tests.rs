@@ -72,7 +72,8 @@ struct Pusher {
 impl Pusher {
     fn attempt(&mut self, u: &[f64]) -> Result<LoadStep, Failed> {
         let (rest, step, multipliers) = (&self.rest[..], Some(&self.step), Vec::new());
-        let start = Configuration { rest, time: 0.0, step, u: u.to_vec(), multipliers };
+        let start =
+            Configuration { rest, time: 0.0, step, u: u.to_vec(), multipliers, balanced_at: None };
         attempt(&self.problem, &mut self.workspace, &start, 1.0, &NEWTON)
     }
 }

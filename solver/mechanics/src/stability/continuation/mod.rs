@@ -258,7 +258,14 @@ impl<'a> ArcStep<'a> {
         u.iter_mut().zip(self.problem.prolong(along)).for_each(|(u, d)| *u += d);
         let mut multipliers = self.last.multipliers.to_vec();
         multipliers.iter_mut().zip(pressures).for_each(|(m, p)| m.pressure += p);
-        Configuration { rest: self.last.rest, time, step: Some(self.step), u, multipliers }
+        Configuration {
+            rest: self.last.rest,
+            time,
+            step: Some(self.step),
+            u,
+            multipliers,
+            balanced_at: None,
+        }
     }
 
     /// A state with the full load on it.

@@ -174,7 +174,14 @@ impl LimitSearch<'_> {
     ) -> FirstLimit {
         let (u, multipliers) = (state.u.clone(), state.multipliers.clone());
         let step = state.step.as_ref();
-        let start = Configuration { rest: self.rest, time: state.time, step, u, multipliers };
+        let start = Configuration {
+            rest: self.rest,
+            time: state.time,
+            step,
+            u,
+            multipliers,
+            balanced_at: None,
+        };
         match Limit::near(self.problem, workspace, &start, kind, &self.stepping.newton) {
             Ok(found) if is_between(found.at.time, loads, kind) => {
                 return FirstLimit::Found(Box::new(found), loads);

@@ -58,7 +58,14 @@ impl Case {
         let (mut workspace, mut stepper) = (Workspace::new(&held), stepper(&held));
         let step = stepper.next(&held, &mut workspace, rest, load).expect("an equilibrium");
         assert!(step.ends_time_step);
-        Configuration { rest, time: load, step: None, u: step.u, multipliers: step.multipliers }
+        Configuration {
+            rest,
+            time: load,
+            step: None,
+            u: step.u,
+            multipliers: step.multipliers,
+            balanced_at: None,
+        }
     }
 
     fn slope_at(&self, rest: &[Vec3], load: f64) -> PressureSlope {
