@@ -204,4 +204,6 @@ class Requests(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    # a shell that starts tests in the background has them ignore it, and the studio with them
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     unittest.main()
