@@ -4,17 +4,15 @@ use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use mechanics::forward::{Event, Workspace};
+use mechanics::forward::{Event, GROWTH, Workspace};
 use program::about;
 
-/// Newton iterations from rest to a load. Ten bodies took 6 to 10.
+/// Newton iterations from rest to a load. Six bodies took 6 to 10.
 const ITERATIONS: f64 = 8.0;
-/// Time of a later load step, in times of one of the first two: it begins with what two before it foresee.
+/// Time of a later load step, in times of one of the first two, as five bodies took it.
 const LATER: f64 = 0.7;
 /// Share of a run after which its time is foreseen for the report.
 const ENOUGH: f64 = 0.1;
-/// Growth of easy load steps.
-const GROWTH: f64 = 1.5;
 /// Share that is none.
 const ROUNDING: f64 = 1e-9;
 /// What is worth a word [s].
@@ -34,8 +32,8 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// Of a run that begins at a share of its load, or of its time steps, in steps of a largest share. One of a single step
-    /// is foreseen after its first iteration.
+    /// Of a run that begins at the share `begin` of its load, or of its time steps. A step takes the share `largest` at most.
+    /// Where one step is left, the run is foreseen after its first iteration.
     pub fn new(in_time: bool, begin: f64, largest: f64, workspace: &mut Workspace) -> Self {
         let (since, foreseen) = (Instant::now(), Arc::new(Mutex::new(None)));
         if begin + largest >= 1.0 {

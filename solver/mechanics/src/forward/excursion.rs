@@ -1,4 +1,4 @@
-//! Steps of Newton's method that increase the energy, as long as those after them make good for it.
+//! Steps of Newton's method that increase the energy, if later ones lower it again.
 //!
 //! A step that turns parts of a body which hardly changes its volume leaves changes of volume of second order, whose energy
 //! may be a multiple of what the step gains. The next step takes them back. So a step may increase the energy, if those after
@@ -19,8 +19,8 @@ pub(super) struct Excursion {
     from: Option<Start>,
     /// Steps since.
     steps: usize,
-    /// Whether one was in vain: then none begins again.
-    was_in_vain: bool,
+    /// Whether the search has gone back once, or must not increase the energy at all.
+    is_over: bool,
 }
 
 /// Where an excursion began.
@@ -37,12 +37,12 @@ pub(super) struct Start {
 impl Excursion {
     /// Before the first step; where none may begin, every step decreases the energy.
     pub fn new(may_begin: bool) -> Self {
-        Self { from: None, steps: 0, was_in_vain: !may_begin }
+        Self { from: None, steps: 0, is_over: !may_begin }
     }
 
     /// Whether the next step may increase the energy.
     pub fn is_allowed(&self) -> bool {
-        !self.was_in_vain
+        !self.is_over
     }
 
     /// Whether the energy is still to fall below that of the start.
@@ -50,7 +50,8 @@ impl Excursion {
         self.from.is_some()
     }
 
-    /// Takes note of a step from a state that was to decrease the energy by so much [J]; false where it is in vain.
+    /// Takes note of a step from the state `now`, to which a step from `last` had led; the step was predicted to decrease the
+    /// energy by `by` [J]. False where the search has to go back.
     pub fn goes_on(
         &mut self,
         to: &Accepted,
@@ -75,9 +76,9 @@ impl Excursion {
         true
     }
 
-    /// Ends in vain.
+    /// Where to go back to; no step increases the energy from now on.
     pub fn end(&mut self) -> Option<Start> {
-        self.was_in_vain = true;
+        self.is_over = true;
         self.from.take()
     }
 }

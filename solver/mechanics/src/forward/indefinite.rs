@@ -1,4 +1,4 @@
-//! Foresees where the exact Hessian is not positive definite, so that it is neither made nor factored there in vain.
+//! Foresees where the exact Hessian is not positive definite, so that no time is lost with making and factoring it.
 
 use super::Workspace;
 use super::hessian_modification::Modification;

@@ -43,7 +43,7 @@ pub use neighbours::{Varied, neighbours};
 pub use newton::{Converged, Newton};
 pub use path_point::{ArcPoint, SingularPoint, Singularity, Stability};
 pub use problem::{Configuration, Problem};
-pub use stepping::{Attempt, LoadStep, Stepping, Unreached, solve, solve_from};
+pub use stepping::{Attempt, GROWTH, LoadStep, Stepping, Unreached, solve, solve_from};
 pub(crate) use stepping::{Failed, attempt, certify};
 pub use tangent::follow;
 pub use time_stepper::{Progress, Reached, TimeStepper};

@@ -23,6 +23,8 @@ use crate::math::linear::norm;
 
 /// Newton iterations after which a load step counts as easy.
 pub(super) const EASY: usize = 5;
+/// Growth of the increment after an easy load step.
+pub const GROWTH: f64 = 1.5;
 /// Residual of intermediate load steps relative to the final one's.
 const LOOSE: f64 = 1e4;
 

@@ -7,7 +7,7 @@ use mesh::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::stepping::{
-    Attempt, EASY, Failed, LoadStep, Stepping, Unreached, attempt, loosened, residual,
+    Attempt, EASY, Failed, GROWTH, LoadStep, Stepping, Unreached, attempt, loosened, residual,
 };
 use super::watch::Event;
 use super::{Configuration, Failure, Integrator, Linearizations, Problem, Trajectory, Workspace};
@@ -248,7 +248,7 @@ impl TimeStepper {
         let progress = &mut self.progress;
         progress.newton_iterations += step.newton_iterations;
         if step.newton_iterations <= EASY {
-            progress.increment = (1.5 * progress.increment).min(self.stepping.largest);
+            progress.increment = (GROWTH * progress.increment).min(self.stepping.largest);
         }
         progress.keep(step.clone());
         progress.done = fraction;
